@@ -101,8 +101,10 @@ def _build(source: Path, program: str) -> Built:
             )
             made.replace(library)
     except subprocess.CalledProcessError as error:
-        said = error.stderr.decode(errors="replace").strip().splitlines()
-        return Built(library, State.FAILED, said[0] if said else str(error))
+        lines = error.stderr.decode(errors="replace").strip().splitlines()
+        # Compilers say first in which function an error is.
+        said = [*(each for each in lines if "error: " in each), *lines, str(error)]
+        return Built(library, State.FAILED, said[0])
     except (OSError, subprocess.TimeoutExpired) as error:
         return Built(library, State.FAILED, str(error))
     return Built(library, State.BUILT)

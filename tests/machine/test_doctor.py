@@ -160,12 +160,33 @@ def test_keys_of_ros(doctor, monkeypatch, tmp_path, made, strategy, verdict):
 def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     _, checks = doctor("--port", free_port())
     assert {name for topic, name in checks if topic == "python"} == {
-        *("version", "diagram", "studio", "editor", "top", "record"),
+        *("version", "diagram", "studio", "editor", "top", "record", "compiler"),
     }
     monkeypatch.setattr("jausml.live.machine.python._PAGE", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
     assert checks["python", "studio"]["verdict"] == "note"
     assert "make wheel" in checks["python", "studio"]["cure"]
+
+
+@pytest.mark.parametrize("named", ["", "no-such-compiler"])
+def test_without_a_compiler_there_is_a_note(doctor, monkeypatch, tmp_path, named):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("CXX", named)
+    status, checks = doctor("--port", free_port())
+    assert status == 0
+    assert checks["python", "compiler"]["verdict"] == "note"
+    assert (named or "g++") in checks["python", "compiler"]["text"]
+    assert "CXX" in checks["python", "compiler"]["cure"]
+
+
+def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):
+    program = tmp_path / "own-c++"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("CXX", str(program))
+    _, checks = doctor("--port", free_port())
+    assert checks["python", "compiler"]["verdict"] == "ok"
+    assert str(program) in checks["python", "compiler"]["text"]
 
 
 def test_messages_that_nobody_installed(doctor, tmp_path):

@@ -80,6 +80,9 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
     yield ParameterLine(
         "latency", value=False, about="Whether the latency of all connections is measured."
     )
+    yield ParameterLine(
+        "compiled", value=True, about="Whether compiled translations are used where they are built."
+    )
     # A translation that cannot be written is reported by the template that it stands in.
     with suppress(AssignmentError, PathError):
         for each in view.module.parameters:

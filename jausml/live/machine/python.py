@@ -1,7 +1,8 @@
-"""Python and the packages that only some verbs need."""
+"""Python, the packages that only some verbs need, and the compiler of translations."""
 
 from __future__ import annotations
 
+import os
 import platform
 import sys
 from importlib.util import find_spec
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import jausml
 from jausml import __version__
+from jausml.generation import native
 from jausml.live.machine.finding import Finding, Outcome
 
 if TYPE_CHECKING:
@@ -46,3 +48,15 @@ def checks() -> Iterator[Finding]:
             yield Finding("python", extra, Outcome.NOTE, f"{purpose} has no page", cure)
         else:
             yield Finding("python", extra, Outcome.OK, f"{purpose} is installed")
+    yield _compiler()
+
+
+def _compiler() -> Finding:
+    found = native.compiler()
+    if found is not None:
+        text = f"{found} compiles the translations of bridges"
+        return Finding("python", "compiler", Outcome.OK, text)
+    named = os.environ.get("CXX")
+    text = f"CXX names {named}, which is no program" if named else "there is no g++ or clang++"
+    cure = "install g++, or name a compiler in CXX"
+    return Finding("python", "compiler", Outcome.NOTE, f"{text}: bridges translate in Python", cure)

@@ -1,0 +1,29 @@
+"""The build of compiled cores tells what the compiler refuses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.generation.native import SOURCE, State, build, compiler, library_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_the_error_is_told_and_not_where_it_is(tmp_path: Path) -> None:
+    program = compiler()
+    if program is None:
+        pytest.skip("there is no compiler of C++")
+    source = tmp_path / "front" / SOURCE
+    source.parent.mkdir(parents=True)
+    (tmp_path / "front" / "front").mkdir()
+    source.write_text("struct Front {\n    int speed() { return fast; }\n};\n", encoding="utf-8")
+    (built,) = build([source], program)
+    assert built.state is State.FAILED
+    assert "core.cpp:2:" in built.reason
+    assert "error: " in built.reason
+    assert "fast" in built.reason
+    assert not library_of(source).exists()
+    assert [each.name for each in (tmp_path / "front").iterdir() if "core" in each.name] == ["core"]
