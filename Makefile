@@ -48,7 +48,7 @@ format: $(READY)  ## format the code, and fix what can be fixed automatically
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-# ONLY="latency load" measures a part; BENCH=--quick looks for a minute or two.
+# ONLY="latency load" measures a part; BENCH=--quick looks for a few minutes.
 bench: $(READY)  ## measure everything in about twelve minutes, and write docs/performance.md
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 

@@ -61,7 +61,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         Figures by kind, rate, way and variant, in microseconds.
     """
-    kinds = scale.cases(tuple(KINDS), 2)
+    kinds = scale.cases(tuple(KINDS), len(KINDS))
     names = {kind: f"one_{KINDS[kind][0]}" for kind in kinds}
     bridges = {f"one_{each}": Measured((each,)) for each in MAPS if f"one_{each}" in names.values()}
     system = generate(folder, bridges)

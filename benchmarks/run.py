@@ -106,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="a look, in one to two minutes")
+    parser.add_argument("--quick", action="store_true", help="a look, in a few minutes")
     parser.add_argument("--tiny", action="store_true", help="only whether it works")
     parser.add_argument("--only", nargs="+", choices=NAMES, metavar="NAME", help=" ".join(NAMES))
     parser.add_argument("--data", help="data file")
