@@ -32,7 +32,7 @@ FREE = {
     *("EnumeratedValue.name", "Format.name", "Alternative.name", "Action.arguments"),
     *("Parameter.value", "ConstantAssignment.value", "FieldAssignment.defaultValue"),
     *("TableEntry.ros", "ListAssignment.names", "MapLibrary.name", "ValueTable.name"),
-    *("Quantity.name", "Join.name", "ReportJoin.name", "TestVector.name"),
+    *("Quantity.name", "Join.name", "ReportJoin.name", "TestVector.name", "OpenDecision.text"),
 }
 
 
