@@ -311,6 +311,92 @@ def test_parameters_change_while_the_node_runs(node):
     assert seen == [2.0]
 
 
+@pytest.fixture
+def declared(monkeypatch):
+    """Names of the parameters that rclpy was told of."""
+    from rclpy.node import Node
+
+    names, original = [], Node.declare_parameter
+
+    def noted(self, name, *rest):
+        names.append(name)
+        return original(self, name, *rest)
+
+    monkeypatch.setattr(Node, "declare_parameter", noted)
+    return names
+
+
+NAMES = ["given", "own.got", "own.shown", "own.set", "own.kind", "own.listed"]
+
+
+def of_model(node, changed=None):
+    """A node with parameters, of which the command line gives one, and what rclpy has of it."""
+    tested = node("-p", "given:=2.0")
+    values = [tested.parameter(Parameter(name, 1.0, f"Of {name}."), changed) for name in NAMES]
+    assert values == [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    return tested, tested._node
+
+
+def test_a_parameter_is_declared_when_somebody_asks_for_it(node, declared):
+    from rclpy.parameter import Parameter as RosParameter
+
+    seen = []
+    _, ros = of_model(node, seen.append)
+    known = [name for name in declared if name in NAMES]
+    assert known == ["given"]
+    assert ros.get_parameter("own.got").value == 1.0
+    assert ros.describe_parameter("own.shown").description == "Of own.shown."
+    (result,) = ros.set_parameters([RosParameter("own.set", value=3.0)])
+    assert result.successful
+    assert ros.get_parameter_type("own.kind") == RosParameter.Type.DOUBLE.value
+    assert [name for name in declared if name in NAMES] == NAMES[:-1]
+    assert (ros.get_parameter("own.set").value, seen) == (3.0, [3.0])
+    with pytest.raises(Exception, match=r"nowhere"):
+        ros.get_parameter("nowhere")
+
+
+def test_the_names_of_all_parameters_are_listed_and_declare_none(node, declared):
+    _, ros = of_model(node)
+    found = ros.list_parameters([], 0)
+    assert set(NAMES) <= set(found.names)
+    assert len(found.names) == len(set(found.names))
+    assert "own" in found.prefixes
+    assert [name for name in declared if name in NAMES] == ["given"]
+    assert set(ros.list_parameters(["own"], 2).names) == set(NAMES[1:])
+    assert set(ros.list_parameters([], 0).names) == set(found.names)
+
+
+def test_parameters_are_found_by_their_prefix(node):
+    _, ros = of_model(node)
+    assert set(ros.get_parameters_by_prefix("own")) == {name[4:] for name in NAMES[1:]}
+
+
+def test_a_value_of_the_model_that_does_not_do_is_refused_at_once(node):
+    def refuse(value):
+        raise ValueError(f"{value} is refused")
+
+    tested = node()
+    with pytest.raises(ParameterError, match="range"):
+        tested.parameter(Parameter("far", 20.0, "Far.", (0.0, 10.0)))
+    with pytest.raises(ParameterError, match=r"1\.0 is refused"):
+        tested.parameter(Parameter("refused", 1.0, "Refused.", check=refuse))
+
+
+def test_parameters_keep_their_values_when_a_bridge_is_configured_again(node):
+    from rclpy.parameter import Parameter as RosParameter
+
+    former, later = [], []
+    tested, ros = of_model(node, former.append)
+    ros.get_parameter("own.got")
+    tested.release()
+    both = [RosParameter("own.got", value=4.0), RosParameter("own.set", value=5.0)]
+    assert all(each.successful for each in ros.set_parameters(both))
+    values = {n: tested.parameter(Parameter(n, 1.0, "Text."), later.append) for n in NAMES}
+    assert (values["own.got"], values["own.set"], values["own.kind"]) == (4.0, 5.0, 1.0)
+    ros.set_parameters([RosParameter("own.kind", value=6.0)])
+    assert (former, later) == ([], [6.0])
+
+
 def test_misspelt_parameters_are_named_with_what_is_near(node, caplog):
     tested = node("-p", "drive.rat:=5.0", "-p", "use_sim_time:=false", "-p", "zzz:=1")
     tested.parameter(Parameter("drive.rate", 1.0, "Rate."))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 
 from ...base.counters import LOGGER
+from .parameters import LazyParameters
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +35,7 @@ class Managed(Protocol):
         """From any state to finalized."""
 
 
-class ManagedNode(LifecycleNode):
+class ManagedNode(LazyParameters, LifecycleNode):
     """A node whose transitions bring something up and down."""
 
     def __init__(self, name: str, **options: Any) -> None:

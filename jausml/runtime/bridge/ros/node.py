@@ -114,7 +114,7 @@ class RosNode:
         self._parameters = NodeParameters(self._node)
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
-        self._parameters.follow("use_sim_time", self._follow_simulation)
+        self._node.add_post_set_parameters_callback(self._follow_simulation)
         self._follow_simulation()
         self._age_limit = round(self.parameter(parameters.queue_age_limit()) * 1e9)
 

@@ -1,20 +1,23 @@
 """Parameters of a node of rclpy: declared, checked, followed."""
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
 
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
+    ListParametersResult,
     ParameterDescriptor,
     SetParametersResult,
 )
 from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.node import Node
 
 from ...base.counters import LOGGER
 from ..ends.parameters import ParameterError, nearest
@@ -25,6 +28,59 @@ if TYPE_CHECKING:
     from ..ends.topics import Parameter
 
 
+class LazyParameters(Node):
+    """A node that declares a parameter when somebody asks for it.
+
+    A declaration of rclpy makes four messages and publishes one, eight times for each connection,
+    and nobody ever asks for most of them.
+
+    Attributes:
+        offered: What declares the parameters that nobody asked for yet, by name.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.offered: dict[str, Callable[[], object]] = {}  # rclpy asks while it makes the node
+        super().__init__(*arguments, **options)
+        self.add_pre_set_parameters_callback(self._declare_set)
+
+    def has_parameter(self, name: str) -> bool:
+        """Whether there is a parameter; what gets values and types asks this first."""
+        self._declare(name)
+        return bool(super().has_parameter(name))
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """Returns the type, limits and text of a parameter."""
+        self._declare(name)
+        return super().describe_parameter(name)
+
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Any]:
+        """Returns parameters by what their names have behind a prefix."""
+        self._declare(*self.offered)
+        found: dict[str, Any] = super().get_parameters_by_prefix(prefix)
+        return found
+
+    def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
+        """Returns the names of parameters; those of all of them declare none."""
+        if prefixes or depth:
+            self._declare(*self.offered)
+            return super().list_parameters(prefixes, depth)
+        found = super().list_parameters(prefixes, depth)
+        names = list(self.offered)
+        owners = (name.rpartition(".")[0] for name in names if "." in name)
+        found.names = [*found.names, *names]
+        found.prefixes = list(dict.fromkeys([*found.prefixes, *owners]))
+        return found
+
+    def _declare_set(self, parameters: list[Any]) -> list[Any]:
+        self._declare(*(each.name for each in parameters))
+        return parameters
+
+    def _declare(self, *names: str) -> None:
+        for name in names:
+            if name in self.offered:
+                self.offered.pop(name)()
+
+
 class NodeParameters:
     """The parameters of one node.
 
@@ -33,18 +89,19 @@ class NodeParameters:
     """
 
     def __init__(self, node: Any) -> None:
-        """Follows changes from now on."""
+        """Follows changes from now on; the node is one of `LazyParameters`."""
         self.given = frozenset(_given(node))
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
-        self._former: set[str] = set()
         self._declared: set[str] = set()
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
 
     def declare(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
-        """Declares a parameter and returns its value.
+        """Returns the value of a parameter, which is declared at once only if it is given.
+
+        One that was declared before the node was released has its present value.
 
         Args:
             changed: Takes each later value, on the thread of the executor; without it the parameter
@@ -54,34 +111,30 @@ class NodeParameters:
             ParameterError: The command line or a parameter file gives it a value of another type,
                 or one that does not do.
         """
-        if parameter.name in self._former:
-            return self._again(parameter, changed)
+        name = parameter.name
         if parameter.check is not None:
-            self._checks[parameter.name] = parameter.check
-        with as_parameter_error():
-            declared = self._node.declare_parameter(
-                parameter.name, parameter.default, _descriptor(parameter, is_fixed=changed is None)
-            )
-        self._declared.add(parameter.name)
+            self._checks[name] = parameter.check
         if changed is not None:
-            self.follow(parameter.name, changed)
-        return declared.value
+            self._followers[name] = changed
+        if name in self._declared:
+            return self._node.get_parameter(name).value
+        declare = partial(self._declare, parameter, is_fixed=changed is None)
+        if name in self.given or not _does(parameter):
+            return declare()
+        self._node.offered[name] = declare
+        return parameter.default
 
     def release(self) -> None:
-        """Follows none any more; those that are declared again have their present values."""
-        self._former = set(self._declared)
-        for name in self._former:
-            self._followers.pop(name, None)
+        """Follows none any more, until they are declared again."""
+        self._followers.clear()
 
-    def _again(self, parameter: Parameter, changed: Callable[[Any], None] | None) -> Any:
-        self._former.discard(parameter.name)
-        if changed is not None:
-            self.follow(parameter.name, changed)
-        return self._node.get_parameter(parameter.name).value
-
-    def follow(self, name: str, changed: Callable[[Any], None]) -> None:
-        """Calls a function with each later value of a parameter that exists."""
-        self._followers[name] = changed
+    def _declare(self, parameter: Parameter, *, is_fixed: bool) -> Any:
+        with as_parameter_error():
+            declared = self._node.declare_parameter(
+                parameter.name, parameter.default, _descriptor(parameter, is_fixed=is_fixed)
+            )
+        self._declared.add(parameter.name)
+        return declared.value
 
     def _check(self, parameters: Sequence[Any]) -> SetParametersResult:
         for each in parameters:
@@ -93,7 +146,8 @@ class NodeParameters:
 
     def _apply(self, parameters: Sequence[Any]) -> None:
         for each in parameters:
-            if each.name in self._followers:
+            # A declaration is no change.
+            if each.name in self._declared and each.name in self._followers:
                 self._followers[each.name](each.value)
 
 
@@ -124,6 +178,17 @@ def _given(node: Any) -> Iterable[str]:
     # rclpy keeps what command line and files say here, and has no other way to ask for it.
     names: Iterable[str] = node._parameter_overrides  # noqa: SLF001
     return names
+
+
+def _does(parameter: Parameter) -> bool:
+    """Whether the value of the model does, as it must for a declaration that comes later."""
+    low, high = parameter.limits or (parameter.default, parameter.default)
+    try:
+        if parameter.check is not None:
+            parameter.check(parameter.default)
+    except ValueError:
+        return False
+    return bool(low <= parameter.default <= high)
 
 
 def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
