@@ -117,7 +117,15 @@ def test_classes_are_derived_from_it(pose):
     class More(pose):
         z: float = 9.0
 
+    @dataclass(slots=True)
+    class Slotted(pose):
+        y: float | None = 7.0
+        z: float = 8.0
+
     assert Plain().x == 5.0
+    assert (Slotted.__slots__, Slotted.__match_args__) == (("z",), ("x", "y", "parts", "z"))
+    assert repr(Slotted(1.0)).endswith("Slotted(x=1.0, y=7.0, parts=[], z=8.0)")
+    assert Slotted(1.0) != pose(1.0, 7.0)
     assert (More(1.0, z=2.0).x, More(1.0).z) == (1.0, 9.0)
 
 

@@ -8,7 +8,7 @@ bytes, and never makes one.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, get_origin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -46,12 +46,18 @@ def _complete(cls: type, written: Mapping[str, Any]) -> None:
 def _with_slots(cls: type) -> type:
     written = {name: value for name, value in vars(cls).items() if name not in _OF_NO_SLOTS}
     written["__qualname__"] = cls.__qualname__
-    # Annotations are texts in generated code.
-    names = tuple(name for name, kind in cls.__annotations__.items() if "ClassVar" not in str(kind))
-    attributes = {name: value for name, value in written.items() if name not in names}
-    attributes |= dict.fromkeys(("__slots__", "__match_args__"), names)
+    inherited = getattr(cls, "__match_args__", ())
+    declared = [name for name, kind in cls.__annotations__.items() if not _is_of_class(kind)]
+    own = tuple(name for name in declared if name not in inherited)
+    attributes = {name: value for name, value in written.items() if name not in declared}
+    attributes |= {"__slots__": own, "__match_args__": (*inherited, *own)}
     attributes |= {name: _Later(written) for name in _MADE_LATER}
     return type(cls)(cls.__name__, cls.__bases__, {**attributes, "__hash__": None})
+
+
+def _is_of_class(kind: Any) -> bool:
+    """Whether an annotation, which is a text in generated code, is that of a class attribute."""
+    return kind.startswith("ClassVar") if isinstance(kind, str) else get_origin(kind) is ClassVar
 
 
 if TYPE_CHECKING:
