@@ -382,6 +382,13 @@ def test_a_value_of_the_model_that_does_not_do_is_refused_at_once(node):
         tested.parameter(Parameter("refused", 1.0, "Refused.", check=refuse))
 
 
+def test_two_parameters_of_one_name_are_refused(node):
+    tested = node()
+    tested.parameter(Parameter("twice", 1.0, "First."))
+    with pytest.raises(ParameterError, match="two parameters have the name twice"):
+        tested.parameter(Parameter("twice", 2.0, "Second."))
+
+
 def test_parameters_keep_their_values_when_a_bridge_is_configured_again(node):
     from rclpy.parameter import Parameter as RosParameter
 

@@ -94,6 +94,7 @@ class NodeParameters:
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
+        self._present: set[str] = set()
         self._declared: set[str] = set()
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
@@ -109,9 +110,12 @@ class NodeParameters:
 
         Raises:
             ParameterError: The command line or a parameter file gives it a value of another type,
-                or one that does not do.
+                or one that does not do; or another parameter has its name.
         """
         name = parameter.name
+        if name in self._present:
+            raise ParameterError(f"two parameters have the name {name}")
+        self._present.add(name)
         if parameter.check is not None:
             self._checks[name] = parameter.check
         if changed is not None:
@@ -126,6 +130,7 @@ class NodeParameters:
 
     def release(self) -> None:
         """Follows none any more, until they are declared again."""
+        self._present.clear()
         self._followers.clear()
 
     def _declare(self, parameter: Parameter, *, is_fixed: bool) -> Any:
