@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 PARAMETERS = frozenset(
     {
+        "compiled",
         "diagnostics_frequency",
         "jaus_allowed_hosts",
         "jaus_amplification_limit",
