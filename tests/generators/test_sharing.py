@@ -184,6 +184,72 @@ def test_maps_with_vectors_are_told_apart_by_their_names(tmp_path):
     assert [each for each in about if "map again" in each]
 
 
+FRAMES = """
+import ros.geometry_msgs
+import ros.std_msgs
+
+front {{
+  JAUS ReportVelocityState
+  ROS {type}
+  JAUS->ROS ( "front \\"link\\"" -> {frame} {others} )
+}}
+
+rear {{
+  JAUS ReportVelocityState
+  ROS {type}
+  JAUS->ROS ( "rear" -> {frame} {others} )
+}}
+
+left {{
+  JAUS ReportVelocityState
+  ROS {type}
+  JAUS->ROS ( "left" -> {frame} {others} )
+}}
+
+bridge frames {{
+  address: 10.1.1
+  connection front {{ map: front exchange: periodicEvent peers: robot topic a }}
+  connection rear {{ map: rear exchange: periodicEvent peers: robot topic b }}
+  connection left {{ map: left exchange: periodicEvent peers: robot topic c }}
+}}
+
+component robot {{ address: 10.1.2 provides: VelocityStateSensor }}
+"""
+STAMPED = {
+    "type": "geometry_msgs/TwistStamped",
+    "frame": "header.frame_id",
+    "others": "Velocity_X -> twist.linear.x",
+}
+UNSTAMPED = {"type": "std_msgs/String", "frame": "data", "others": ""}
+
+
+def test_maps_that_differ_in_frames_share_and_have_their_own(tmp_path):
+    text = FRAMES.format(**STAMPED)
+    whole = viewed(text, tmp_path)
+
+    assert len({each.alike for each in whole.connections}) == 1
+    frames = {each.name: each.value for each in whole.translations.uses.frames.values()}
+    assert frames == {
+        "front_frame_id": 'front "link"',
+        "rear_frame_id": "rear",
+        "left_frame_id": "left",
+    }
+    checks = {each.name: each for each in Tests(whole).checks}
+    for view in whole.connections:
+        alone = viewed(only(text, view.name), tmp_path)
+        assert alone.connections[0].translated.lines == view.translated.lines
+        for check in Tests(alone).checks:
+            assert checks[check.name] == check
+    assert 'assert target.header.frame_id == "left"' in checks["left"].lines
+
+
+def test_texts_that_name_no_frame_tell_maps_apart(tmp_path):
+    views = viewed(FRAMES.format(**UNSTAMPED), tmp_path).connections
+
+    assert len({each.alike for each in views}) == 3
+    assert 'target.data = "left"' in views[2].translated.lines
+
+
 def test_targets_share_the_views_of_a_model(tmp_path):
     path = tmp_path / "shared.ros2jaus"
     path.write_text(NUMBERS, encoding="utf-8")

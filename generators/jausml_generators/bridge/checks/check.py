@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import python_literal
+from jausml.generation.literals import python_literal, python_string
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
@@ -21,6 +21,11 @@ _DEFAULT_OF_APPROX = 1e-6
 
 NAME = "\1"
 """Stands for the name of a connection in checks that connections share."""
+
+
+def frame_stand_in(number: int) -> str:
+    """Returns what stands for the name of a frame of a map in checks that connections share."""
+    return f"\2{number}\3"
 
 
 @dataclass(frozen=True)
@@ -42,10 +47,13 @@ class Check:
         """The statements as single lines."""
         return tuple(line for text in self.lines for line in text.split("\n"))
 
-    def of(self, connection: str) -> Check:
-        """Returns the check with the name of a connection for NAME."""
+    def of(self, connection: str, frames: Iterable[str]) -> Check:
+        """Returns the check with the name of a connection for NAME, and with its frames."""
         name = self.name.replace(NAME, connection)
         lines = tuple(line.replace(NAME, connection) for line in self.lines)
+        for number, frame in enumerate(frames):
+            stand_in, literal = frame_stand_in(number), python_string(frame)
+            lines = tuple(line.replace(stand_in, literal) for line in lines)
         return replace(self, name=name, lines=lines)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
     from typing import TypeAlias
 
-    from jausml_generators.bridge.checks.filling import Message, Place, Scalar
+    from jausml_generators.bridge.checks.filling import Code, Message, Place, Scalar
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.topics import JoinView
     from jausml_generators.bridge.translation.surroundings import Surroundings
@@ -37,12 +37,14 @@ class Ends:
 
     Attributes:
         name: Its name in Python, or what stands for it.
+        frames: What stands for the names of frames that its map sets, by path; none for themselves.
     """
 
     view: ConnectionView
     name: str
     type_name: Callable[[ros.MessageType], str]
     uses: Surroundings
+    frames: Mapping[str, Code] = field(default_factory=dict)
 
     @property
     def map(self) -> bridge.AttributeMap:

@@ -271,7 +271,8 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
     """
     lines = is_there(place)
     if isinstance(value, str):
-        return [*lines, equals(place.code, python_string(value))]
+        code = value if isinstance(value, Code) else python_string(value)
+        return [*lines, equals(place.code, code)]
     if place.kind == BOOLEAN:
         return [*lines, holds(place.code if value else f"not {place.code}")]
     if place.kind == INTEGER and float(value).is_integer() and tolerance < 0.5:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal
 from jausml.language.semantics.conversions.definition import QUATERNION
-from jausml_generators.bridge.checks.check import NAME, Check, store, tidy
+from jausml_generators.bridge.checks.check import NAME, Check, frame_stand_in, store, tidy
 from jausml_generators.bridge.checks.connection_checks import (
     absences,
     examples,
@@ -29,6 +29,7 @@ from jausml_generators.bridge.checks.limits import chain_gain, limits
 from jausml_generators.bridge.checks.samples import sample_of
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
+from jausml_generators.bridge.translation.translation import frames_of
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.common import runtime
 from jausml_generators.python.names import Scope
@@ -130,10 +131,12 @@ class TestModule:
         known: dict[object, tuple[Sample | None, list[Check]]] = {}
         for view in self.bridge.connections:
             ends = self._ends(view, view.name)
+            frames = frames_of(view.connection.map)
             if view.alike not in known:
-                known[view.alike] = self._shared(self._ends(view, NAME))
+                stand_ins = {path: Code(frame_stand_in(n)) for n, path in enumerate(frames)}
+                known[view.alike] = self._shared(replace(self._ends(view, NAME), frames=stand_ins))
             sample, checks = known[view.alike]
-            yield from (check.of(view.name) for check in checks)
+            yield from (check.of(view.name, frames.values()) for check in checks)
             if sample is not None:
                 sampled.append((ends, sample))
             yield from safe_values(ends)

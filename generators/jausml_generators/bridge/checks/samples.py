@@ -228,7 +228,7 @@ class _Sampler:
         path = assignment.target.strip()
         place = self._ends.target.place(path)
         if place.is_number or place.kind in {TEXT, BOOLEAN}:
-            self._note(path, place.parse(str(assignment.value)))
+            self._note(path, self._ends.frames.get(path) or place.parse(str(assignment.value)))
 
     def _note(self, path: str, value: Scalar) -> None:
         if self._ends.is_alone(path):

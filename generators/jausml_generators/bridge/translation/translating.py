@@ -1,6 +1,7 @@
 """The translations of a bridge: the methods of its connections, and all that they use.
 
-Connections of one map share theirs: it is made once without a name, and given each name.
+Connections of one map, or of maps that differ in names of frames, share theirs: it is made once
+without a name and frames, and given those of each.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
 from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.bridge.translation.translation import frame_assignments, frames_of
 from jausml_generators.cpp.core import Core, Ends
 from jausml_generators.python.names import Scope, names_in, snake_case
 
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml_generators.bridge.light.module import LightModule
+    from jausml_generators.bridge.translation.translation import Frames
     from jausml_generators.cpp.core import Compiled
     from jausml_generators.python.codec.messages import MessageView
 
@@ -38,22 +41,25 @@ class _Unnamed(Surroundings):
     """Surroundings of a connection without a name: what takes its name is claimed later.
 
     Attributes:
-        claims: How each of it is claimed, from the surroundings and the name of a connection.
+        claims: How each of it is claimed, from the surroundings, the name of a connection
+            and the frames of its map.
     """
 
-    claims: list[Callable[[Surroundings, str], str]] = field(default_factory=list)
+    claims: list[Callable[[Surroundings, str, Frames], str]] = field(default_factory=list)
 
     def frame(self, connection: str, path: str, value: str) -> str:  # noqa: ARG002 - none yet
         """Returns what stands for the attribute of the name of a frame."""
-        return self._later(lambda uses, name: uses.frame(name, path, value))
+        return self._later(
+            lambda uses, name, frames: uses.frame(name, path, frames.get(path, value))
+        )
 
     def memory(self, name: str, annotation: str) -> str:
         """Returns what stands for the attribute that keeps a value."""
         return self._later(
-            lambda uses, connection: uses.memory(name.replace(_NAME, connection), annotation)
+            lambda uses, connection, _: uses.memory(name.replace(_NAME, connection), annotation)
         )
 
-    def _later(self, claim: Callable[[Surroundings, str], str]) -> str:
+    def _later(self, claim: Callable[[Surroundings, str, Frames], str]) -> str:
         self.claims.append(claim)
         return _mark(len(self.claims) - 1)
 
@@ -73,7 +79,9 @@ class SharedTranslations:
         self._once: set[object] = set()
         self._shared: dict[object, tuple[_Made, _Unnamed]] = {}
 
-    def made(self, key: object, name: str, make: Callable[[str, Surroundings], _Made]) -> _Made:
+    def made(
+        self, key: object, name: str, frames: Frames, make: Callable[[str, Surroundings], _Made]
+    ) -> _Made:
         """Returns a translation."""
         if key not in self._once:
             # Most maps have one connection; all that is not named after it is claimed here.
@@ -84,7 +92,7 @@ class SharedTranslations:
             around = _Unnamed(**known)
             self._shared[key] = make(_NAME, around), around
         shared, around = self._shared[key]
-        claimed = [claim(self._uses, name) for claim in around.claims]
+        claimed = [claim(self._uses, name, frames) for claim in around.claims]
 
         def named(text: str) -> str:
             for number, each in enumerate(claimed):
@@ -104,16 +112,21 @@ _SAYS_NOTHING = frozenset({"name", "documentation"})
 
 
 class AlikeMaps:
-    """The maps of a bridge by what they say."""
+    """The maps of a bridge by what they say, the names of their frames left out."""
 
     def __init__(self) -> None:
         self._features: dict[EClass, list[tuple[str, bool]]] = {}
         self._first: dict[bridge.AttributeMap, bridge.AttributeMap] = {}
         self._by_content: dict[Hashable, bridge.AttributeMap] = {}
+        self._frames: set[EObject] = set()
 
     def first(self, attribute_map: bridge.AttributeMap) -> bridge.AttributeMap:
-        """Returns the first map that was asked for of those that say the same under other names."""
+        """Returns the first that was asked for of the maps that say the same.
+
+        They may differ in their own names, and in those of frames, which are parameters.
+        """
         if attribute_map not in self._first:
+            self._frames.update(frame_assignments(attribute_map))
             # The tests of vectors name the map.
             name = attribute_map.name if attribute_map.vectors else None
             own = self._values(attribute_map, _SAYS_NOTHING)
@@ -127,6 +140,8 @@ class AlikeMaps:
             self._features[kind] = [(e.name, e.many) for e in features if e.name not in without]
         found: list[Hashable] = [kind]
         for name, is_many in self._features[kind]:
+            if name == "value" and element in self._frames:
+                continue
             value = getattr(element, name)
             said = [self._said(element, each) for each in (value if is_many else [value])]
             found.append(tuple(said))
@@ -317,7 +332,7 @@ def _translated(
         # Each connection has its own methods for the messages inside its message.
         made = make(name, uses)
     else:
-        made = around.shared.made(alike, name, make)
+        made = around.shared.made(alike, name, frames_of(used), make)
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.units import attribute_measure, result_measure
@@ -25,6 +25,7 @@ from jausml_generators.bridge.translation.expressions import (
     Setting,
 )
 from jausml_generators.bridge.translation.places import Place, joined
+from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
 from jausml_generators.bridge.translation.steps import Keep, WhereKept
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
@@ -32,12 +33,14 @@ from jausml_generators.bridge.translation.values import (
     AssignmentError,
     Value,
     constant,
+    ros_kind,
 )
 from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.translation.body import Body
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import JausSource, RosSource
@@ -48,6 +51,43 @@ if TYPE_CHECKING:
 def paths_of(text: str) -> list[str]:
     """Returns the paths of a source or target."""
     return [path.strip() for path in text.split(",")]
+
+
+Frames: TypeAlias = "Mapping[str, str]"
+"""Names of frames by the path that they are set at."""
+
+
+def frames_of(attribute_map: bridge.AttributeMap) -> Frames:
+    """Returns the names of frames that a map sets, which nothing but a parameter tells apart."""
+    return {str(each.target): str(each.value) for each in frame_assignments(attribute_map)}
+
+
+def frame_assignments(attribute_map: bridge.AttributeMap) -> list[bridge.ConstantAssignment]:
+    """Returns the assignments that set names of frames.
+
+    Paths in lists may be those of the message: a map with lists has none.
+    """
+    assignments = list(attribute_map.toRos)
+    if any(isinstance(each, bridge.ListAssignment) for each in assignments):
+        return []
+    return [
+        each
+        for each in assignments
+        if isinstance(each, bridge.ConstantAssignment)
+        and _is_frame(str(each.target), _kind(attribute_map.type, str(each.target)))
+    ]
+
+
+def _kind(message_type: ros.MessageType, path: str) -> str:
+    """Returns the kind of value at the end of a path; none where it leads nowhere."""
+    try:
+        return ros_kind(ros_field(message_type, path))
+    except PathError:
+        return ""
+
+
+def _is_frame(path: str, kind: str) -> bool:
+    return kind == TEXT and path.endswith("frame_id")
 
 
 @dataclass(frozen=True)
@@ -112,7 +152,7 @@ class Translation(ABC):
 
     def _store_constant(self, path: str, text: str) -> None:
         value = self.target.constant(path, text).expression
-        if self.to_ros and value.kind == TEXT and path.endswith("frame_id"):
+        if self.to_ros and _is_frame(path, value.kind):
             value = Setting(self.surroundings.frame(self.name, path, text), TEXT)
         self.target.put(self.body, path, value)
 

@@ -28,6 +28,8 @@ _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_IN = "\u01c2"
 """A letter that no rendered word has; as many of them as the word has letters stand in for it."""
+_INSIDE = re.compile(f"[A-Za-z0-9]{_STAND_IN}+|{_STAND_IN}+(?=[A-Za-z0-9])")
+"""Where they do not: in a longer word, whose parts underscores join."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Modules:
             return self._worked_on(text, words)
         if alike not in self._pieces:
             try:
-                self._pieces[alike] = self._worked_on(alike)
+                self._pieces[alike] = self._worked_on(alike, words)
             except CANNOT_PARSE:
                 return self._worked_on(text)
         return self._pieces[alike].under(word)
@@ -126,9 +128,9 @@ def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
     word = _word_in(text, words) if words and _STAND_IN not in text else ""
     if not word or _PREFIX.fullmatch(word):
         return "", text
-    # Neither may be part of a longer word, but for the parts that underscores join.
-    pattern = f"{word}(?<![A-Za-z0-9]{word})(?![A-Za-z0-9])"
-    return word, re.sub(pattern, _STAND_IN * len(word), text)
+    stand_in = _STAND_IN * len(word)
+    alike = text.replace(word, stand_in)
+    return word, _INSIDE.sub(lambda found: found[0].replace(stand_in, word), alike)
 
 
 def _word_in(text: str, words: Collection[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import itertools
 import keyword
@@ -53,6 +54,12 @@ class Bracket:
         """The closing bracket."""
         return _CLOSING[self.opening]
 
+    @functools.cached_property
+    def text(self) -> str:
+        """It and what stands in it, on one line."""
+        comma = "," if self.is_lone_tuple else ""
+        return f"{self.opening}{flat(self.inside)}{comma}{self.closing}"
+
     @property
     def is_lone_tuple(self) -> bool:
         """Whether it is a tuple of one item, which needs its comma."""
@@ -83,7 +90,7 @@ def flat(parts: Sequence[Part]) -> str:
         if isinstance(part, Token) and is_string and ends_string:
             text = text[:-1] + part.text[1:]
         else:
-            text += " " * part.spaced + _text(part)
+            text += " " * part.spaced + part.text
         ends_string = is_string
     return text.lstrip(" ")
 
@@ -111,13 +118,6 @@ def read(text: str) -> Statement | None:
         return None
     parts, _ = _parts(tokens, 0)
     return Statement(tuple(parts), comment)
-
-
-def _text(part: Part) -> str:
-    if isinstance(part, Token):
-        return part.text
-    comma = "," if part.is_lone_tuple else ""
-    return f"{part.opening}{flat(part.inside)}{comma}{part.closing}"
 
 
 def is_comprehension(parts: Sequence[Part]) -> bool:
