@@ -62,6 +62,16 @@ def reports(count):
     )
 
 
+def octets(count):
+    """Returns so many messages of a service that report an octet, without queries."""
+    return each(
+        count,
+        lambda i: (
+            f'<outputs name="ReportA{i}" code="0x{0x6000 + i:X}">{record(octet("V"))}</outputs>'
+        ),
+    )
+
+
 def ros(fields, types=""):
     return (
         f'<interfaces name="my_msgs">{types}'

@@ -208,3 +208,19 @@ def test_imports_of_a_text(tmp_path):
         return calls(lambda: check_project([path]))
 
     assert_growth(cost)
+
+
+def test_components_that_share_messages_compare_each_once(tmp_path):
+    """Two services have the same messages, which only their layouts tell."""
+
+    def described(count):
+        twice = grown.service(grown.octets(20)) + grown.service(grown.octets(20)).replace(
+            'xmi:id="s" name="S" urn="urn:example:a:S"', 'xmi:id="t" name="T" urn="urn:example:a:T"'
+        ).replace('name="set"', 'name="other"')
+        users = grown.components(count).replace("/>", ' provides="s t"/>')
+        path = tmp_path / "shared.xmi"
+        path.write_text(grown.model(users + twice), "utf-8")
+        counted = calls(lambda: check_project([path]))
+        return sum(n for name, n in counted.items() if name.endswith(" comparable"))
+
+    assert described(12) == described(2) > 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 LONGEST = 60
 """Characters to which names of generated code are cut."""
@@ -21,6 +22,7 @@ def words(name: str) -> list[str]:
     return [word for part in parts(name) for word in _WORD_START.split(part) if word]
 
 
+@lru_cache(maxsize=1 << 16)
 def snake_case(name: str) -> str:
     """Returns the words in small letters, joined by underscores; empty without any word."""
     return "_".join(words(name)).lower()[:LONGEST].rstrip("_")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
@@ -83,8 +84,8 @@ class Subject:
         """
         subtypes = self.model.metamodels.class_of(kind).subtypes
         found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
-        found.sort(key=lambda pair: pair[0])
-        if needs is None:
+        found.sort(key=itemgetter(0))
+        if needs is None or not self._unread:
             return [element for _, element in found if element not in self._unread]
         names = frozenset(needs)
         return [element for _, element in found if self.is_read(element, names)]

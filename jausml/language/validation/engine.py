@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from jausml.language.model import Diagnostic, Related
@@ -39,9 +40,10 @@ def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
         subject = Subject(result.model, result.diagnostics)
         for rule in rules:
             findings += _run(rule, subject)
+        names = {each.id for each in rules}
+        sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
+        standing, aside = settled(result.model, sorted_findings, names)
     files = tuple(document.display for document in result.model.documents if document.given)
-    names = {each.id for each in rules}
-    standing, aside = settled(result.model, sorted(set(findings)), names)
     return Report(result.model, files, tuple(standing), tuple(aside))
 
 

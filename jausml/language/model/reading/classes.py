@@ -62,7 +62,7 @@ class ClassFinder:
         table = self._class(place, package, node.tag) if package is not None else None
         return table if table is not None and self._is_concrete(place, table) else None
 
-    def of_feature(self, node: Node, feature: FeatureTable, owner: str) -> ClassTable | None:
+    def of_feature(self, node: Node, feature: FeatureTable, owner: Node) -> ClassTable | None:
         """Returns the class of a child element: that of xsi:type, else that of the feature.
 
         Returns:
@@ -70,6 +70,8 @@ class ClassFinder:
         """
         table = target_class(feature)
         attribute = _type_attribute(node)
+        if attribute is None and not table.abstract:
+            return table
         place = NodePlace(self._document, node, attribute)
         if attribute is not None:
             named = self.of_name(place, node.get(" ".join(attribute)) or "")
@@ -80,7 +82,7 @@ class ClassFinder:
                     "JML113",
                     place,
                     f"{named.qualified_name} is no {feature.type_name}, which feature"
-                    f" '{feature.name}' of {owner} takes",
+                    f" '{feature.name}' of {owner.obj.eClass.name} takes",
                     f"write {concrete_names(table)}",
                 )
                 return None

@@ -190,7 +190,7 @@ class ElementBuilder:
             waiting.add(feature.name)
             self._href(node, child, feature, href)
             return
-        table = self._classes.of_feature(child, feature, str(node.obj.eClass.name))
+        table = self._classes.of_feature(child, feature, node)
         if table is None:
             self._problems.mark_unread(node.obj, feature.name)
             return
@@ -260,7 +260,7 @@ class ElementBuilder:
         elif href is not None and not self._document.is_xml:
             self._href(node, child, feature, href)
         elif href is not None:
-            if self._classes.of_feature(child, feature, _class(node)) is None:
+            if self._classes.of_feature(child, feature, node) is None:
                 self._problems.mark_unread(node.obj, feature.name)
             else:
                 self._href(node, child, feature, href)

@@ -124,9 +124,10 @@ def sibling_names(subject: Subject) -> Iterator[Finding]:
     for siblings in _siblings(subject):
         holders: dict[str, Named] = {}
         for element in siblings:
-            if not element.name or not snake_case(element.name):
+            in_code = snake_case(element.name or "")
+            if not in_code:
                 continue
-            first = holders.setdefault(snake_case(element.name), element)
+            first = holders.setdefault(in_code, element)
             if first is not element:
                 message = f"{element.eClass.name} '{element.name}' has the name of another one"
                 if first.name != element.name:
