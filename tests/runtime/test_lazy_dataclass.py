@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import importlib
 import inspect
 import pickle
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
 from typing import ClassVar
@@ -176,3 +178,21 @@ def test_threads_may_need_it_at_the_same_time():
         found = list(pool.map(make, range(8)))
     assert found == [made(float(number), None, [number]) for number in range(8)]
     assert [each.x for each in found] == [float(number) for number in range(8)]
+
+
+def test_a_class_outlives_its_module(tmp_path, monkeypatch):
+    (tmp_path / "module_that_goes.py").write_text(
+        "from __future__ import annotations\n"
+        "from typing import ClassVar\n"
+        "from jausml.runtime.wire import dataclass\n"
+        "@dataclass(slots=True)\n"
+        "class Gone:\n"
+        "    CODE: ClassVar[int] = 1\n"
+        "    value: int = 2\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    gone = importlib.import_module("module_that_goes").Gone
+    del sys.modules["module_that_goes"]
+    assert gone(3) == gone(value=3)
+    assert [each.name for each in dataclasses.fields(gone)] == ["value"]
+    assert gone.__module__ == "module_that_goes"

@@ -37,7 +37,9 @@ class _Later:
 
 
 def _complete(cls: type, written: Mapping[str, Any]) -> None:
-    whole: type = dataclasses.dataclass(type(cls.__name__, cls.__bases__, dict(written)))
+    # The module of the class may have gone since: what it is asked for, ClassVar, is here too.
+    attributes = {**written, "__module__": __name__}
+    whole: type = dataclasses.dataclass(type(cls.__name__, cls.__bases__, attributes))
     for name, value in vars(whole).items():
         if name not in (*written, *_OF_NO_SLOTS):
             setattr(cls, name, value)
