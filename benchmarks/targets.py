@@ -78,8 +78,7 @@ REMARKS: Mapping[str, str] = {
     "start": (
         "an empty node of rclpy takes 0.34 s of processor time. The rest goes to the imports of"
         " the bridge, the classes of 300 messages, and the endpoints of DDS. The figure is older"
-        " than parameters that are declared, and methods of messages that are made, when somebody"
-        " asks for them, which took off a third of the processor time; and in that run an empty"
+        " than parameters that are declared when somebody asks for them; and in that run an empty"
         " Python took half as long again as on a day on which 0.42 s were measured."
     ),
     "round_trip": (

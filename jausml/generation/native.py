@@ -12,6 +12,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from jausml.language.model.inputs import read_input
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -72,8 +74,8 @@ def library_of(source: Path) -> Path:
 def is_current(source: Path) -> bool:
     """Tells whether the library of a source was made of its present text."""
     try:
-        digest = source.read_bytes().partition(_DIGEST)[2].partition(b'"')[0]
-        return bool(digest) and digest in library_of(source).read_bytes()
+        digest = read_input(source).partition(_DIGEST)[2].partition(b'"')[0]
+        return bool(digest) and digest in read_input(library_of(source))
     except OSError:
         return False
 

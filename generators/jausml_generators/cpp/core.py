@@ -227,7 +227,7 @@ class Core:
     @functools.cached_property
     def constants(self) -> tuple[str, ...]:
         """The tables."""
-        return tuple(laid_out(self._used.constants.values()))
+        return tuple(line for each in self._used.constants.values() for line in laid_out(each))
 
     @functools.cached_property
     def left_lines(self) -> tuple[str, ...]:

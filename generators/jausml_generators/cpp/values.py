@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION
+from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
@@ -30,7 +31,7 @@ from jausml_generators.cpp.types import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from jausml_generators.bridge.translation.places import Place
 
@@ -53,7 +54,7 @@ class Used:
     classes: Mapping[str, Struct]
     tables: Mapping[str, Sequence[str]]
     conversions: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    constants: dict[str, str] = field(default_factory=dict)
+    constants: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def conversion(self, name: str) -> None:
         """Notes that a conversion is called.
@@ -72,9 +73,8 @@ class Used:
         """
         if name not in self.tables:
             raise UnprintableError(f"the constant {name}")
-        texts = ", ".join(cpp_string(ast.literal_eval(each)) for each in self.tables[name])
-        self.constants[name] = f"const std::vector<std::string> {name} = {{{texts}}};"
-        return name
+        texts = (cpp_string(ast.literal_eval(each)) for each in self.tables[name])
+        return self._constant(name, f"std::vector<std::string> {name}", texts)
 
     def table(self, name: str, key: str, value: str) -> str:
         """Notes that a table is asked; returns its name.
@@ -85,11 +85,15 @@ class Used:
         """
         pairs = ast.literal_eval(f"{{{', '.join(self.tables[name])}}}")
         kinds = f"{_TYPES[key].cpp}, {_TYPES[value].cpp}"
-        rows = ", ".join(
+        rows = (
             f"{{{literal(Constant(a, key))}, {literal(Constant(b, value))}}}"
             for a, b in pairs.items()
         )
-        self.constants[name] = f"const std::pair<{kinds}> {name}[] = {{{rows}}};"
+        return self._constant(name, f"std::pair<{kinds}> {name}[]", rows)
+
+    def _constant(self, name: str, declared: str, items: Iterable[str]) -> str:
+        lines = [f"const {declared} = {{", *(f"    {each}," for each in items), "};"]
+        self.constants[name] = tuple(lines)
         return name
 
 
@@ -264,7 +268,7 @@ class Values(Places):
 
     def _of_integers(self, value: values.Convert) -> str:
         """Conversions that keep integers: what has 63 bits of them has an opposite."""
-        if value.name != "negate":
+        if value.name != Negate.name:
             raise UnprintableError(f"{value.name} of integers")
         return f"jausml::opposite(check, {self.text(value.inputs[0])})"
 

@@ -1,12 +1,12 @@
 """Messages of AccessControl: who controls a component (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated
 
 from ..wire.kinds import U8, U16, unsigned
 from ..wire.layout import Bodiless, message
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 
 

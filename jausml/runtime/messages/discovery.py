@@ -1,14 +1,13 @@
 """Messages of Discovery: who is there, and what it provides (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
 from ..wire.codec import one_of
 from ..wire.kinds import U8, U16, LongList, Scalar, ShortList, Text
 from ..wire.layout import Bodiless, message, record
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 
 

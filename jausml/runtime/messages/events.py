@@ -1,7 +1,7 @@
 """Messages of Events: reports that come periodically or at every change (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, ClassVar
 
@@ -17,7 +17,6 @@ from ..wire.kinds import (
     unsigned,
 )
 from ..wire.layout import Bodiless, message, record
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 
 _Rate = Annotated[float, scaled_unsigned(1092.0)]  # hertz

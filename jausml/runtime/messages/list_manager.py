@@ -1,13 +1,12 @@
 """Messages of ListManager: elements that are commands, in an order (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
 from ..wire.kinds import U8, U16, Counted, LongList, ShortList, unsigned
 from ..wire.layout import Bodiless, message, record
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 
 

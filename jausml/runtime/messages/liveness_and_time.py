@@ -1,12 +1,12 @@
 """Messages of Liveness and Time (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
+from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from ..wire.codec import integer
 from ..wire.kinds import U8, bits
 from ..wire.layout import Bodiless, message
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 from ..wire.stamped_message import StampedMessage
 from ..wire.time_stamp import TimeStamp

@@ -1,12 +1,12 @@
 """Messages of Management: the state of a component, and emergencies (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated
 
 from ..wire.kinds import U32, unsigned
 from ..wire.layout import Bodiless, message
-from ..wire.lazy_dataclass import dataclass
 from ..wire.message import Message
 
 

@@ -19,7 +19,6 @@ from .codec import (
     whole,
     whole_of,
 )
-from .lazy_dataclass import dataclass
 from .message import DecodeError, EncodeError, Message
 from .records import Number, RowLayout, Stamp, read_records, write_records
 from .stamped_message import StampedMessage
@@ -36,7 +35,6 @@ __all__ = [
     "TimeStamp",
     "check_count",
     "check_presence",
-    "dataclass",
     "exactly",
     "integer",
     "latin1",

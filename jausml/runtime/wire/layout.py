@@ -15,11 +15,11 @@ from __future__ import annotations
 import operator
 import struct
 import types
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from .codec import check_count, check_presence, latin1, sized
 from .kinds import Counted, Listed, Scalar, Tagged
-from .lazy_dataclass import dataclass
 from .message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
@@ -91,12 +91,7 @@ class _Part(NamedTuple):
 
 def _give_codec(cls: Any, name: str) -> None:
     """Gives a dataclass what writes and reads it; a message without fields has that already."""
-    declared = {
-        name: kind
-        for each in reversed(cls.__mro__[:-1])
-        for name, kind in each.__annotations__.items()
-    }
-    found = [_field(name, declared[name]) for name in cls.__match_args__]
+    found = [_field(each.name, each.type) for each in fields(cls)]
     optional = [each for each in found if each.is_optional]
     parts = _parts(found[: len(found) - len(optional)])
     cls.LEAST_SIZE = sum(each.size for each in parts) + bool(optional)

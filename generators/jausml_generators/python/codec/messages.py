@@ -117,8 +117,8 @@ class MessageView:
 
 _WIRE = """
     DecodeError EncodeError Message Number RowLayout Stamp StampedMessage check_count check_presence
-    dataclass exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up
-    sized take take_text unpadded whole whole_of write_records
+    exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up sized take
+    take_text unpadded whole whole_of write_records
 """
 
 
