@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from contextlib import ExitStack, contextmanager
@@ -141,12 +142,14 @@ def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_un
     target = vehicle()
 
     def stop():
-        wait_until(lambda: target.status is Status.READY, 30)
+        # The session has seen by then that it is ready, as it would not have sent before.
+        wait_until(lambda: target.wrenches, 30)
         rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
 
     commands = """
         control 100.1.1
         resume
+        send SetWrenchEffort {"PropulsiveLinearEffortX": 25}
         wait 2
         send SetWrenchEffort {"PropulsiveLinearEffortX": 50}
     """
@@ -156,7 +159,9 @@ def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_un
     assert "note: 100.1.1 is not controlled by us any more" in result.stdout
     assert "note: 100.1.1 is in EMERGENCY" in result.stdout
     assert "note: 100.1.1 is not controlled by us; it may ignore SetWrenchEffort" in result.stdout
-    assert "note: messages sent to 100.1.1, 1 of them when it may not have been" in result.stdout
+    # The first one may have been on its way when the emergency came.
+    sent = r"note: messages sent to 100\.1\.1 2 times, [12] of them when it may not have been READY"
+    assert re.search(sent, result.stdout)
 
 
 def test_a_session_that_stands_by_itself_loses_nothing(jausml, vehicle):
