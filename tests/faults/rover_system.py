@@ -56,6 +56,7 @@ class System:
         *,
         network: type[Network] = Udp,
         bridge: Sequence[str] = (),
+        vehicle: Sequence[str] = (),
     ) -> None:
         """Starts all.
 
@@ -64,8 +65,9 @@ class System:
             logs: Folder for the logs.
             network: What joins the JAUS roles.
             bridge: What the command line of the bridge begins with.
+            vehicle: What that of the vehicle begins with, where it is started with nothing else.
         """
-        self.path, self.logs, self._bridge = path, logs, bridge
+        self.path, self.logs, self._bridge, self._vehicle = path, logs, bridge, vehicle
         self.network = network(logs)
         self._all: dict[str, list[Process]] = {role: [] for role in ROLES}
         self.running: dict[str, Process] = {}
@@ -81,7 +83,8 @@ class System:
         number = len(self._all[role])
         line = ["-m", "loop_bridge.main", *self._bridge]
         if role != "bridge":
-            line = [str(FOLDER / _PROGRAMS[role]), *arguments]
+            usual = self._vehicle if role == "vehicle" else ()
+            line = [str(FOLDER / _PROGRAMS[role]), *(arguments or usual)]
         if role != "ros":
             line += self.network.options(role)
         if role == "bridge":

@@ -1,12 +1,13 @@
 """A vehicle for the faults: what it reports and obeys says when it was sent.
 
-Usage: vehicle.py [SECONDS by which its stamps are wrong] OPTIONS
+Usage: vehicle.py [SECONDS by which its stamps are wrong [SECONDS of control]] OPTIONS
 """
 
 from __future__ import annotations
 
 import sys
 from datetime import datetime, timedelta, timezone
+from itertools import takewhile
 
 from jausml_runtime import Guard, JausComponent
 from loop_bridge.messages import (
@@ -54,7 +55,9 @@ class Vehicle(JausComponent):
 
 
 if __name__ == "__main__":
-    if not sys.argv[1].startswith("--"):
-        OFFSET = timedelta(seconds=float(sys.argv.pop(1)))
-    settings = {"control_timeout": 2, "register_services": False}
+    numbers = list(takewhile(lambda each: not each.startswith("--"), sys.argv[1:]))
+    del sys.argv[1 : 1 + len(numbers)]
+    wrong, control = (*map(float, numbers), *(0.0, 2.0)[len(numbers) :])
+    OFFSET = timedelta(seconds=wrong)
+    settings = {"control_timeout": int(control), "register_services": False}
     raise SystemExit(run(Vehicle, "vehicle", "10.1.1", **settings))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections import Counter
 from cProfile import Profile
 from typing import TYPE_CHECKING
@@ -16,13 +17,26 @@ def calls(work: Callable[[], object]) -> Counter[str]:
 
     A search through a list of elements asks each of them for something, and is seen by that.
     """
-    re.purge()  # how many patterns it still has depends on what was before
+    _forget()
     profile = Profile()
     profile.runcall(work)
     found: Counter[str] = Counter()
     for each in profile.getstats():
         found[_name(each.code)] += each.callcount
     return found
+
+
+def _forget() -> None:
+    """Forgets what is remembered by name or text, which depends on what was before.
+
+    What is remembered of the library, in caches without a bound, stays.
+    """
+    re.purge()
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] in {"jausml", "jausml_generators"}:
+            for each in vars(module).values():
+                if hasattr(each, "cache_parameters") and each.cache_parameters()["maxsize"]:
+                    each.cache_clear()
 
 
 def _name(code: object) -> str:

@@ -29,7 +29,7 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark, step
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from threading import Event
 
     from jausml.live.recording.files import RecordingFiles, SplitLimits
@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 _TURN = 0.1
 _MEGA = 10**6
 _FRAGMENT = 0x3FFF
+
+_NAMED = 5
+"""Topics without a publisher that are named, the others are counted."""
 
 
 @click.command("record")
@@ -134,9 +137,10 @@ def command(
     FILE contains the JAUS messages on the interface, as JSON, and the ROS topics of the system in
     MODEL, by default that of the project of the current folder. The capture is written beside it,
     with the ending .pcap. Without a model, or without ROS, only JAUS is recorded. From the moment
-    at which it says "recording", all that is sent and published by those who are there is recorded.
-    The recorder sends nothing. To see messages between others it needs CAP_NET_RAW, like tcpdump;
-    without it, it receives only the multicast group.
+    at which it says "recording", all that is sent and published by those who are there is recorded;
+    topics that nobody publishes by then are named, and join when somebody does. The recorder sends
+    nothing. To see messages between others it needs CAP_NET_RAW, like tcpdump; without it, it
+    receives only the multicast group.
 
     After a power failure or a kill, everything that was flushed is still readable: `jausml replay`
     reads and repairs files that were cut off.
@@ -179,6 +183,7 @@ def command(
         if speaks_ros and (types or is_any):
             ros.begin(None if is_any else types, recorder.take_topic)
             stack.callback(ros.stop)
+        _show_awaited(ros.unpublished())
         click.echo(what, err=True)
         reader = UdpReader(port)
         with step("recording") as progress:
@@ -303,6 +308,13 @@ def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:
     while True:
         yield from map(frame_of, listener.datagrams(_TURN))
         yield None
+
+
+def _show_awaited(topics: Sequence[str]) -> None:
+    for topic in topics[:_NAMED]:
+        click.echo(f"nobody publishes {topic} yet", err=True)
+    if topics[_NAMED:]:
+        click.echo(f"nor {len(topics) - _NAMED} other topics of the model", err=True)
 
 
 def _show_counts(

@@ -76,6 +76,10 @@ class RosTopics:
         self._quiet.spin()
         self._is_settled.wait(_PATIENCE)
 
+    def unpublished(self) -> list[str]:
+        """Returns the wanted topics that nobody is known to publish, which are waited for."""
+        return sorted((self.wanted or frozenset()) - set(self.heard) - set(self.missing))
+
     def repeat_latched(self) -> None:
         """Has the latest messages of latched topics come again, from those who publish them.
 
