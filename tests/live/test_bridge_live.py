@@ -178,7 +178,7 @@ def test_diagnostics_name_each_connection(system):
     assert float(odometry["declared rate (Hz)"]) == 20.0
     assert int(odometry["messages passed"]) > 0
     assert odometry["peer 10.1.1"] == "confirmed"
-    assert odometry["translation"] in ("light classes", "ROS classes")
+    assert odometry["translation"] in ("light classes", "ROS classes", "compiled")
     assert not [key for key in odometry if key.startswith("in the bridge")]
     drive = {value.key: value.value for value in statuses["drive"].values}
     assert drive["peer 10.1.1"] == drive["peer 10.1.2"] == "ready"

@@ -9,7 +9,7 @@ from jausml.generation.tasks import templates_beside
 JAUS = "jaus.hpp"
 """What messages include."""
 
-CORE = ("core.hpp", JAUS)
+CORE = ("fastpath.hpp", "core.hpp", JAUS)
 """What the core of a bridge includes."""
 
 

@@ -11,6 +11,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from .counters import Clock, Counters
+from .fast_path import Revision
 from .standstill import Standstill
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ class Loop:
         wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
         stopwatch: Returns a time in seconds by which callbacks are slow.
         standstill: Says what may have waited because the loop did not turn.
+        revision: That of all on which the usual way of messages rests.
         on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
             of user code; the loop goes on. Unless it is set, that is counted as what fails is.
     """
@@ -87,6 +89,7 @@ class Loop:
         self._soon: deque[Callable[[], object]] = deque()
         self._woken = False
         self.standstill = Standstill(self)
+        self.revision = Revision()
         self._thread: threading.Thread | None = None
         self._runner = 0
         self._stopping = False

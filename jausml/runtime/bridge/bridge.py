@@ -28,6 +28,8 @@ from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.list_driver import ListDriver
 from .ends.simulation import Simulation
+from .fastpath.library import NoFastPathError
+from .fastpath.side import FastSide
 from .messages.compiled import NoCoreError
 from .reports.states import Standing, StopReason
 
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from ctypes import CDLL
 
     from ..base.clocks import Timing
+    from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..clients.peer_search import PeerBinding
     from ..guardian.ward import Ward
@@ -44,12 +47,12 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .diagnosing import Carried
     from .ends.by_sender import Taker
-    from .ends.ends import Feed, ReportHolder, RosPublisher, RosSide
+    from .ends.ends import FastSubscriber, Feed, ReportHolder, RosPublisher, RosSide
     from .ends.list_driver import ListMessages
     from .ends.parameters import AttributeParameter
     from .ends.settings import BridgeSettings
     from .ends.topics import Topic
-    from .messages.compiled import Compiled, Core, Function
+    from .messages.compiled import Compiled, Core, Function, Translation
 
 
 class Bridge:
@@ -68,6 +71,7 @@ class Bridge:
     simulation: Simulation | None = None
     ward: Ward | None = None
     core: Core | None = None
+    _live: frozenset[str] = frozenset()
 
     def __init__(self, settings: BridgeSettings) -> None:
         """Prepares a bridge; nothing is opened.
@@ -85,6 +89,7 @@ class Bridge:
         self._diagnosing: Diagnosing | None = None
         self._list_drivers: dict[ListMessages, ListDriver] = {}
         self._library: tuple[Core, CDLL] | None = None
+        self._fast: FastSide | None = None
         self._topics: SharedTopics
         self._messages: SharedMessages
 
@@ -152,6 +157,11 @@ class Bridge:
             self._library = self.core, self.core.load()
         except NoCoreError as error:
             LOGGER.info("no compiled core: %s; Python translates, see `jausml build`", error)
+            return
+        try:
+            self._fast = FastSide(self._library[1], self.component)
+        except NoFastPathError as error:
+            LOGGER.info("the compiled core translates, and Python does the rest: %s", error)
 
     def _open_connections(self) -> None:
         for connection in self.connections:
@@ -175,6 +185,9 @@ class Bridge:
                 self._diagnosing.stop()
             ended = [each for each in self.connections if each.end()]
             self._log_stops(ended, StopReason.END)
+            if self._fast is not None:
+                self._fast.close()
+                self._fast = None
             self.component.stop()
             if self.ward is not None:
                 self.ward.release()
@@ -239,6 +252,34 @@ class Bridge:
             return None
         core, library = self._library
         return compiled.of(self, library, note) if compiled.core == core else None
+
+    def fast_translation(self, compiled: Compiled) -> Translation | None:
+        """Returns what a core is given to translate alone; None where Python has a part in it.
+
+        A clock that is simulated, or is the user's, is read in Python.
+        """
+        own_clock = self.simulation is not None or type(self).now is not Bridge.now
+        if self._library is None or (compiled.needs_clock and own_clock):
+            return None
+        core, library = self._library
+        if compiled.core != core:
+            return None
+        self._live |= {*compiled.quantities, *compiled.texts}
+        return compiled.alone(self, library)
+
+    def fast_subscriber(self, subscription: int, path: FastSending) -> FastSubscriber | None:
+        """Returns what takes the messages of a subscription in a core; None where none can.
+
+        Args:
+            subscription: Its address in the client library.
+        """
+        return None if self._fast is None else self._fast.subscriber(subscription, path)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Ends the fast paths of translations that were lent an attribute that changes."""
+        super().__setattr__(name, value)
+        if name in self._live:
+            self.loop.revision.changed()
 
     @contextmanager
     def at(self, moment: Time) -> Iterator[None]:

@@ -14,13 +14,14 @@ from ..messages import (
     ReportEventTimeout,
 )
 from ..services.definitions import MAX_EVENT_RATE
-from .event_stream import EventStream
+from .event_stream import EVENT_HEADER, EventStream
 from .event_subscription import EventSubscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
+    from ..base.fast_path import FastPath
     from ..services.host import Host
     from ..wire.message import Message
     from .presence import Presence
@@ -34,9 +35,6 @@ COMMAND_REQUESTS = range(224, 255)
 
 STRAY_REQUEST = 255
 """Request id with which events that nobody here wants are cancelled."""
-
-EVENT_HEADER = 8
-"""Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
 
 DEFAULT_EVENT_TIMEOUT = 1
 """Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""
@@ -108,11 +106,17 @@ class EventClient:
         for stream in list(self._streams.values()):
             stream.stop()
 
+    def fast_path(self, provider: JausAddress, event_id: int) -> FastPath | None:
+        """Return the fast path of the reports of an event; None without one."""
+        stream = self._by_event.get((provider, event_id))
+        return None if stream is None else stream.fast_path()
+
     # ---- for the streams --------------------------------------------------------------------
 
     def bind(self, stream: EventStream, event_id: int) -> None:
         """Deliver the events of an id to a stream from now on."""
         self.unbind(stream)
+        self._component.loop.revision.changed()
         key = (stream.provider, event_id)
         other = self._by_event.get(key)
         self._by_event[key] = stream
@@ -125,6 +129,7 @@ class EventClient:
         key = (stream.provider, -1 if stream.event_id is None else stream.event_id)
         if self._by_event.get(key) is stream:
             del self._by_event[key]
+            self._component.loop.revision.changed()
 
     def suspect(self, provider: JausAddress) -> None:
         """Verify all events of a provider that lost one or fell silent: was it restarted?"""

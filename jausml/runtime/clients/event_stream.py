@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
+    from ..base.fast_path import FastPath
     from ..base.loop import Timer
     from ..services.host import Host
     from .event_subscription import EventSubscription
@@ -35,6 +37,9 @@ MAX_RENEWALS = 8
 
 SETTLING = 1.0
 """Seconds after a confirmation in which nobody asks whether the provider knows the event."""
+
+EVENT_HEADER = 8
+"""Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
 
 HALF_SEQUENCE = 128
 """Sequence numbers from here on are older than the last one."""
@@ -136,6 +141,7 @@ class EventStream:
         """Add a subscriber; it gets the last report of an event that is under way."""
         group = report_class, subscription.takes_payloads
         self._groups.setdefault(group, []).append(subscription)
+        self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
         self._agree_on_rate()
         if self._state is _State.IDLE:
@@ -147,6 +153,7 @@ class EventStream:
 
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber; the event is cancelled with the last one."""
+        self._loop.revision.changed()
         for group, subscriptions in list(self._groups.items()):
             if subscription in subscriptions:
                 subscriptions.remove(subscription)
@@ -159,6 +166,7 @@ class EventStream:
 
     def stop(self) -> None:
         """Cancel the event and forget the subscribers."""
+        self._loop.revision.changed()
         for subscription in self._subscriptions():
             subscription.stop_watching()
         self._groups.clear()
@@ -169,6 +177,27 @@ class EventStream:
         self._presence.forget(self.provider, self._returned)
         self._listener.forget(self)
         self._state = _State.IDLE
+
+    def fast_path(self) -> FastPath | None:
+        """Return the fast path of the reports to the one who alone subscribes; None without one."""
+        groups = list(self._groups.items())
+        if len(groups) != 1 or len(groups[0][1]) != 1 or self._is_renewed:
+            return None
+        ((report_class, takes_payloads), (subscription,)) = groups[0]
+        found = subscription.fast_path() if takes_payloads else None
+        if found is None or found.code != report_class.CODE:
+            return None
+        passed = found.passed
+
+        def note(payload: bytes, number: int, at: float, unknown: int) -> None:
+            self._expected = (payload[3] + 1) & 0xFF
+            self._last = payload[EVENT_HEADER:]
+            self._heard = at
+            self._silence_wait = 0.0
+            subscription.note_heard(at)
+            passed(payload, number, at, unknown)
+
+        return replace(found, passed=note, expected=lambda: self._expected)
 
     def _subscriptions(self) -> list[EventSubscription]:
         return [each for group in self._groups.values() for each in group]
@@ -237,6 +266,7 @@ class EventStream:
         self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
+        self._loop.revision.changed()
         self.refusal = ""
         self._confirmed_at = self._loop.now()
         self._pace.answered()

@@ -5,10 +5,13 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ..base.fast_path import fast_path_of
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
+    from ..base.fast_path import FastPath
     from ..base.loop import Loop, Timer
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
@@ -98,6 +101,7 @@ class EventSubscription:
         self._stream = stream
         self._missing_before, self._late_before = stream.missing, stream.late
         self._component = stream.component
+        self._on_report = on_report
         self._take: Callable[[Any, JausAddress], object] = (
             self._component.payload_caller(on_report, stream.count_bad)
             if takes_payloads
@@ -144,6 +148,16 @@ class EventSubscription:
             self.stop_watching()
             self._stream.leave(self)
 
+    def fast_path(self) -> FastPath | None:
+        """Return the fast path of the reports of the event; None where they do not all go on."""
+        if self._query_timer is not None or self._period or self._silent:
+            return None
+        return fast_path_of(self._on_report, self.provider)
+
+    def note_heard(self, at: float) -> None:
+        """Note that a report went on without passing here."""
+        self._heard = at
+
     def start_watching(self) -> None:
         """Begin to wait for the first report."""
         self._heard = self._component.loop.now()
@@ -163,6 +177,7 @@ class EventSubscription:
         Args:
             given: Reports of the event each second; None when they come at every change.
         """
+        self._component.loop.revision.changed()
         is_slower = self.rate is not None and given is not None and self.rate < _ALIKE * given
         self._period = 1 / self.rate if is_slower and self.rate else 0.0
         self._slack = 0.5 / given if given else 0.0
@@ -173,6 +188,7 @@ class EventSubscription:
 
     def _start_asking(self) -> None:
         if self._query_timer is None and self.rate is not None:
+            self._component.loop.revision.changed()
             self._query_timer = QueryTimer(self._component.loop, self.rate, self.ask)
 
     def _stop_asking(self) -> None:
@@ -213,6 +229,7 @@ class EventSubscription:
             self._watch_from(self._heard)
             return
         self._silent = True
+        self._component.loop.revision.changed()
         self._watch = None
         self._component.counters.add("event_client.silent")
         if self._on_silence is not None:

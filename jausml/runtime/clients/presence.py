@@ -47,6 +47,14 @@ class Presence:
         self.heard.setdefault(address, _NEVER)
         self._on_return.setdefault(address, []).append(on_return)
 
+    def note(self, address: JausAddress, at: float) -> None:
+        """Note a message of a component, which did not pass those who take messages."""
+        last = self.heard.get(address)
+        if last is not None:
+            self.heard[address] = at
+            if at - last > SILENCE:
+                self.returned(address)
+
     def forget(self, address: JausAddress, on_return: Callable[[], None]) -> None:
         """Undo ``watch``."""
         actions = self._on_return.get(address, [])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..base.clocks import HostClock
 from ..clients.clients import Clients
 from ..clients.presence import SILENCE
+from ..messages import Event
 from ..services.core import CoreServices
 from ..services.definitions import (
     CORE,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.counters import Counters
+    from ..base.fast_path import FastPath
     from ..base.loop import Loop
     from ..services.completion import Completion
     from ..services.dispatch import Handler
@@ -92,6 +94,7 @@ class ComponentBase(ComponentHooks):
             self.allows,
             lambda: Ordering(transport.arrival, transport.loop.now),
             transport.loop.stopwatch,
+            transport.loop.revision.changed,
         )
         self._jaus_versions = {
             service.urn.removeprefix(CORE): (service.major, service.minor)
@@ -481,6 +484,7 @@ class ComponentBase(ComponentHooks):
 
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""
+        self.loop.revision.changed()
         self._jaus_core.events.permissions_changed()
 
     def command_handler(self, code: int) -> Handler | None:
@@ -526,6 +530,18 @@ class ComponentBase(ComponentHooks):
                 act(payload, sender)
 
         return take
+
+    def fast_path(self, code: int, event_id: int, sender: JausAddress) -> FastPath | None:
+        """The fast path of messages of a component, by code and for events by id, None without."""
+        if code != Event.CODE:
+            return self._jaus_router.fast_path(code, sender)
+        if len(self._jaus_router.takers.get(code, ())) != 1:
+            return None
+        return self._jaus_clients.events.fast_path(sender, event_id)
+
+    def note_heard(self, sender: JausAddress, at: float) -> None:
+        """Note a message of a component that has taken the fast path."""
+        self._jaus_clients.presence.note(sender, at)
 
     def _jaus_answer(
         self, provision: Provision[Any, Any], query: Message, sender: JausAddress

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from ..base.fast_path import fast_path_of, through
 from ..wire.message import DecodeError, Message
 from .definitions import Guard
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.counters import Clock, Counters
+    from ..base.fast_path import FastPath
     from .ordering import Ordering
 
 _MOST_DROPS = 1024
@@ -106,8 +108,10 @@ class Router:
         allows: Callable[[Guard, JausAddress], bool],
         ordering: Callable[[], Ordering],
         stopwatch: Clock,
+        changed: Callable[[], None],
     ) -> None:
         self._counters = counters
+        self._changed = changed
         self._allows = allows
         self._ordering = ordering
         self._stopwatch = stopwatch
@@ -117,6 +121,11 @@ class Router:
         self.unwanted: dict[int, Take] = {}
         self.unknown: tuple[Take, ...] = (self._take_unknown,)
         self.drops: dict[tuple[JausAddress, str, str], int] = {}
+
+    def fast_path(self, code: int, sender: JausAddress) -> FastPath | None:
+        """Return the fast path of the messages of a code; None unless one alone takes them."""
+        takers = self.takers.get(code, ())
+        return fast_path_of(takers[0], sender) if len(takers) == 1 else None
 
     # ---- routes -----------------------------------------------------------------------------
 
@@ -186,6 +195,7 @@ class Router:
         handler = () if route.handler is None else (self._handling(route.handler),)
         listeners = [self._delivering(*each) for each in route.listeners.items()]
         self.takers[code] = (*handler, *route.payload_listeners, *listeners)
+        self._changed()
 
     # ---- what takes messages ----------------------------------------------------------------
 
@@ -211,7 +221,10 @@ class Router:
             else:
                 self._count_refused(handler, guard, sender)
 
-        return take_guarded
+        def fast_path(sender: JausAddress) -> FastPath | None:
+            return fast_path_of(take, sender) if allows(guard, sender) else None
+
+        return through(take_guarded, fast_path)
 
     def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
         """Act on a message whose guard depends on what it says.
@@ -232,7 +245,8 @@ class Router:
 
     def _in_order(self, message_class: type[Message], take: Take) -> Take:
         """Return what takes messages but those that newer ones of their sender came before."""
-        is_late, counters, note = self._ordering().is_late, self._counters, self._note_drop
+        ordering, counters, note = self._ordering(), self._counters, self._note_drop
+        is_late = ordering.is_late
 
         def take_newer(payload: bytes, sender: JausAddress) -> None:
             if is_late(sender):
@@ -241,7 +255,11 @@ class Router:
             else:
                 take(payload, sender)
 
-        return take_newer
+        def fast_path(sender: JausAddress) -> FastPath | None:
+            found = fast_path_of(take, sender)
+            return None if found is None else ordering.minded(found, sender)
+
+        return through(take_newer, fast_path)
 
     def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
         """Return what decodes a message and calls who wants it, as ``call`` does."""

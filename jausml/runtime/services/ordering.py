@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
+    from ..base.fast_path import FastPath
     from ..transports.delivery import Arrival
 
 LATEST = 2.0
@@ -49,3 +51,13 @@ class Ordering:
             self._latest.clear()
         self._latest[sender] = number, now
         return False
+
+    def minded(self, path: FastPath, sender: JausAddress) -> FastPath:
+        """Return a fast path on which the messages of a sender keep their order."""
+        passed, latest = path.passed, self._latest
+
+        def note(payload: bytes, number: int, at: float, unknown: int) -> None:
+            latest[sender] = number, at
+            passed(payload, number, at, unknown)
+
+        return replace(path, passed=note, latest=lambda: latest.get(sender))

@@ -116,11 +116,19 @@ class AddressBook:
         fixed: bool = False,
         places: int = MAX_PEERS,
         trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
+        changed: Callable[[], None] = lambda: None,
     ) -> None:
+        """Know nobody yet.
+
+        Args:
+            trusts: Whether an endpoint needs no proof.
+            changed: Told when a component is elsewhere than before, or in doubt.
+        """
         self.lifetime = lifetime
         self._fixed = fixed
         self._places = places
         self._trusts = trusts
+        self._changed = changed
         self._claims: dict[str, OrderedDict[JausAddress, Entry]] = {}
         self._kept: dict[JausAddress, JausAddress] = {}
         self._counters = counters
@@ -170,6 +178,7 @@ class AddressBook:
                 "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
             )
             entry.endpoint = endpoint
+            self._changed()
         return True
 
     def prove(self, address: JausAddress, entry: Entry, now: float) -> None:
@@ -200,6 +209,7 @@ class AddressBook:
         if not is_stated and not self._trusts(endpoint):
             entry.claim = Claim(endpoint[0])
             entry.heard = -math.inf
+            self._changed()
             self._claims.setdefault(endpoint[0], OrderedDict())[address] = entry
 
     def _drop_claim(self, address: JausAddress, entry: Entry) -> None:
@@ -235,6 +245,7 @@ class AddressBook:
         entry = self.learnt.pop(forgotten)
         self._drop_claim(forgotten, entry)
         entry.endpoint = _NOWHERE
+        self._changed()
         self._counters.count("transport.address_book_full", f"forgot {forgotten}")
 
     def _claimant(self, own: set[JausAddress]) -> JausAddress | None:
@@ -265,6 +276,7 @@ class AddressBook:
         if entry is not None and entry.heard < since:
             entry.spoke = entry.latest
             entry.heard = -math.inf
+            self._changed()
             entry.asked = max(entry.asked, _LONG_AGO)
 
     def doubt(self, address: JausAddress, now: float) -> Doubt:

@@ -83,6 +83,11 @@ class GraphPublisher:
         for each in tuple(self.reached):
             each.send(*message)
 
+    @property
+    def address(self) -> int:
+        """There is no client library."""
+        return 0
+
     def publish_message(self, message: Any) -> None:
         """Publishes an object of the class of rclpy."""
         self.publish(self.encode(message))

@@ -294,6 +294,23 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self.form = Form.COMPILED
         return compiled_first(function, compiled.joins, transcode)
 
+    def _fast_translation(self) -> Any:
+        """Returns what a core is given to translate as this connection does; None for Python."""
+        compiled = compiled_of(self._translate)
+        is_plain = compiled is not None and self.is_translated_alone and not self._joined
+        return self._ends.fast_translation(compiled) if compiled and is_plain else None
+
+    @property
+    def is_translated_alone(self) -> bool:
+        """Whether nothing but the translation is to know of a message."""
+        return True
+
+    def _note_unknown(self, left_out: int) -> None:
+        """Counts fields that a core has left out, a bit for each."""
+        compiled = compiled_of(self._translate)
+        for path in () if compiled is None else compiled.paths_of(left_out):
+            self.drop_field.unknown(path)
+
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.
 

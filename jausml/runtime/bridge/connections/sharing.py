@@ -83,8 +83,11 @@ class SharedMessages:
 
     def note_unasked(self, message: type[Message], note: Take, peers: PeerBinding) -> None:
         """Tells of reports of peers that nobody takes, since they are asked for in another way."""
-        noting = self._unasked.setdefault(message, BySender())
+        noting = self._unasked.setdefault(message, self._by_sender())
         noting.add(Taker(note, peers, self._count_unknown))
+
+    def _by_sender(self) -> BySender:
+        return BySender(self._component.loop.revision.changed)
 
     def _count_unknown(self, _data: bytes, _sender: JausAddress) -> None:
         self._component.counters.add("component.unknown_message")
@@ -97,9 +100,9 @@ class SharedMessages:
                 handler, which its connections share.
         """
         if when is Guard.ANY:
-            self._listeners.setdefault(message, BySender()).add(taker)
+            self._listeners.setdefault(message, self._by_sender()).add(taker)
         else:
-            self._commands.setdefault(message, (when, BySender()))[1].add(taker)
+            self._commands.setdefault(message, (when, self._by_sender()))[1].add(taker)
 
     def handle(self) -> None:
         """Begins to take the messages that were asked for."""

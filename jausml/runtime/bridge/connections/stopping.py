@@ -124,6 +124,7 @@ class Stopping:
         """Sends messages the way that fits the case."""
         rests = self.stopped is not None or self._halt is not None
         self._switch.unusual = self.take if rests else self.observing()
+        self._ends.loop.revision.changed()
         if not rests and self._guarded is not None:
             self._guarded.arm(True)  # noqa: FBT003
 

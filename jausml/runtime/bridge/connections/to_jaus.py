@@ -117,6 +117,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._refusing = tuple(peer for peer in prepared if peer not in obeying)
         is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
         self._sink.deliver = self._senders[0] if is_simple else self.deliver
+        self._ends.loop.revision.changed()
 
     def choose_way(self) -> None:
         """Sends messages the way that fits the case."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...base.fast_path import FastPath, through
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
@@ -160,7 +161,32 @@ class ToTopics(Connection[SourceT, TargetT]):
                 if not publisher.matched:
                     publisher.unmatched += 1
 
-        return take
+        return self._through(take, switch)
+
+    def _through(self, take: Take, switch: Switch) -> Take:
+        """Returns what takes messages, with the fast path of those that a core publishes."""
+        address = getattr(self._publisher, "address", 0)
+        if self.form is not Form.COMPILED or not address:
+            return take
+        counts, publisher, unknown = self.statistics, self._publisher, self._note_unknown
+
+        def passed(_payload: bytes, _number: int, at: float, left_out: int) -> None:
+            counts.arrivals += 1
+            counts.heard = counts.last_arrival = at
+            counts.passed += 1
+            counts.alone += 1
+            if not publisher.matched:
+                publisher.unmatched += 1
+            if left_out:
+                unknown(left_out)
+
+        def find(_sender: JausAddress) -> FastPath | None:
+            translation = None if switch.unusual is not None else self._fast_translation()
+            if translation is None:
+                return None
+            return FastPath(self._message.CODE, translation, address, passed)
+
+        return through(take, find)
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message with a TimeStamp."""
@@ -410,6 +436,11 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def _made_transcode(self) -> Transcode:
         transcode = super()._made_transcode()
         return transcode if self._memory is None else self._memory.remembering(transcode)
+
+    @property
+    def is_translated_alone(self) -> bool:
+        """Whether no command is to be remembered for who asks."""
+        return self._memory is None
 
     def _stands(self) -> bool:
         """Whether what was commanded last has not given way to a stop."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ...base.fast_path import fast_path_of, through
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
+    from ...base.fast_path import FastPath
     from ...clients.peer_search import PeerBinding
 
     Take = Callable[[bytes, Any], None]
@@ -36,16 +39,22 @@ class BySender:
     A message that no connection wants is counted by the first one that names its senders, once.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, changed: Callable[[], None]) -> None:
+        """Has no connections yet.
+
+        Args:
+            changed: Told when messages of a sender may go to others than before.
+        """
+        self._changed = changed
         self._takers: list[Taker] = []
         self._known: dict[JausAddress, tuple[Take, ...]] = {}
 
     def add(self, taker: Taker) -> None:
         """Adds a connection."""
         self._takers.append(taker)
-        self._known.clear()
+        self._forget()
         if taker.senders is not None:
-            taker.senders.on_change(self._known.clear)
+            taker.senders.on_change(self._forget)
 
     @property
     def are_commands(self) -> bool:
@@ -62,7 +71,15 @@ class BySender:
             for each in known.get(sender) or find(sender):
                 each(data, sender)
 
-        return take
+        def fast_path(sender: JausAddress) -> FastPath | None:
+            takers = known.get(sender, ())
+            return fast_path_of(takers[0], sender) if len(takers) == 1 else None
+
+        return through(take, fast_path)
+
+    def _forget(self) -> None:
+        self._known.clear()
+        self._changed()
 
     def _find(self, sender: JausAddress) -> tuple[Take, ...]:
         wanting = [

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.clocks import Timing
+    from ...base.fast_path import FastSending
     from ...base.loop import Loop
     from ...clients.exchanges import Exchanges
     from ...clients.peer_search import PeerBinding
@@ -40,6 +41,10 @@ class RosPublisher(Protocol):
     publish: Callable[[bytes], None]
     matched: int
     unmatched: int
+
+    @property
+    def address(self) -> int:
+        """Where the client library has it; 0 where there is no such library."""
 
     @property
     def published(self) -> Published:
@@ -151,6 +156,19 @@ class RosSide(Protocol):
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
 
 
+class FastSubscriber(Protocol):
+    """Takes messages of a subscription and sends what they become, in a core."""
+
+    def take(self, wanted: int, expected: int, oldest: int) -> tuple[int, int]:
+        """Takes messages; returns how many were sent, and why no more were."""
+
+    def other(self) -> tuple[bytes, int | None, int, int]:
+        """Returns the message that is not usual: its bytes, number, when received and published."""
+
+    def look(self) -> None:
+        """Learns what Python has found out when it sent such a message."""
+
+
 class Feeder(Protocol):
     """What feeds a report."""
 
@@ -212,6 +230,16 @@ class Ends(Protocol):
 
         Args:
             note: Counts a field that is left out, as its value is no number.
+        """
+
+    def fast_translation(self, compiled: Compiled) -> Any:
+        """Returns what a core is given to translate alone; None where Python has a part in it."""
+
+    def fast_subscriber(self, subscription: int, path: FastSending) -> FastSubscriber | None:
+        """Returns what takes the messages of a subscription in a core; None where none can.
+
+        Args:
+            subscription: Its address in the client library.
         """
 
     def at(self, moment: Time) -> AbstractContextManager[None]:

@@ -140,6 +140,23 @@ class Compiled:
 
         return self._noting(with_live, made, note)
 
+    def alone(self, bridge: Any, library: ctypes.CDLL) -> Translation | None:
+        """Returns what a core is given to run the function without Python; None for one with joins.
+
+        What may change between two messages is what it is now.
+        """
+        live = _LiveValues(bridge, self)
+        if self.joins or not live.update(()):
+            return None
+        function = ctypes.cast(getattr(library, self.name), ctypes.c_void_p)
+        translation = Translation(function.value, ctypes.pointer(live.given), self.needs_clock)
+        translation.keep(live)
+        return translation
+
+    def paths_of(self, left_out: int) -> list[str]:
+        """Returns the paths of the fields that a function has left out, each a bit."""
+        return [path for at, path in enumerate(self.unknown) if left_out >> at & 1]
+
     def _noting(self, function: Function, made: _Made, note: Callable[[str], None]) -> Function:
         """Returns a function that counts the fields that are left out."""
         if not self.unknown:
@@ -175,6 +192,20 @@ class _Live(ctypes.Structure):
         ("sec", ctypes.c_int64),
         ("nanosec", ctypes.c_int64),
     )
+
+
+class Translation(ctypes.Structure):
+    """A function, the values that it is given, and whether it is told the time."""
+
+    _fields_ = (
+        ("function", ctypes.c_void_p),
+        ("live", ctypes.POINTER(_Live)),
+        ("needs_clock", ctypes.c_uint8),
+    )
+
+    def keep(self, values: _LiveValues) -> None:
+        """Lends values for as long as this is there."""
+        self._values = values
 
 
 class _Made(ctypes.Structure):

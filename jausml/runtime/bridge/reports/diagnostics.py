@@ -51,6 +51,7 @@ class Statistics:
     """Counts of one connection. Times are those of a steady clock.
 
     Attributes:
+        alone: Messages of those that passed that a compiled core has passed on alone.
         thinned: Messages that gave way to others, as the model or parameters want it.
         safe_values: Safe values sent because the source was lost.
         out_of_range: Values that their target field could not carry, by policy and field.
@@ -62,6 +63,7 @@ class Statistics:
 
     arrivals: int = 0
     passed: int = 0
+    alone: int = 0
     thinned: int = 0
     safe_values: int = 0
     stops: dict[StopReason, int] = field(default_factory=dict)

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 from time import monotonic, time_ns
 from typing import TYPE_CHECKING, Any
 
+from ..fastpath.library import ENOUGH, NOTHING
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ...base.fast_path import Revision
     from ...base.standstill import Standstill
+    from ..ends.ends import FastSubscriber
     from ..ends.topics import TopicCounts
 
 AT_ONCE = 16
@@ -42,11 +46,12 @@ class Subscription:
     counts: TopicCounts
 
 
-def reader(
+def reader(  # noqa: C901 - for its two loops over messages, which share the number expected
     subscription: Subscription,
     announced: Callable[[], int],
     standstill: Standstill,
     rearm: Callable[[int], object] | None = None,
+    revision: Revision | None = None,
 ) -> Callable[[], None]:
     """Returns what takes the messages that wait, a limited number at once.
 
@@ -57,6 +62,7 @@ def reader(
         announced: Returns how many messages to take.
         rearm: Asks for another call for so many messages. None means that `announced` is no more
             than a guess: the middleware tells by itself when more is there, and not how much.
+        revision: Of what the fast path rests on, if that is looked for.
     """
     handle, kind, take, counts = (
         subscription.handle,
@@ -101,7 +107,53 @@ def reader(
             if left and rearm is not None:
                 rearm(left)
 
-    return read
+    find = getattr(take, "fast_path", None)
+    if rearm is None or revision is None or find is None:
+        return read
+    fast: FastSubscriber | None = None
+    known = -1
+
+    def read_fast() -> None:
+        """Has a core take what is usual, and takes what is not as `read` does."""
+        nonlocal expected, fast, known
+        if monotonic() > standstill.due:
+            standstill.end()
+        if revision.number != known:
+            known, fast = revision.number, find(handle.pointer)
+        if fast is None:
+            read()
+            return
+        left = announced()
+        rest = left - AT_ONCE if left > AT_ONCE else 0
+        oldest = time_ns() - age_limit
+        try:
+            while left > rest:
+                sent, why = fast.take(left - rest, expected, oldest)
+                left -= sent
+                counts.taken += sent
+                expected += sent
+                if why == ENOUGH:
+                    continue
+                if why == NOTHING:
+                    counts.lost += left
+                    left = 0
+                    return
+                left -= 1
+                data, number, received, published = fast.other()
+                counts.taken += 1
+                expected = expected + 1 if number == expected else follow(expected, number)
+                if 0 < received < oldest:
+                    counts.too_old += 1
+                else:
+                    take(data, published)
+                    fast.look()
+                if revision.number != known:
+                    return
+        finally:
+            if left:
+                rearm(left)
+
+    return read_fast
 
 
 class _Publishers:

@@ -143,6 +143,11 @@ class NodePublisher:
         self.unmatched = 0
         self._class = ros_class
 
+    @property
+    def address(self) -> int:
+        """Where the client library has it."""
+        return int(self.handle.pointer)
+
     def publish_message(self, message: Any) -> None:
         """Publishes an object of the class of rclpy, from any thread."""
         if not isinstance(message, self._class):

@@ -8,7 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from ...base.address import JausAddress
     from .packet import Packet
@@ -221,13 +221,25 @@ class DuplicateWindow:
             that is forgotten are empty.
     """
 
-    def __init__(self, seconds: float = 1.5, history: int = 512, sources: int = 256) -> None:
+    def __init__(
+        self,
+        seconds: float = 1.5,
+        history: int = 512,
+        sources: int = 256,
+        changed: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Remember nothing yet.
+
+        Args:
+            changed: Told when a pair is forgotten.
+        """
         self.seconds = seconds
         self.history = history
         self.capacity = history + max(1, history // 2)
         self.seen: OrderedDict[int, Numbers] = OrderedDict()
         self._accounts: dict[int, tuple[JausAddress, JausAddress, Account]] = {}
         self._sources = sources
+        self._changed = changed
         self._kept: deque[tuple[float, int, int, tuple[int, bytes]]] = deque()
         self._kept_size = 0
 
@@ -271,6 +283,7 @@ class DuplicateWindow:
             forgotten, numbers = self.seen.popitem(last=False)
             numbers.clear()
             self._accounts.pop(forgotten, None)
+            self._changed()
         self.seen[pair] = OrderedDict()
         return self.seen[pair]
 

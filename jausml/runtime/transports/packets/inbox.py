@@ -108,7 +108,9 @@ class Inbox(Generic[Origin]):
         self._carrier = carrier
         self._quirks = quirks
         self.arrival = Arrival()
-        self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
+        self.duplicates = DuplicateWindow(
+            settings.duplicate_window, settings.duplicate_history, changed=loop.revision.changed
+        )
         self.reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
@@ -121,7 +123,7 @@ class Inbox(Generic[Origin]):
         self.takers: dict[int, Take] = {}
         """Those of them that want payload and sender alone."""
         self.usual: dict[bytes, Any] = {}
-        """What readers know of usual packets; emptied by whoever changes what it rests on."""
+        """What readers know of usual packets; see `forget_usual`."""
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
         """Told of an acknowledgement that no packet waits for; returns whether it proves who is
         where."""
@@ -154,7 +156,7 @@ class Inbox(Generic[Origin]):
         self.receivers = {**self.receivers, address: receive}
         if take is not None:
             self.takers[address] = take
-        self.usual.clear()
+        self.forget_usual()
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -162,7 +164,12 @@ class Inbox(Generic[Origin]):
             known: receive for known, receive in self.receivers.items() if known != address
         }
         self.takers.pop(address, None)
+        self.forget_usual()
+
+    def forget_usual(self) -> None:
+        """Forget what is known of usual packets, since something of it has changed."""
         self.usual.clear()
+        self._loop.revision.changed()
 
     def close(self) -> None:
         """Stop to watch for incomplete messages."""

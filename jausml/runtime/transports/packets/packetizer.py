@@ -46,6 +46,9 @@ class Packetizer:
         self._draw = random.randrange if draw is None else draw
         self._fragment_size = fragment_size
         self._numbers: dict[tuple[int, int], _Numbers] = {}
+        self.counting: Callable[[int], Iterator[int]] = count
+        """Makes what counts from a number on, in steps of the interpreter; its representation is
+        that of `itertools.count`."""
 
     def refusal(self, destination: JausAddress, size: int) -> str:
         """Return the counter of what forbids to send so many bytes, if anything does."""
@@ -133,7 +136,7 @@ class Packetizer:
         if known is None:
             # A restarted sender must not repeat numbers that peers remember as seen.
             first = self._draw(0x10000)
-            known = self._numbers.setdefault(pair, _Numbers(first, count(first)))
+            known = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
         return known.following
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
@@ -159,7 +162,7 @@ class _Numbers(NamedTuple):
     """The sequence numbers of a pair."""
 
     first: int
-    following: count[int]
+    following: Iterator[int]
 
     @property
     def used(self) -> int:

@@ -13,7 +13,7 @@ from ..transport import Transport
 from .sender import Sender
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from ...base.address import JausAddress
     from ...base.loop import Loop
@@ -56,6 +56,7 @@ class DatagramTransport(Transport):
             fixed=settings.fixed_sources,
             places=settings.max_peers,
             trusts=self._trusts,
+            changed=loop.revision.changed,
         )
         self._sender = Sender(loop, port, self._book, settings.amplification_limit)
         self._messenger = Messenger(settings, loop, self._sender, self.quirks, draw)
@@ -110,6 +111,10 @@ class DatagramTransport(Transport):
             partial(messenger.cut, source, destination),
             send,
         )
+
+    def count_by(self, counting: Callable[[int], Iterator[int]]) -> None:
+        """Number packets by other means; to be called before there is a sender."""
+        self._messenger.packetizer.counting = counting
 
     @property
     def inbox(self) -> Inbox[Endpoint]:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ...base.standstill import Watch
     from ..delivery import Receive, Take
     from ..packets.packet import Priority
+    from .drops import Receiver
 
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
@@ -48,6 +49,7 @@ class JudpTransport(DatagramTransport):
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
         self._usual = Usual(self._port, self._book, self._inbox)
+        self._receive_by: Callable[[socket.socket], Receiver] | None = None
         self._standstill: Watch | None = None
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
@@ -116,9 +118,24 @@ class JudpTransport(DatagramTransport):
         if sock is not None:
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
+    def receive_by(self, make: Callable[[socket.socket], Receiver] | None) -> None:
+        """Receive the datagrams to this process by other means, or by the socket again.
+
+        Args:
+            make: Returns what receives from a socket what is to be taken here.
+        """
+        with self.loop.lock:
+            self._receive_by = make
+            sock = self._port.unicast
+            if sock is not None:
+                self.loop.unregister(sock)
+                self._watch(sock)
+
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
+        if self._receive_by is not None and not by_multicast and receive == sock.recvfrom:
+            receive = self._receive_by(sock)
         return reader(receive, self.loop, self._usual, self._sender.put, otherwise)
 
     def receive_datagram(
@@ -188,7 +205,7 @@ class JudpTransport(DatagramTransport):
         """Try to own the port; until then tell its owner again and again who lives here."""
         self._takeover = None
         if not self._port.is_owner and self._port.take_over():
-            self._inbox.usual.clear()
+            self._inbox.forget_usual()
             self._watch(self._port.unicast)
             self.counters.add("judp.port_taken_over")
         if not self._port.is_owner:

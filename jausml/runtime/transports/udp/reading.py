@@ -147,7 +147,7 @@ class Usual:
             and origin not in self._port.endpoints
         ):
             if len(inbox.usual) >= _MAX_WAYS:
-                inbox.usual.clear()
+                inbox.forget_usual()
             inbox.usual[data[_ENDS]] = _Way(destination, source, flags, entry, numbers, take)
 
 

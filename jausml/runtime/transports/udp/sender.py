@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
+import socket
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from ...base.fast_path import Outlet, through
 from ...base.settings import Endpoint
 from ..address_book import AddressBook, Doubt
 from ..delivery import MESSAGE_CODE_SIZE
@@ -29,7 +33,7 @@ if TYPE_CHECKING:
     from ..packets.packet import Packet, Priority
 
 
-class Outlet(Protocol):
+class Exit(Protocol):
     """What datagrams leave through: a socket, as a rule."""
 
     def sendto(self, datagram: bytes, endpoint: Endpoint, /) -> int:
@@ -40,7 +44,7 @@ class Port(Protocol):
     """What a sender needs of a port; ``SharedPort`` is that of a host."""
 
     @property
-    def unicast(self) -> Outlet | None:
+    def unicast(self) -> Exit | None:
         """What datagrams leave through, while the port is open."""
 
     @property
@@ -148,7 +152,7 @@ class Sender(Carrier[Endpoint]):
         pack, pack_number, join = DATAGRAM_HEADER.pack, SEQUENCE.pack, b"".join
 
         def put_all(
-            parts: Iterable[tuple[bytes, int, int]], sock: Outlet, endpoint: Endpoint
+            parts: Iterable[tuple[bytes, int, int]], sock: Exit, endpoint: Endpoint
         ) -> None:
             try:
                 with lock:
@@ -189,4 +193,34 @@ class Sender(Carrier[Endpoint]):
             except OSError as error:
                 counters.count("judp.send_failed", f"{entry.endpoint}: {error}")
 
-        return send
+        ends = source, destination, priority
+        return through(send, partial(self._outlet, *ends, numbers, longest, inbox))
+
+    def _outlet(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        priority: Priority,
+        numbers: Iterator[int],
+        longest: int,
+        inbox: Inbox[Endpoint],
+    ) -> Outlet:
+        """Return how a core sends in the usual case of `prepare`."""
+        learnt, counters = self._book.learnt, self._loop.counters
+
+        def place() -> tuple[int, Endpoint, float] | None:
+            entry, sock = learnt.get(destination), self._port.unicast
+            if not isinstance(sock, socket.socket) or entry is None:
+                return None
+            is_elsewhere = entry.claim is not None or destination in inbox.receivers
+            return None if is_elsewhere else (sock.fileno(), entry.endpoint, entry.heard)
+
+        def note(datagrams: int, error: int) -> None:
+            self._sent.count += datagrams
+            if error:
+                entry = learnt.get(destination)
+                where = "" if entry is None else entry.endpoint
+                counters.count("judp.send_failed", f"{where}: {os.strerror(error)}")
+
+        lifetime = self._book.lifetime
+        return Outlet(source, destination, priority, longest, lifetime, numbers, place, note)

@@ -1,0 +1,526 @@
+// The usual way of a message between a socket and ROS, in one call of the loop of the bridge.
+//
+// Python finds out what the usual messages are, and lends what they need: routes by header and code,
+// the places of peers, the publishers and subscriptions of rclpy. Whatever is not usual is handed
+// back with the bytes that were read, and Python takes it as if it had read them itself. What was
+// done is told for each message, and Python writes it down where it would have done so.
+//
+// Every call is made with the lock of the interpreter held.
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+
+#include <cerrno>
+#include <ctime>
+#include <memory>
+#include <new>
+#include <unordered_map>
+
+#include "core.hpp"
+
+namespace jausml {
+
+using Translate = std::int64_t (*)(const std::uint8_t*, std::size_t, const Live*, Made*);
+
+// What the client library of ROS has, whose headers may not be there.
+struct Allocator {
+    void* (*allocate)(std::size_t, void*);
+    void (*deallocate)(void*, void*);
+    void* (*reallocate)(void*, std::size_t, void*);
+    void* (*zero_allocate)(std::size_t, std::size_t, void*);
+    void* state;
+};
+
+struct Serialized {
+    std::uint8_t* data;
+    std::size_t size;
+    std::size_t capacity;
+    Allocator allocator;
+};
+
+struct MessageInfo {
+    std::int64_t published;
+    std::int64_t received;
+    std::uint64_t number;
+    std::uint64_t reception_number;
+    std::uint8_t rest[64];
+};
+
+struct Ros {
+    int (*publish)(const void*, const Serialized*, void*);
+    int (*take)(const void*, Serialized*, MessageInfo*, void*);
+    void (*forget_error)();
+    Allocator (*allocator)();
+};
+
+// A translation with what may change between two messages.
+struct Translation {
+    Translate translate;
+    Live* live;
+    std::uint8_t needs_clock;
+
+    std::int64_t run(const std::uint8_t* data, std::size_t size, Made& made) const {
+        if (needs_clock != 0) {
+            timespec now{};
+            clock_gettime(CLOCK_REALTIME, &now);
+            live->sec = now.tv_sec;
+            live->nanosec = now.tv_nsec;
+        }
+        return translate(data, size, live, &made);
+    }
+};
+
+inline double monotonic() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+inline std::uint32_t little(const std::uint8_t* data, std::size_t size) {
+    std::uint32_t found = 0;
+    for (std::size_t at = size; at-- > 0;) found = found << 8 | data[at];
+    return found;
+}
+
+inline void put_little(std::uint8_t* data, std::uint32_t value, std::size_t size) {
+    for (std::size_t at = 0; at < size; ++at) data[at] = static_cast<std::uint8_t>(value >> 8 * at);
+}
+
+// A datagram of JUDP (AS5669A): version, type, size, flags, destination, source; then the payload
+// and the sequence number.
+constexpr std::size_t HEADER = 13;
+constexpr std::size_t NUMBER = 2;
+constexpr std::size_t EMPTY = HEADER - 1 + NUMBER;
+constexpr std::size_t CODE = 2;
+constexpr std::uint32_t VERSION = 2;
+constexpr std::uint32_t EVENT = 0x41F1;
+constexpr std::size_t EVENT_HEADER = 8;
+constexpr std::size_t LARGEST = 65536;
+
+// The sequence numbers that came lately, of which those that Python remembers are some.
+class Window {
+public:
+    bool has(std::uint16_t number) const { return (bits_[number >> 6] >> (number & 63) & 1) != 0; }
+
+    void add(std::uint16_t number) {
+        if (has(number)) return;
+        if (count_ >= KEPT) {
+            const std::uint16_t oldest = order_[count_ % KEPT];
+            bits_[oldest >> 6] &= ~(std::uint64_t{1} << (oldest & 63));
+        }
+        order_[count_++ % KEPT] = number;
+        bits_[number >> 6] |= std::uint64_t{1} << (number & 63);
+    }
+
+private:
+    static constexpr std::size_t KEPT = 1024;
+    std::array<std::uint64_t, 1024> bits_{};
+    std::array<std::uint16_t, KEPT> order_{};
+    std::size_t count_ = 0;
+};
+
+// What is known of the messages of one kind from one component; Python reads and writes it too.
+struct Order {
+    double latest_at;
+    std::uint16_t latest;
+    std::uint8_t has_latest;
+    std::uint8_t expected;
+};
+
+// Which messages are usual, and what is done with them.
+struct Route {
+    std::uint32_t source;
+    std::uint32_t destination;
+    std::uint32_t host;
+    std::uint32_t code;
+    std::uint16_t port;
+    std::uint8_t flags;
+    std::uint8_t answer;
+    std::uint8_t is_event;
+    std::uint8_t event;
+    std::uint8_t is_ordered;
+    std::uint32_t index;
+    const void* publisher;
+    const Translation* translation;
+    Order order;
+};
+
+// A message that was taken.
+struct Taken {
+    double at;
+    std::uint64_t unknown;
+    const std::uint8_t* data;
+    std::size_t size;
+    std::uint32_t index;
+    std::uint16_t number;
+    std::uint8_t was_answered;
+};
+
+// Why no more messages were taken: none is there, enough are done, one is not usual, or the system
+// says no.
+enum Left : std::int32_t { NOTHING, ENOUGH, OTHER, FAILED };
+
+// What was received, and the datagram that is not usual.
+struct Received {
+    static constexpr std::size_t AT_ONCE = 32;
+
+    Taken taken[AT_ONCE];
+    std::size_t count;
+    const std::uint8_t* data;
+    std::size_t size;
+    std::uint32_t host;
+    std::uint32_t port;
+    std::int32_t error;
+};
+
+// Receives from a socket.
+class Receiver {
+public:
+    explicit Receiver(const Ros& ros) : ros_(ros), allocator_(ros.allocator()) {}
+
+    void forget() {
+        routes_.clear();
+        windows_.clear();
+    }
+
+    // Adds a route; returns what Python shares of it.
+    Order* add(const Route& route, const std::uint16_t* numbers, std::size_t count) {
+        auto& window = windows_[pair(route.source, route.destination)];
+        if (!window) {
+            window = std::make_unique<Window>();
+            for (std::size_t at = 0; at < count; ++at) window->add(numbers[at]);
+        }
+        auto& known = routes_[key(route)];
+        known = std::make_unique<Route>(route);
+        return &known->order;
+    }
+
+    // Reads what has come, at most what is wanted at once, until something is not usual.
+    //
+    // To find that nothing more has come costs more than a datagram, after a pause. So more than one
+    // is looked for only when one follows the other.
+    Left receive(int sock, int answering, Received& out) {
+        out.count = 0;
+        now_ = monotonic();
+        if (now_ - latest_ > PAUSE) burst_ = 1;
+        latest_ = now_;
+        for (std::size_t done = 0; done < burst_; ++done) {
+            sockaddr_in origin{};
+            socklen_t length = sizeof origin;
+            std::uint8_t* const into = buffers_[done].data();
+            const ssize_t got = recvfrom(sock, into, LARGEST, 0,
+                                         reinterpret_cast<sockaddr*>(&origin), &length);
+            if (got < 0) {
+                burst_ = 1;
+                out.error = errno;
+                return out.error == EAGAIN || out.error == EWOULDBLOCK ? NOTHING : FAILED;
+            }
+            if (!take(into, static_cast<std::size_t>(got), origin, answering, out)) {
+                out.data = into;
+                out.size = static_cast<std::size_t>(got);
+                out.host = ntohl(origin.sin_addr.s_addr);
+                out.port = ntohs(origin.sin_port);
+                return OTHER;
+            }
+        }
+        burst_ = std::min(2 * burst_, Received::AT_ONCE);
+        return ENOUGH;
+    }
+
+private:
+    static constexpr double PAUSE = 0.0002;
+    static constexpr double LATEST = 2.0;
+    static constexpr std::uint16_t FARTHEST = 1024;
+
+    static std::uint64_t pair(std::uint32_t source, std::uint32_t destination) {
+        return std::uint64_t{source} << 32 | destination;
+    }
+
+    // Components have 32 bits and so has what a message is: a mixture of both finds the route.
+    static std::uint64_t key(const Route& route) {
+        return key(route.source, route.destination, route.flags,
+                   route.is_event != 0 ? EVENT : route.code, route.event);
+    }
+
+    static std::uint64_t key(std::uint32_t source, std::uint32_t destination, std::uint32_t flags,
+                             std::uint32_t code, std::uint32_t event) {
+        const std::uint64_t what = flags << 24 | code << 8 | event;
+        return pair(source, destination) * 0x9E3779B97F4A7C15u ^ what;
+    }
+
+    bool take(const std::uint8_t* const in, std::size_t length, const sockaddr_in& origin,
+              int answering, Received& out) {
+        if (length < HEADER + CODE + NUMBER || little(in + 2, 2) != length - 1 ||
+            little(in, 2) != VERSION)
+            return false;
+        const std::uint32_t destination = little(in + 5, 4), source = little(in + 9, 4);
+        const auto window = windows_.find(pair(source, destination));
+        if (window == windows_.end()) return false;
+        const auto number = static_cast<std::uint16_t>(little(in + length - NUMBER, NUMBER));
+        if (window->second->has(number)) return false;
+        window->second->add(number);
+        const std::uint8_t* const payload = in + HEADER;
+        const std::size_t size = length - HEADER - NUMBER;
+        const std::uint32_t code = little(payload, CODE);
+        const std::uint32_t event = code == EVENT && size > CODE ? payload[CODE] : 0;
+        const auto found = routes_.find(key(source, destination, in[4], code, event));
+        if (found == routes_.end()) return false;
+        Route& route = *found->second;
+        if (route.source != source || route.destination != destination || route.flags != in[4] ||
+            route.host != ntohl(origin.sin_addr.s_addr) || route.port != ntohs(origin.sin_port))
+            return false;
+        const std::size_t before = route.is_event != 0 ? EVENT_HEADER : 0;
+        if (route.is_event != 0 &&
+            (size < EVENT_HEADER + CODE || payload[3] != route.order.expected ||
+             little(payload + 4, 4) != size - EVENT_HEADER))
+            return false;
+        if (little(payload + before, CODE) != route.code || !is_newest(route, number)) return false;
+        std::uint64_t unknown = 0;
+        if (!publish(route, payload + before, size - before, unknown)) return false;
+        const bool is_answered = route.answer != 0;
+        if (is_answered) answer(route, number, origin, answering);
+        out.taken[out.count++] = {now_,  unknown, payload, size, route.index, number,
+                                  static_cast<std::uint8_t>(is_answered)};
+        return true;
+    }
+
+    // Whether a command is newer than what came before it of the same source.
+    bool is_newest(Route& route, std::uint16_t number) const {
+        if (route.is_ordered == 0) return true;
+        Order& order = route.order;
+        const auto behind = static_cast<std::uint16_t>(order.latest - number);
+        if (order.has_latest != 0 && behind > 0 && behind <= FARTHEST &&
+            now_ - order.latest_at < LATEST)
+            return false;
+        order.latest = number;
+        order.latest_at = now_;
+        order.has_latest = 1;
+        return true;
+    }
+
+    bool publish(Route& route, const std::uint8_t* message, std::size_t size,
+                 std::uint64_t& unknown) {
+        Made made{nullptr, 0};
+        const std::int64_t made_size = route.translation->run(message, size, made);
+        if (made_size < 0) return false;
+        // Nobody writes to what is published, though the type would allow it.
+        const auto out = static_cast<std::size_t>(made_size);
+        const Serialized serialized{const_cast<std::uint8_t*>(made.data), out, out, allocator_};
+        if (ros_.publish(route.publisher, &serialized, nullptr) != 0) {
+            ros_.forget_error();
+            return false;
+        }
+        if (route.is_event != 0) ++route.order.expected;
+        unknown = made.unknown;
+        return true;
+    }
+
+    static void answer(const Route& route, std::uint16_t number, const sockaddr_in& origin,
+                       int answering) {
+        std::uint8_t out[HEADER + NUMBER];
+        put_little(out, VERSION, 2);
+        put_little(out + 2, EMPTY, 2);
+        out[4] = route.answer;
+        put_little(out + 5, route.source, 4);
+        put_little(out + 9, route.destination, 4);
+        put_little(out + HEADER, number, NUMBER);
+        sendto(answering, out, sizeof out, 0, reinterpret_cast<const sockaddr*>(&origin),
+               sizeof origin);
+    }
+
+    Ros ros_;
+    Allocator allocator_;
+    std::unordered_map<std::uint64_t, std::unique_ptr<Window>> windows_;
+    std::unordered_map<std::uint64_t, std::unique_ptr<Route>> routes_;
+    std::array<std::array<std::uint8_t, LARGEST>, Received::AT_ONCE> buffers_;
+    std::size_t burst_ = 1;
+    double latest_ = 0.0;
+    double now_ = 0.0;
+};
+
+// Where the messages of a subscription go, as one datagram or several.
+struct Destination {
+    std::uint32_t host;
+    std::uint16_t port;
+    std::uint8_t flags;
+    std::int32_t sock;
+    std::uint32_t destination;
+    std::uint32_t source;
+    std::size_t longest;
+    double lifetime;
+    double heard;
+    std::uint64_t* numbers;
+};
+
+struct Sent {
+    double at;
+    std::int64_t published;
+    std::uint64_t unknown;
+    std::uint32_t datagrams;
+    std::int32_t error;
+};
+
+// What was sent, and the message that is not usual.
+struct Shipped {
+    static constexpr std::size_t AT_ONCE = 16;
+
+    Sent sent[AT_ONCE];
+    std::size_t count;
+    const std::uint8_t* data;
+    std::size_t size;
+    std::int64_t published;
+    std::int64_t received;
+    std::uint64_t number;
+};
+
+// Takes the messages of a subscription.
+class Subscriber {
+public:
+    Subscriber(const Ros& ros, const void* subscription, const Translation* translation,
+               const Destination* to)
+        : ros_(ros),
+          subscription_(subscription),
+          translation_(translation),
+          to_(to),
+          message_{nullptr, 0, 0, ros.allocator()} {}
+    Subscriber(const Subscriber&) = delete;
+    Subscriber& operator=(const Subscriber&) = delete;
+    ~Subscriber() {
+        if (message_.data != nullptr)
+            message_.allocator.deallocate(message_.data, message_.allocator.state);
+    }
+
+    // Takes so many messages, until there is none or one that is not usual.
+    //
+    // expected: The number of the next message, as its publisher counts.
+    // oldest: When a message was received that is too old now, in nanoseconds since 1970.
+    Left take(std::size_t wanted, std::uint64_t expected, std::int64_t oldest, Shipped& out) {
+        out.count = 0;
+        while (out.count < std::min(wanted, Shipped::AT_ONCE)) {
+            MessageInfo info{};
+            if (ros_.take(subscription_, &message_, &info, nullptr) != 0) {
+                ros_.forget_error();
+                return NOTHING;
+            }
+            const bool is_old = info.received > 0 && info.received < oldest;
+            if (info.number != expected || is_old || !pass(info, out)) {
+                out.data = message_.data;
+                out.size = message_.size;
+                out.published = info.published;
+                out.received = info.received;
+                out.number = info.number;
+                return OTHER;
+            }
+            ++expected;
+        }
+        return ENOUGH;
+    }
+
+private:
+    static constexpr std::size_t MOST_PARTS = 40;
+    static constexpr std::size_t LARGEST_PART = 4079;
+    static constexpr std::uint8_t FIRST = 1 << 6, MIDDLE = 2 << 6, LAST = 3 << 6;
+
+    bool pass(const MessageInfo& info, Shipped& out) {
+        const double now = monotonic();
+        if (now - to_->heard >= to_->lifetime) return false;
+        Made made{nullptr, 0};
+        const std::int64_t size = translation_->run(message_.data, message_.size, made);
+        if (size < static_cast<std::int64_t>(CODE)) return false;
+        Sent& done = out.sent[out.count++];
+        done = {now, info.published, made.unknown, 0, 0};
+        send_all(made.data, static_cast<std::size_t>(size), done);
+        return true;
+    }
+
+    void send_all(const std::uint8_t* data, std::size_t size, Sent& done) const {
+        if (size <= to_->longest) {
+            send_part(data, size, to_->flags, done);
+            return;
+        }
+        const std::size_t needed = (size + MOST_PARTS - 1) / MOST_PARTS;
+        const std::size_t step = std::max(to_->longest, std::min(LARGEST_PART, needed));
+        for (std::size_t at = 0; at < size && done.error == 0; at += step) {
+            const bool is_last = at + step >= size;
+            const std::uint8_t place = at == 0 ? FIRST : is_last ? LAST : MIDDLE;
+            send_part(data + at, std::min(step, size - at), to_->flags | place, done);
+        }
+    }
+
+    void send_part(const std::uint8_t* data, std::size_t size, std::uint8_t flags, Sent& done) const {
+        std::uint8_t header[HEADER], number[NUMBER];
+        put_little(header, VERSION, 2);
+        put_little(header + 2, static_cast<std::uint32_t>(EMPTY + size), 2);
+        header[4] = flags;
+        put_little(header + 5, to_->destination, 4);
+        put_little(header + 9, to_->source, 4);
+        put_little(number, static_cast<std::uint32_t>((*to_->numbers)++), NUMBER);
+        iovec parts[] = {{header, HEADER},
+                         {const_cast<std::uint8_t*>(data), size},
+                         {number, NUMBER}};
+        sockaddr_in target{};
+        target.sin_family = AF_INET;
+        target.sin_addr.s_addr = htonl(to_->host);
+        target.sin_port = htons(to_->port);
+        msghdr message_out{};
+        message_out.msg_name = &target;
+        message_out.msg_namelen = sizeof target;
+        message_out.msg_iov = parts;
+        message_out.msg_iovlen = 3;
+        if (sendmsg(to_->sock, &message_out, 0) < 0)
+            done.error = errno;
+        else
+            ++done.datagrams;
+    }
+
+    Ros ros_;
+    const void* subscription_;
+    const Translation* translation_;
+    const Destination* to_;
+    Serialized message_;
+};
+
+}  // namespace jausml
+
+// What Python calls. Pointers that it gives stay its own, and outlive what is made here.
+
+JAUSML_EXPORT jausml::Receiver* jausml_receiver(const jausml::Ros* ros) {
+    return new (std::nothrow) jausml::Receiver(*ros);
+}
+
+JAUSML_EXPORT void jausml_receiver_end(const jausml::Receiver* receiver) { delete receiver; }
+
+JAUSML_EXPORT void jausml_receiver_forget(jausml::Receiver* receiver) { receiver->forget(); }
+
+JAUSML_EXPORT jausml::Order* jausml_receiver_add(jausml::Receiver* receiver,
+                                                 const jausml::Route* route,
+                                                 const std::uint16_t* numbers, std::size_t count) {
+    try {
+        return receiver->add(*route, numbers, count);
+    } catch (...) {
+        return nullptr;
+    }
+}
+
+JAUSML_EXPORT std::int32_t jausml_receive(jausml::Receiver* receiver, int sock, int answering,
+                                          jausml::Received* out) {
+    return receiver->receive(sock, answering, *out);
+}
+
+JAUSML_EXPORT jausml::Subscriber* jausml_subscriber(const jausml::Ros* ros, const void* subscription,
+                                                    const jausml::Translation* translation,
+                                                    const jausml::Destination* to) {
+    return new (std::nothrow) jausml::Subscriber(*ros, subscription, translation, to);
+}
+
+JAUSML_EXPORT void jausml_subscriber_end(const jausml::Subscriber* subscriber) { delete subscriber; }
+
+JAUSML_EXPORT std::int32_t jausml_take(jausml::Subscriber* subscriber, std::size_t wanted,
+                                       std::uint64_t expected, std::int64_t oldest,
+                                       jausml::Shipped* out) {
+    return subscriber->take(wanted, expected, oldest, *out);
+}
+
+JAUSML_EXPORT std::uint64_t jausml_next_number(std::uint64_t* numbers) { return (*numbers)++; }

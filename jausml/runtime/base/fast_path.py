@@ -1,0 +1,109 @@
+"""The fast path of messages: what a compiled core may do alone, told by all who have a say in it.
+
+Between a socket and a connection of a bridge a message meets who counts packets, who keeps commands
+in order, who guards them, who hands out events. A function of theirs that takes messages may carry
+what finds the fast path through it (`through`). It is found when messages go the usual way, and is
+good until something that it rests on changes (`Revision`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from .address import JausAddress
+
+    Find = Callable[[JausAddress], "FastPath | None"]
+    Passed = Callable[[bytes, int, float, int], None]
+    """Told of a message that was published: its payload, its sequence number, when it was received,
+    and a bit for each field that was left out."""
+
+TakeT = TypeVar("TakeT", bound="Callable[..., Any]")
+
+
+class Revision:
+    """Grows whenever something changes on which the usual way of messages rests."""
+
+    __slots__ = ("number",)
+
+    def __init__(self) -> None:
+        self.number = 0
+
+    def changed(self) -> None:
+        """Ends all fast paths that were found before."""
+        self.number += 1
+
+
+@dataclass(frozen=True)
+class FastPath:
+    """How a connection to ROS has the messages of one component translated and published.
+
+    Attributes:
+        code: Message code of what is translated: for an event, that of its report.
+        translation: What the core is given to translate, a structure of its own.
+        publisher: Address of the publisher of the client library.
+        passed: Told of each message afterwards.
+        latest: Number and time of the latest command, of which older ones are late; None where
+            nobody minds.
+        expected: The number of the next report of an event.
+    """
+
+    code: int
+    translation: Any
+    publisher: int
+    passed: Passed
+    latest: Callable[[], tuple[int, float] | None] | None = None
+    expected: Callable[[], int | None] | None = None
+
+
+@dataclass(frozen=True)
+class FastSending:
+    """How a connection from ROS has messages translated and sent to one component.
+
+    Attributes:
+        translation: What the core is given to translate.
+        outlet: Where the messages go.
+        passed: Told of each message afterwards: when it was taken, when it was published in
+            nanoseconds by the clock of its publisher, and which fields were left out.
+    """
+
+    translation: Any
+    outlet: Outlet
+    passed: Callable[[float, int, int], None]
+
+
+@dataclass(frozen=True)
+class Outlet:
+    """How payloads go from one component to another that is known and was heard lately.
+
+    Attributes:
+        numbers: Gives the sequence numbers, and tells where they are counted.
+        endpoint: Returns where the component is, and when it was heard there; None while that is
+            not known, or payloads go another way.
+        sent: Told of datagrams that have gone, and why others have not: an error of the system, or
+            0.
+    """
+
+    source: int
+    destination: int
+    priority: int
+    longest: int
+    lifetime: float
+    numbers: Iterator[int]
+    endpoint: Callable[[], tuple[int, tuple[str, int], float] | None]
+    sent: Callable[[int, int], None]
+
+
+def through(take: TakeT, find: Callable[..., Any]) -> TakeT:
+    """Returns a function that takes messages, with what finds the fast path through it."""
+    vars(take)["fast_path"] = find
+    return take
+
+
+def fast_path_of(take: Callable[..., Any], sender: JausAddress) -> FastPath | None:
+    """Returns the fast path of a component through what takes its messages; None without one."""
+    find: Find | None = getattr(take, "fast_path", None)
+    return None if find is None else find(sender)

@@ -1,0 +1,1 @@
+"""The fast path: messages that pass a compiled core without Python between socket and ROS."""

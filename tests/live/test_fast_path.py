@@ -1,0 +1,380 @@
+"""Messages that a compiled core passes on alone, and those among them that it leaves to Python."""
+
+from __future__ import annotations
+
+import random
+import socket
+import struct
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from jausml.generation import native
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, Event
+from jausml.runtime.transports.packets.packet import (
+    AckNak,
+    Packet,
+    Priority,
+    parse_datagram,
+)
+
+from .bridge_support import Process, RosPeer, generate, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.skipif(native.compiler() is None, reason="no compiler"),
+    pytest.mark.timeout(240),
+]
+
+MODEL = Path(__file__).with_name("fast_path.ros2jaus")
+BRIDGE, PEER = JausAddress(1, 1, 10), JausAddress(1, 1, 1)
+MOST = 120
+"""Seconds that a script may take."""
+
+NOT_COMPARED = ("unheard", "translation", "passed on by the core", "rate (Hz)", "age (s)")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("workspace")
+    found = generate(folder, MODEL)
+    (built,) = native.build(native.cores(folder), native.compiler())
+    assert not built.reason, built
+    return found
+
+
+@pytest.fixture(params=[False, True], ids=["Python", "core"])
+def system(request, path, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    made = System(path, tmp_path / "bridge.log", compiled=request.param)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def point(x, y=0.0, sec=5, nanosec=7):
+    return struct.pack("<HiIdd", 0xD101, sec, nanosec, x, y)
+
+
+def speed(vx):
+    return struct.pack("<Hd", 0xD102, vx)
+
+
+def report(x, y=0.0):
+    return struct.pack("<Hdd", 0xD107, x, y)
+
+
+class System:
+    """A bridge, its JAUS peer on a socket of the test, and a node of the test."""
+
+    def __init__(self, path, log, *, compiled):
+        from diagnostic_msgs.msg import DiagnosticArray
+        from geometry_msgs.msg import Point, PointStamped, TwistStamped
+
+        self.port, self.is_compiled = free_port(), compiled
+        line = ["-m", "fast.main", "--jaus-port", str(self.port), "--ros-args"]
+        line += ["-p", f"compiled:={compiled}".lower(), "-p", "diagnostics_frequency:=10.0"]
+        self.peer = RawPeer(self.port)
+        self.process = Process(line, path, log)
+        self.ros = RosPeer()
+        wait_for(lambda: " runs as " in log.read_text(), "start")
+        self.points = self.ros.listen_to_publisher(PointStamped, "point_up", 1000)
+        self.speeds = self.ros.listen_to_publisher(TwistStamped, "speed_up", 1000)
+        self.reports = self.ros.listen_to_publisher(Point, "report_up", 1000)
+        self.told = self.ros.listen_to_publisher(DiagnosticArray, "/diagnostics")
+        greeted = 0
+
+        def is_reached():  # the bridge may find the subscription later than the other way around
+            nonlocal greeted
+            greeted += 1
+            self.peer.send(point(0.0))
+            self.peer.send(speed(0.0))
+            return self.points and self.speeds
+
+        wait_for(is_reached, "first messages")
+        self.greeted = greeted
+
+    def values(self, connection):
+        """What the bridge said last of a connection, by name."""
+        for array in reversed(list(self.told)):
+            for status in array.status:
+                if status.name.endswith(f": {connection}"):
+                    return {each.key: each.value for each in status.values}
+        return {}
+
+    def account(self, connection):
+        """The same of all messages up to now, without what depends on time and form."""
+        told = len(self.told)
+        wait_for(lambda: len(self.told) > told + 2, "diagnostics")
+        found = {k: v for k, v in self.values(connection).items() if k not in NOT_COMPARED}
+        for each in ("messages taken", "messages passed"):
+            found[each] = str(int(found[each]) - self.greeted)
+        return found
+
+    def alone(self, connection):
+        """How many messages the core has passed on alone."""
+        return int(self.values(connection).get("passed on by the core", 0))
+
+    def call(self, kind, name, request):
+        """The answer of a service of the bridge."""
+        client = self.ros.node.create_client(kind, f"/fast/{name}")
+        assert client.wait_for_service(timeout_sec=20.0)
+        future = client.call_async(request)
+        wait_for(future.done, name)
+        return future.result()
+
+    def close(self):
+        assert self.process.stop() == 0, self.process.log.read_text()
+        self.ros.close()
+        self.peer.close()
+        assert "Traceback" not in self.process.log.read_text()
+
+
+class RawPeer:
+    """A JAUS component that numbers its packets itself, and gives the event that is asked for."""
+
+    def __init__(self, port):
+        self.bridge = ("127.0.0.1", port)
+        self.number, self.reports, self.event = 100, 0, 3
+        self.came, self.left = [], Counters()
+        self.open()
+
+    def open(self):
+        self.sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
+        self.sock.bind(("127.0.0.1", 0))
+        self.sock.setblocking(False)
+
+    def send(self, payload, *, number=None, acknowledge=AckNak.NONE, damage=None):
+        if number is None:
+            self.number = number = self.number + 1 & 0xFFFF
+        packet = Packet(BRIDGE, PEER, payload, number, Priority.STANDARD, acknowledge=acknowledge)
+        data = packet.encode()
+        self.sock.sendto(data if damage is None else damage(data), self.bridge)
+
+    def send_report(self, payload, step=1):
+        message = Event(self.event, self.reports & 0xFF, payload)
+        self.reports += step
+        self.send(message.encode())
+
+    def look(self):
+        """Takes what has come, and confirms events; returns all messages so far."""
+        while True:
+            try:
+                data, _ = self.sock.recvfrom(65536)
+            except BlockingIOError:
+                return self.came
+            for packet in parse_datagram(data, self.left):
+                if packet.acknowledge is AckNak.REQUESTED:
+                    ack = Packet(BRIDGE, PEER, b"", packet.sequence, packet.priority)
+                    self.sock.sendto(ack._replace(acknowledge=AckNak.ACK).encode(), self.bridge)
+                self.came.append(packet)
+                if packet.payload[:2] == CreateEvent.CODE.to_bytes(2, "little"):
+                    asked = CreateEvent.decode(packet.payload)
+                    self.send(ConfirmEventRequest(asked.request_id, self.event, 0.0).encode())
+
+    def of_code(self, *codes):
+        """The payloads with some codes, and the number of each packet."""
+        return [
+            (each.payload, each.sequence)
+            for each in self.look()
+            if int.from_bytes(each.payload[:2], "little") in codes
+        ]
+
+    def close(self):
+        self.sock.close()
+
+
+def confirmed(system):
+    """Waits until the bridge has its event."""
+
+    def is_there():
+        system.peer.look()
+        return system.values("report_up").get("peer 1.1.1") == "confirmed"
+
+    wait_for(is_there, "event")
+
+
+def script(seed):
+    """Yields what a peer does, of which a part is not usual."""
+    rng = random.Random(seed)
+    for step in range(300):
+        kind = rng.randrange(20)
+        x = step + rng.random()
+        if kind < 8:
+            yield "point", {"payload": point(x, -x)}
+        elif kind < 13:
+            yield "speed", {"payload": speed(rng.uniform(-10, 10))}
+        elif kind == 13:
+            yield "speed", {"payload": speed(rng.choice([500.0, -21.0, float("nan")]))}
+        elif kind == 14:
+            yield "again", {}
+        elif kind == 15:
+            yield "point", {"payload": point(x)[: rng.randrange(2, 20)]}
+        elif kind == 16:
+            yield "point", {"payload": point(x), "acknowledge": AckNak.REQUESTED}
+        elif kind == 17:
+            cut = rng.randrange(1, 9)
+            yield "point", {"payload": point(x), "damage": lambda data, cut=cut: data[:-cut]}
+        elif kind == 18:
+            yield "unknown", {"payload": b"\x77\x77" + bytes(rng.randrange(4))}
+        else:
+            yield "late", {"payload": point(x)}
+
+
+def run(system, seed):
+    """Plays a script; returns what came of it."""
+    peer, latest = system.peer, None
+    first = peer.number
+    for what, how in script(seed):
+        if what == "again" and latest is not None:
+            peer.send(latest, number=peer.number)
+        elif what == "late":
+            peer.number = peer.number + 1 & 0xFFFF  # another one overtakes it
+            late = peer.number
+            peer.send(point(-1.0))
+            peer.send(how["payload"], number=late)
+        elif what != "again":
+            peer.send(**how)
+            latest = how["payload"] if "damage" not in how else None
+    peer.send(point(9999.0))
+    wait_for(lambda: system.points[-1].point.x == 9999.0, "end", MOST)
+    speeds = [each.twist.linear.x for each in system.speeds if each.twist.linear.x]
+    points = [
+        (each.header.stamp.sec, each.point.x, each.point.y)
+        for each in system.points
+        if each.point.x
+    ]
+    accounts = {each: system.account(each) for each in ("point_up", "speed_up")}
+    acks = [each for each in peer.look() if each.acknowledge is AckNak.ACK]
+    acknowledged = [each.sequence - first & 0xFFFF for each in acks]
+    return points, [repr(each) for each in speeds], acknowledged, accounts
+
+
+FOUND: dict[bool, dict[int, object]] = {False: {}, True: {}}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_both_forms_do_the_same_with_whatever_comes(system, seed):
+    first = len(system.points)
+    FOUND[system.is_compiled][seed] = run(system, seed)
+    passed = len(system.points) - first
+    if system.is_compiled:
+        wait_for(lambda: system.alone("point_up") > passed / 3, "messages of the core")
+        assert FOUND[True][seed] == FOUND[False][seed]
+    else:
+        assert system.alone("point_up") == 0
+
+
+def test_a_parameter_counts_from_the_next_message_on(system):
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import ListParameters, SetParameters
+
+    def said(vx):
+        before = len(system.speeds)
+        system.peer.send(speed(vx))
+        wait_for(lambda: len(system.speeds) > before, "speed")
+        return system.speeds[-1].twist.linear.x
+
+    assert [said(vx) for vx in (1.0, 2.0, 3.0, 25.0, 4.0)] == [1.0, 2.0, 3.0, 20.0, 4.0]
+    names = system.call(ListParameters, "list_parameters", ListParameters.Request()).result.names
+    (name,) = [each for each in names if each.endswith("max_speed")]
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=2.5)
+    asked = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    assert [said(vx) for vx in (1.0, 3.0, 2.0, 25.0)] == [1.0, 2.5, 2.0, 2.5]
+    if system.is_compiled:
+        wait_for(lambda: system.alone("speed_up") >= 4, "messages of the core")
+
+
+def numbered(packets):
+    """The steps between the numbers of packets."""
+    numbers = [each.sequence for each in packets]
+    return {later - first & 0xFFFF for first, later in pairwise(numbers)}
+
+
+def test_what_is_sent_is_numbered_with_what_python_sends(system):
+    from geometry_msgs.msg import PointStamped
+    from sensor_msgs.msg import LaserScan
+
+    points = system.ros.publisher(PointStamped, "point_down", 1000)
+    scans = system.ros.publisher(LaserScan, "scan_down", 1000)
+    system.peer.look()
+    wanted = []
+    for step in range(60):
+        message = PointStamped()
+        message.header.stamp.sec, message.point.x, message.point.y = step, step / 4, -2.0
+        points.publish(message)
+        wanted.append(point(step / 4, 2.0, step, 0))
+        if step % 10 == 5:
+            message.point.x = float("nan")  # it has no counterpart, and is not sent
+            points.publish(message)
+        if step % 20 == 7:
+            size = (10, 5000, 9000)[step // 20]
+            scans.publish(LaserScan(ranges=[each % 60 + 0.25 for each in range(size)]))
+        wait_for(lambda: len(system.peer.of_code(0xD101)) == len(wanted), "point")
+    assert [each for each, _ in system.peer.of_code(0xD101)] == wanted
+    parts = lambda: [each for each in system.peer.look() if each.data_flags]  # noqa: E731
+    wait_for(lambda: len(parts()) == 3 + 5, "parts")
+    assert [int(each.data_flags) for each in parts()] == [1, 2, 3, 1, 2, 2, 2, 3]
+    assert sum(len(each.payload) for each in parts()) == 2 * (2 + 2) + 2 * (5000 + 9000)
+    assert numbered([each for each in system.peer.came if each.acknowledge < AckNak.NAK]) <= {0, 1}
+    if system.is_compiled:
+        wait_for(lambda: system.alone("point_down") >= 50, "messages of the core")
+        assert system.alone("scan_down") >= 2
+    else:
+        assert system.alone("point_down") == 0
+
+
+def test_reports_of_an_event_and_what_is_lost_of_them(system):
+    confirmed(system)
+    first = len(system.reports)
+    for step in range(40):
+        if step % 10 == 9:
+            system.peer.reports += 2  # lost on the way
+        if step % 10 == 4:
+            system.peer.reports -= 1  # one comes again, as an old one
+            system.peer.send_report(report(-1.0))
+        system.peer.send_report(report(float(step), 1.0))
+        wait_for(lambda step=step: len(system.reports) == first + step + 1, "report")
+    assert [each.x for each in system.reports[first:]] == [float(each) for each in range(40)]
+    system.account("report_up")
+    values = system.values("report_up")
+    assert values["lost on the way"] == "8"
+    assert values["out of order"] == "4"
+    if system.is_compiled:
+        wait_for(lambda: system.alone("report_up") >= 25, "messages of the core")
+
+
+def test_a_peer_that_moves_is_followed(system):
+    for step in range(5):
+        system.peer.send(point(float(step)))
+    wait_for(lambda: system.points[-1].point.x == 4.0, "points")
+    former = system.peer.sock
+    system.peer.open()
+    system.peer.number += 1000
+    for step in range(5, 10):
+        system.peer.send(point(float(step)))
+    wait_for(lambda: system.points[-1].point.x == 9.0, "points")
+    from geometry_msgs.msg import PointStamped
+
+    points = system.ros.publisher(PointStamped, "point_down", 1000)
+    for _ in range(3):
+        points.publish(PointStamped())
+    wait_for(lambda: len(system.peer.of_code(0xD101)) == 3, "what is sent to its new place")
+    came = []
+    with suppress(BlockingIOError):
+        while True:
+            came.append(former.recv(65536)[13:15])
+    assert b"\x01\xd1" not in came
+    former.close()
