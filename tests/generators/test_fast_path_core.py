@@ -1,0 +1,149 @@
+"""The fast path of a core on its own, with whatever comes, under the sanitizers of the compiler."""
+
+from __future__ import annotations
+
+import random
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from jausml.generation.native import compiler
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.messages import Event
+from jausml.runtime.transports.packets.packet import Packet, Priority, parse_datagram
+from jausml_generators.cpp import jaus_codec
+
+GUARDS = ("generators/jausml_generators/cpp",)
+
+TEMPLATES = Path(jaus_codec.__file__).parent / "templates"
+DRIVER = Path(__file__).with_name("fast_path_driver.cpp")
+FLAGS = ("-std=c++17", "-O1", "-g", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+SANITIZED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+PEER, BRIDGE = 0x00010101, 0x0001010A
+ENOUGH, OTHER = 1, 2
+CODE = b"\x01\xd1"
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    found = compiler()
+    if found is None:
+        pytest.skip("there is no compiler of C++")
+    made = tmp_path_factory.mktemp("driver") / "driver"
+    line = [found, *FLAGS, *SANITIZED, f"-I{TEMPLATES}", str(DRIVER), "-o", str(made)]
+    done = subprocess.run(line, capture_output=True, text=True)
+    if "sanitize" in done.stderr and done.returncode:
+        pytest.skip(f"no sanitizers: {done.stderr[:200]}")
+    assert done.returncode == 0, done.stderr[:4000]
+    return made
+
+
+def answers(program, asked):
+    """What the driver says of each datagram or message."""
+    text = b"".join(
+        f"{kind} {len(data)} {number}\n".encode() + data for kind, data, number in asked
+    )
+    done = subprocess.run([program], input=text, capture_output=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-4000:]
+    found = [line.split() for line in done.stdout.decode().splitlines()]
+    assert len(found) == len(asked)
+    return found
+
+
+def datagram(payload, number, flags=1, destination=BRIDGE, source=PEER):
+    head = struct.pack("<HHBII", 2, 14 + len(payload), flags, destination, source)
+    return head + payload + struct.pack("<H", number)
+
+
+def test_what_is_usual_passes_and_nothing_else(program):
+    event = Event(3, 0, CODE + b"x").encode()
+    later = Event(3, 1, CODE + b"y").encode()
+    cases = [
+        (datagram(CODE + b"abc", 100), [ENOUGH, 1, 0, 100, CODE + b"abc"]),
+        (datagram(CODE + b"abc", 100), [OTHER, 0]),  # again
+        (datagram(CODE + b"abc", 7), [OTHER, 0]),  # a number that was known before
+        (datagram(CODE + b"abc", 99), [OTHER, 0]),  # late
+        (datagram(CODE + b"new", 101), [ENOUGH, 1, 0, 101, CODE + b"new"]),
+        (datagram(CODE + b"G", 102), [OTHER, 0]),  # the translation gives way
+        (datagram(CODE + b"R", 103), [OTHER, 0]),  # ROS refuses
+        (datagram(CODE + b"abc", 104, flags=2), [OTHER, 0]),
+        (datagram(CODE + b"abc", 105, flags=0x41), [OTHER, 0]),  # the first of several packets
+        (datagram(CODE + b"abc", 106, source=PEER + 1), [OTHER, 0]),
+        (datagram(CODE + b"abc", 107, destination=BRIDGE + 1), [OTHER, 0]),
+        (datagram(b"\x02\xd1abc", 108), [OTHER, 0]),
+        (datagram(b"\x01", 109), [OTHER, 0]),
+        (datagram(b"", 110), [OTHER, 0]),
+        (b"", [OTHER, 0]),
+        (datagram(event, 111), [ENOUGH, 1, 1, 111, event]),
+        (datagram(event, 112), [OTHER, 0]),  # the same report
+        (datagram(later, 113), [ENOUGH, 1, 1, 113, later]),
+        (datagram(Event(4, 2, CODE).encode(), 114), [OTHER, 0]),
+        (datagram(Event(3, 2, b"\x02\xd1").encode(), 115), [OTHER, 0]),
+        (datagram(event[:4] + bytes(4), 116), [OTHER, 0]),
+        (datagram(later[:4] + b"\xff" + later[5:], 117), [OTHER, 0]),  # its size is wrong
+        (datagram(CODE, 118), [ENOUGH, 1, 0, 118, CODE]),
+    ]
+    found = answers(program, [("d", data, 0) for data, _ in cases])
+    for (data, wanted), line in zip(cases, found, strict=True):
+        told = [each.hex() if isinstance(each, bytes) else str(each) for each in wanted]
+        # After some that follow each other another one is looked for.
+        assert (line[0] == str(OTHER), line[1:]) == (wanted[0] == OTHER, told[1:]), data.hex()
+
+
+def test_damaged_datagrams_do_no_harm(program):
+    rng = random.Random(20)
+    sent = []
+    for number in range(4000):
+        payload = rng.choice([CODE + rng.randbytes(rng.randrange(60)), rng.randbytes(9)])
+        if rng.random() < 0.3:
+            payload = Event(3, rng.randrange(4), payload).encode()
+        data = bytearray(datagram(payload, number * 3 & 0xFFFF))
+        for _ in range(rng.choice([0, 0, 1, 1, 2, 5])):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        cut = rng.choice([0, 0, 0, rng.randrange(len(data))])
+        sent.append(bytes(data[: len(data) - cut]) + rng.choice([b"", b"", b"\x00"]))
+    found = answers(program, [("d", each, 0) for each in sent])
+    passed = 0
+    for data, line in zip(sent, found, strict=True):
+        if line[1] == "0":
+            assert line[0] == str(OTHER)
+            continue
+        passed += 1
+        (packet,) = parse_datagram(data, Counters())  # what passes is a packet that Python reads
+        assert packet.payload.hex() == line[4]
+        assert packet.sequence == int(line[3])
+        assert (packet.source, packet.destination) == (PEER, BRIDGE)
+        assert packet.priority is Priority.STANDARD
+        assert CODE in (packet.payload[:2], packet.payload[8:10])
+    assert passed > 300
+
+
+def test_messages_of_ros_become_packets(program):
+    rng = random.Random(4)
+    sizes = [2, 3, 99, 100, 101, 200, 201, 4000, 4001, 20 * 4079, 1, 0]
+    sent = [
+        ("m", CODE[:size] + rng.randbytes(max(0, size - 2)), 50 + at)
+        for at, size in enumerate(sizes)
+    ]
+    sent.append(("m", CODE + b"G", 62))
+    sent.append(("m", CODE + b"a", 99))  # one is missing before it
+    found = answers(program, sent)
+    number = 65530
+    for (_, data, _), line in zip(sent[:10], found, strict=False):
+        assert line[:2] == [str(ENOUGH), "1"]
+        packets = [
+            packet
+            for each in line[2:]
+            for packet in parse_datagram(bytes.fromhex(each), Counters())
+        ]
+        assert b"".join(each.payload for each in packets) == data
+        assert len(packets) == 1 or len(packets) <= 41
+        for each in packets:
+            assert each.sequence == number & 0xFFFF
+            assert isinstance(each, Packet)
+            number += 1
+        flags = [int(each.data_flags) for each in packets]
+        assert flags == ([0] if len(flags) == 1 else [1, *[2] * (len(flags) - 2), 3])
+    assert [line[:2] for line in found[10:]] == [[str(OTHER), "0"]] * 4
