@@ -62,6 +62,7 @@ def test_files(loop_files):
         "loop_bridge/setup.py",
         "loop_bridge/core/core.cpp",
         "loop_bridge/core/core.hpp",
+        "loop_bridge/core/fastpath.hpp",
         "loop_bridge/core/jaus.hpp",
         "loop_bridge/resource/loop_bridge",
         "loop_bridge/loop_bridge/__init__.py",

@@ -36,6 +36,7 @@ pytestmark = [
 
 MODEL = Path(__file__).with_name("fast_path.ros2jaus")
 BRIDGE, PEER = JausAddress(1, 1, 10), JausAddress(1, 1, 1)
+GREETING = 0.0625
 MOST = 120
 """Seconds that a script may take."""
 
@@ -98,11 +99,15 @@ class System:
             nonlocal greeted
             greeted += 1
             self.peer.send(point(0.0))
-            self.peer.send(speed(0.0))
+            self.peer.send(speed(GREETING))
             return self.points and self.speeds
 
         wait_for(is_reached, "first messages")
-        self.greeted = greeted
+        self.peer.send(point(0.0, 1.0))
+        self.peer.send(speed(-GREETING))
+        wait_for(lambda: self.points[-1].point.y == -1.0, "last point")
+        wait_for(lambda: self.speeds[-1].twist.linear.x == -GREETING, "last speed")
+        self.greeted = greeted + 1
 
     def values(self, connection):
         """What the bridge said last of a connection, by name."""
@@ -249,7 +254,7 @@ def run(system, seed):
             latest = how["payload"] if "damage" not in how else None
     peer.send(point(9999.0))
     wait_for(lambda: system.points[-1].point.x == 9999.0, "end", MOST)
-    speeds = [each.twist.linear.x for each in system.speeds if each.twist.linear.x]
+    speeds = [x for each in system.speeds if abs(x := each.twist.linear.x) != GREETING]
     points = [
         (each.header.stamp.sec, each.point.x, each.point.y)
         for each in system.points
@@ -331,7 +336,7 @@ def test_what_is_sent_is_numbered_with_what_python_sends(system):
     assert numbered([each for each in system.peer.came if each.acknowledge < AckNak.NAK]) <= {0, 1}
     if system.is_compiled:
         wait_for(lambda: system.alone("point_down") >= 50, "messages of the core")
-        assert system.alone("scan_down") >= 2
+        wait_for(lambda: system.alone("scan_down") >= 2, "scans of the core")
     else:
         assert system.alone("point_down") == 0
 

@@ -27,14 +27,25 @@ TakeT = TypeVar("TakeT", bound="Callable[..., Any]")
 class Revision:
     """Grows whenever something changes on which the usual way of messages rests."""
 
-    __slots__ = ("number",)
+    __slots__ = ("number", "stop")
 
     def __init__(self) -> None:
         self.number = 0
+        self.stop: Callable[[], object] = _nothing
+        """Has a core let nothing pass any more; returns when nothing does."""
+
+    def stop_by(self, stop: Callable[[], object] | None) -> None:
+        """Have another core stopped by changes, or none."""
+        self.stop = stop or _nothing
 
     def changed(self) -> None:
-        """Ends all fast paths that were found before."""
+        """Ends all fast paths that were found before; callable from any thread."""
         self.number += 1
+        self.stop()
+
+
+def _nothing() -> None:
+    """There is no core."""
 
 
 @dataclass(frozen=True)

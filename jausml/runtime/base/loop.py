@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
+    Poll = Callable[[float | None, int], list[tuple[int, int]]]
+
 _COMPACT_FROM = 64
 
 _AT_ONCE = 64
@@ -77,6 +79,8 @@ class Loop:
         self.stopwatch = stopwatch
         self.on_failure: Callable[[BaseException], object] = self._failed
         self._epoll = select.epoll()
+        self._poll: Poll = self._epoll.poll
+        self._settle: Callable[[], None] | None = None
         self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._epoll.register(self._wake_up, select.EPOLLIN)
         self._callbacks: dict[int, Callable[[], object]] = {}
@@ -142,6 +146,21 @@ class Loop:
         with self._state:
             if not self._closed:
                 self._epoll.modify(_number(source), events)
+
+    @property
+    def descriptor(self) -> int:
+        """What becomes ready when one of those that are registered does."""
+        return self._epoll.fileno()
+
+    def wait_by(self, poll: Poll | None, settle: Callable[[], None] | None) -> None:
+        """Wait by other means from the next turn on; None stands for those of the system.
+
+        Args:
+            poll: Waits as `select.epoll.poll` does.
+            settle: Runs first in each turn, with the lock.
+        """
+        self._poll, self._settle = poll or self._epoll.poll, settle
+        self._wake()
 
     def unregister(self, source: socket.socket | int) -> None:
         """Stop watching a descriptor; to be called before it is closed, no effect if unknown."""
@@ -214,7 +233,7 @@ class Loop:
         What is ready comes first: nobody looks at the time between a message and its callback.
         """
         self._runner = threading.get_ident()
-        poll, lock, now = self._epoll.poll, self.lock, self.now
+        lock, now = self.lock, self.now
         callbacks, renewed, timers, soon = (
             self._callbacks,
             self._renewed,
@@ -231,10 +250,12 @@ class Loop:
                 wait = self._wait_time(timeout)
             elif self._stopping or (wait := first[0] - now()) < 0.0:
                 wait = 0.0
-            ready = poll(wait, _AT_ONCE)
+            ready = self._poll(wait, _AT_ONCE)
             self._woken = True
             ran = 0
             with lock:
+                if self._settle is not None:
+                    self._settle()
                 for number, _ in ready:
                     callback = callbacks.get(number)
                     if callback is None or (renewed and number in renewed):

@@ -267,13 +267,9 @@ class Bridge:
         self._live |= {*compiled.quantities, *compiled.texts}
         return compiled.alone(self, library)
 
-    def fast_subscriber(self, subscription: int, path: FastSending) -> FastSubscriber | None:
-        """Returns what takes the messages of a subscription in a core; None where none can.
-
-        Args:
-            subscription: Its address in the client library.
-        """
-        return None if self._fast is None else self._fast.subscriber(subscription, path)
+    def fast_subscriber(self, feed: Any, path: FastSending) -> FastSubscriber | None:
+        """Returns a core that takes the messages of a subscription; None where none can."""
+        return None if self._fast is None else self._fast.subscriber(feed, path)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Ends the fast paths of translations that were lent an attribute that changes."""

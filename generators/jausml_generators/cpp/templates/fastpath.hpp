@@ -1,20 +1,26 @@
-// The usual way of a message between a socket and ROS, in one call of the loop of the bridge.
+// The usual way of messages between a socket and ROS, while the loop of the bridge waits for others.
 //
 // Python finds out what the usual messages are, and lends what they need: routes by header and code,
 // the places of peers, the publishers and subscriptions of rclpy. Whatever is not usual is handed
 // back with the bytes that were read, and Python takes it as if it had read them itself. What was
-// done is told for each message, and Python writes it down where it would have done so.
+// done is told for each message, and Python writes it down where it would have done so, before
+// anything else of its own runs.
 //
-// Every call is made with the lock of the interpreter held.
+// The loop waits here without the lock of the interpreter. All other calls are made by the thread of
+// the loop while it does not wait, but for `stop`: after it nothing passes here until Python says so.
 #pragma once
 
 #include <netinet/in.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <ctime>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <unordered_map>
 
@@ -71,6 +77,12 @@ struct Translation {
         return translate(data, size, live, &made);
     }
 };
+
+inline std::int64_t realtime() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1000000000 + now.tv_nsec;
+}
 
 inline double monotonic() {
     timespec now{};
@@ -158,22 +170,35 @@ struct Taken {
     std::uint8_t was_answered;
 };
 
-// Why no more messages were taken: none is there, enough are done, one is not usual, or the system
-// says no.
-enum Left : std::int32_t { NOTHING, ENOUGH, OTHER, FAILED };
+// A message that was sent, of the subscription with an index.
+struct Sent {
+    double at;
+    std::int64_t published;
+    std::uint64_t unknown;
+    std::uint32_t index;
+    std::uint32_t datagrams;
+    std::int32_t error;
+};
 
-// What was received, and the datagram that is not usual.
-struct Received {
-    static constexpr std::size_t AT_ONCE = 32;
+// Messages that are passed on before Python writes them down.
+constexpr std::size_t AT_ONCE = 32;
 
+// What was done, and what is left to Python: descriptors, and a datagram that was received.
+struct Waited {
     Taken taken[AT_ONCE];
-    std::size_t count;
-    const std::uint8_t* data;
+    Sent sent[AT_ONCE];
+    std::int32_t ready[AT_ONCE];
+    std::size_t taken_count;
+    std::size_t sent_count;
+    std::size_t ready_count;
+    const std::uint8_t* data;  // of the datagram; null where there is none
     std::size_t size;
     std::uint32_t host;
     std::uint32_t port;
-    std::int32_t error;
 };
+
+// Why no more messages were taken.
+enum class Left { NOTHING, ENOUGH, OTHER };
 
 // Receives from a socket.
 class Receiver {
@@ -201,32 +226,30 @@ public:
     //
     // To find that nothing more has come costs more than a datagram, after a pause. So more than one
     // is looked for only when one follows the other.
-    Left receive(int sock, int answering, Received& out) {
-        out.count = 0;
+    Left receive(int sock, Waited& out) {
         now_ = monotonic();
         if (now_ - latest_ > PAUSE) burst_ = 1;
         latest_ = now_;
-        for (std::size_t done = 0; done < burst_; ++done) {
+        for (std::size_t done = 0; done < burst_ && out.taken_count < AT_ONCE; ++done) {
             sockaddr_in origin{};
             socklen_t length = sizeof origin;
-            std::uint8_t* const into = buffers_[done].data();
+            std::uint8_t* const into = buffers_[out.taken_count].data();
             const ssize_t got = recvfrom(sock, into, LARGEST, 0,
                                          reinterpret_cast<sockaddr*>(&origin), &length);
             if (got < 0) {
                 burst_ = 1;
-                out.error = errno;
-                return out.error == EAGAIN || out.error == EWOULDBLOCK ? NOTHING : FAILED;
+                return errno == EAGAIN || errno == EWOULDBLOCK ? Left::NOTHING : Left::OTHER;
             }
-            if (!take(into, static_cast<std::size_t>(got), origin, answering, out)) {
+            if (!take(into, static_cast<std::size_t>(got), origin, sock, out)) {
                 out.data = into;
                 out.size = static_cast<std::size_t>(got);
                 out.host = ntohl(origin.sin_addr.s_addr);
                 out.port = ntohs(origin.sin_port);
-                return OTHER;
+                return Left::OTHER;
             }
         }
-        burst_ = std::min(2 * burst_, Received::AT_ONCE);
-        return ENOUGH;
+        burst_ = std::min(2 * burst_, AT_ONCE);
+        return Left::ENOUGH;
     }
 
 private:
@@ -251,7 +274,7 @@ private:
     }
 
     bool take(const std::uint8_t* const in, std::size_t length, const sockaddr_in& origin,
-              int answering, Received& out) {
+              int answering, Waited& out) {
         if (length < HEADER + CODE + NUMBER || little(in + 2, 2) != length - 1 ||
             little(in, 2) != VERSION)
             return false;
@@ -281,8 +304,9 @@ private:
         if (!publish(route, payload + before, size - before, unknown)) return false;
         const bool is_answered = route.answer != 0;
         if (is_answered) answer(route, number, origin, answering);
-        out.taken[out.count++] = {now_,  unknown, payload, size, route.index, number,
-                                  static_cast<std::uint8_t>(is_answered)};
+        out.taken[out.taken_count++] = {now_,        unknown, payload,
+                                        size,        route.index, number,
+                                        static_cast<std::uint8_t>(is_answered)};
         return true;
     }
 
@@ -334,7 +358,7 @@ private:
     Allocator allocator_;
     std::unordered_map<std::uint64_t, std::unique_ptr<Window>> windows_;
     std::unordered_map<std::uint64_t, std::unique_ptr<Route>> routes_;
-    std::array<std::array<std::uint8_t, LARGEST>, Received::AT_ONCE> buffers_;
+    std::array<std::array<std::uint8_t, LARGEST>, AT_ONCE> buffers_;
     std::size_t burst_ = 1;
     double latest_ = 0.0;
     double now_ = 0.0;
@@ -351,40 +375,36 @@ struct Destination {
     std::size_t longest;
     double lifetime;
     double heard;
-    std::uint64_t* numbers;
+    std::atomic<std::uint64_t>* numbers;
 };
 
-struct Sent {
-    double at;
-    std::int64_t published;
-    std::uint64_t unknown;
-    std::uint32_t datagrams;
-    std::int32_t error;
+// A subscription, as Python tells of it; the numbers of what is expected and lost go on here.
+struct Subscription {
+    const void* handle;
+    const Translation* translation;
+    const Destination* to;
+    std::int32_t descriptor;
+    std::uint32_t index;
+    std::int64_t age_limit;
+    std::uint64_t expected;
+    std::uint64_t lost;
 };
 
-// What was sent, and the message that is not usual.
-struct Shipped {
-    static constexpr std::size_t AT_ONCE = 16;
-
-    Sent sent[AT_ONCE];
-    std::size_t count;
+// The message of a subscription that is not usual, and how many more wait.
+struct Pending {
     const std::uint8_t* data;
     std::size_t size;
     std::int64_t published;
     std::int64_t received;
     std::uint64_t number;
+    std::uint64_t left;
 };
 
 // Takes the messages of a subscription.
 class Subscriber {
 public:
-    Subscriber(const Ros& ros, const void* subscription, const Translation* translation,
-               const Destination* to)
-        : ros_(ros),
-          subscription_(subscription),
-          translation_(translation),
-          to_(to),
-          message_{nullptr, 0, 0, ros.allocator()} {}
+    Subscriber(const Ros& ros, Subscription* shared)
+        : ros_(ros), shared_(shared), message_{nullptr, 0, 0, ros.allocator()} {}
     Subscriber(const Subscriber&) = delete;
     Subscriber& operator=(const Subscriber&) = delete;
     ~Subscriber() {
@@ -392,60 +412,65 @@ public:
             message_.allocator.deallocate(message_.data, message_.allocator.state);
     }
 
-    // Takes so many messages, until there is none or one that is not usual.
-    //
-    // expected: The number of the next message, as its publisher counts.
-    // oldest: When a message was received that is too old now, in nanoseconds since 1970.
-    Left take(std::size_t wanted, std::uint64_t expected, std::int64_t oldest, Shipped& out) {
-        out.count = 0;
-        while (out.count < std::min(wanted, Shipped::AT_ONCE)) {
+    // Takes the messages that were announced, until one is not usual.
+    Left take(Waited& out) {
+        std::uint64_t left = 0;
+        if (read(shared_->descriptor, &left, sizeof left) != sizeof left) return Left::NOTHING;
+        const std::int64_t oldest = shared_->age_limit > 0 ? realtime() - shared_->age_limit : 0;
+        for (; left > 0 && out.sent_count < AT_ONCE; --left) {
             MessageInfo info{};
-            if (ros_.take(subscription_, &message_, &info, nullptr) != 0) {
+            if (ros_.take(shared_->handle, &message_, &info, nullptr) != 0) {
                 ros_.forget_error();
-                return NOTHING;
+                shared_->lost += left;  // what was announced and is not there was overwritten
+                return Left::NOTHING;
             }
             const bool is_old = info.received > 0 && info.received < oldest;
-            if (info.number != expected || is_old || !pass(info, out)) {
-                out.data = message_.data;
-                out.size = message_.size;
-                out.published = info.published;
-                out.received = info.received;
-                out.number = info.number;
-                return OTHER;
+            if (info.number != shared_->expected || is_old || !pass(info, out)) {
+                pending = {message_.data, message_.size, info.published,
+                           info.received, info.number, left - 1};
+                return Left::OTHER;
             }
-            ++expected;
+            ++shared_->expected;
         }
-        return ENOUGH;
+        return again(left);
     }
+
+    // Has so many messages be announced once more.
+    Left again(std::uint64_t left) const {
+        const bool is_told = left == 0 || write(shared_->descriptor, &left, sizeof left) > 0;
+        return is_told ? Left::ENOUGH : Left::NOTHING;
+    }
+
+    Pending pending{};
 
 private:
     static constexpr std::size_t MOST_PARTS = 40;
     static constexpr std::size_t LARGEST_PART = 4079;
     static constexpr std::uint8_t FIRST = 1 << 6, MIDDLE = 2 << 6, LAST = 3 << 6;
 
-    bool pass(const MessageInfo& info, Shipped& out) {
+    bool pass(const MessageInfo& info, Waited& out) {
         const double now = monotonic();
-        if (now - to_->heard >= to_->lifetime) return false;
+        if (now - shared_->to->heard >= shared_->to->lifetime) return false;
         Made made{nullptr, 0};
-        const std::int64_t size = translation_->run(message_.data, message_.size, made);
+        const std::int64_t size = shared_->translation->run(message_.data, message_.size, made);
         if (size < static_cast<std::int64_t>(CODE)) return false;
-        Sent& done = out.sent[out.count++];
-        done = {now, info.published, made.unknown, 0, 0};
+        Sent& done = out.sent[out.sent_count++];
+        done = {now, info.published, made.unknown, shared_->index, 0, 0};
         send_all(made.data, static_cast<std::size_t>(size), done);
         return true;
     }
 
     void send_all(const std::uint8_t* data, std::size_t size, Sent& done) const {
-        if (size <= to_->longest) {
-            send_part(data, size, to_->flags, done);
+        if (size <= shared_->to->longest) {
+            send_part(data, size, shared_->to->flags, done);
             return;
         }
         const std::size_t needed = (size + MOST_PARTS - 1) / MOST_PARTS;
-        const std::size_t step = std::max(to_->longest, std::min(LARGEST_PART, needed));
+        const std::size_t step = std::max(shared_->to->longest, std::min(LARGEST_PART, needed));
         for (std::size_t at = 0; at < size && done.error == 0; at += step) {
             const bool is_last = at + step >= size;
             const std::uint8_t place = at == 0 ? FIRST : is_last ? LAST : MIDDLE;
-            send_part(data + at, std::min(step, size - at), to_->flags | place, done);
+            send_part(data + at, std::min(step, size - at), shared_->to->flags | place, done);
         }
     }
 
@@ -454,73 +479,151 @@ private:
         put_little(header, VERSION, 2);
         put_little(header + 2, static_cast<std::uint32_t>(EMPTY + size), 2);
         header[4] = flags;
-        put_little(header + 5, to_->destination, 4);
-        put_little(header + 9, to_->source, 4);
-        put_little(number, static_cast<std::uint32_t>((*to_->numbers)++), NUMBER);
+        put_little(header + 5, shared_->to->destination, 4);
+        put_little(header + 9, shared_->to->source, 4);
+        put_little(number, static_cast<std::uint32_t>(shared_->to->numbers->fetch_add(1, std::memory_order_relaxed)), NUMBER);
         iovec parts[] = {{header, HEADER},
                          {const_cast<std::uint8_t*>(data), size},
                          {number, NUMBER}};
         sockaddr_in target{};
         target.sin_family = AF_INET;
-        target.sin_addr.s_addr = htonl(to_->host);
-        target.sin_port = htons(to_->port);
+        target.sin_addr.s_addr = htonl(shared_->to->host);
+        target.sin_port = htons(shared_->to->port);
         msghdr message_out{};
         message_out.msg_name = &target;
         message_out.msg_namelen = sizeof target;
         message_out.msg_iov = parts;
         message_out.msg_iovlen = 3;
-        if (sendmsg(to_->sock, &message_out, 0) < 0)
+        if (sendmsg(shared_->to->sock, &message_out, 0) < 0)
             done.error = errno;
         else
             ++done.datagrams;
     }
 
     Ros ros_;
-    const void* subscription_;
-    const Translation* translation_;
-    const Destination* to_;
+    Subscription* shared_;
     Serialized message_;
+};
+
+// Waits as the loop of a bridge does, and has usual messages pass meanwhile.
+class Core {
+public:
+    Core(const Ros& ros, int epoll) : receiver(ros), ros_(ros), epoll_(epoll) {}
+
+    // Lets nothing pass from now on; returns when nothing does.
+    void stop() {
+        const std::lock_guard<std::mutex> guard(passing_);
+        is_open_ = false;
+    }
+
+    void start() {
+        const std::lock_guard<std::mutex> guard(passing_);
+        is_open_ = true;
+    }
+
+    void forget() {
+        receiver.forget();
+        subscribers_.clear();
+    }
+
+    void listen(int sock) { sock_ = sock; }
+
+    Pending* subscribe(Subscription* shared) {
+        auto& found = subscribers_[shared->descriptor];
+        found = std::make_unique<Subscriber>(ros_, shared);
+        return &found->pending;
+    }
+
+    // Waits for at most so many seconds, below 0 for ever; until something is left to Python.
+    //
+    // due: When the process must have stood still, by the steady clock: what waits then is old.
+    void wait(double seconds, double due, Waited& out) {
+        out.taken_count = out.sent_count = out.ready_count = 0;
+        out.data = nullptr;
+        const double end = seconds < 0 ? 1e300 : monotonic() + seconds;
+        for (bool goes_on = true; goes_on;) {
+            epoll_event events[AT_ONCE];
+            const int found = epoll_wait(epoll_, events, AT_ONCE, milliseconds(end));
+            const double now = monotonic();
+            goes_on = found > 0 && now < end;
+            const std::lock_guard<std::mutex> guard(passing_);
+            const bool is_open = is_open_ && now <= due;
+            for (int at = 0; at < found; ++at) {
+                const int descriptor = events[at].data.fd;
+                const Left left = is_open && events[at].events == EPOLLIN ? pass(descriptor, out)
+                                                                          : Left::OTHER;
+                if (left == Left::OTHER) out.ready[out.ready_count++] = descriptor;
+            }
+            goes_on = goes_on && out.ready_count == 0 && out.taken_count < AT_ONCE &&
+                      out.sent_count < AT_ONCE;
+        }
+    }
+
+    Receiver receiver;
+
+private:
+    static int milliseconds(double end) {
+        if (end >= 1e300) return -1;
+        const double left = std::ceil((end - monotonic()) * 1e3);
+        return left <= 0 ? 0 : static_cast<int>(std::min(left, 1e9));
+    }
+
+    Left pass(int descriptor, Waited& out) {
+        if (descriptor == sock_)
+            return out.data != nullptr ? Left::OTHER : receiver.receive(descriptor, out);
+        const auto found = subscribers_.find(descriptor);
+        return found == subscribers_.end() ? Left::OTHER : found->second->take(out);
+    }
+
+    Ros ros_;
+    int epoll_;
+    int sock_ = -1;
+    std::unordered_map<int, std::unique_ptr<Subscriber>> subscribers_;
+    std::mutex passing_;
+    bool is_open_ = false;
 };
 
 }  // namespace jausml
 
 // What Python calls. Pointers that it gives stay its own, and outlive what is made here.
 
-JAUSML_EXPORT jausml::Receiver* jausml_receiver(const jausml::Ros* ros) {
-    return new (std::nothrow) jausml::Receiver(*ros);
+JAUSML_EXPORT jausml::Core* jausml_core(const jausml::Ros* ros, int epoll) {
+    return new (std::nothrow) jausml::Core(*ros, epoll);
 }
 
-JAUSML_EXPORT void jausml_receiver_end(const jausml::Receiver* receiver) { delete receiver; }
+JAUSML_EXPORT void jausml_core_end(const jausml::Core* core) { delete core; }
 
-JAUSML_EXPORT void jausml_receiver_forget(jausml::Receiver* receiver) { receiver->forget(); }
+JAUSML_EXPORT void jausml_core_stop(jausml::Core* core) { core->stop(); }
 
-JAUSML_EXPORT jausml::Order* jausml_receiver_add(jausml::Receiver* receiver,
-                                                 const jausml::Route* route,
-                                                 const std::uint16_t* numbers, std::size_t count) {
+JAUSML_EXPORT void jausml_core_start(jausml::Core* core) { core->start(); }
+
+JAUSML_EXPORT void jausml_core_forget(jausml::Core* core) { core->forget(); }
+
+JAUSML_EXPORT void jausml_core_listen(jausml::Core* core, int sock) { core->listen(sock); }
+
+JAUSML_EXPORT jausml::Order* jausml_core_add(jausml::Core* core, const jausml::Route* route,
+                                             const std::uint16_t* numbers, std::size_t count) {
     try {
-        return receiver->add(*route, numbers, count);
+        return core->receiver.add(*route, numbers, count);
     } catch (...) {
         return nullptr;
     }
 }
 
-JAUSML_EXPORT std::int32_t jausml_receive(jausml::Receiver* receiver, int sock, int answering,
-                                          jausml::Received* out) {
-    return receiver->receive(sock, answering, *out);
+JAUSML_EXPORT jausml::Pending* jausml_core_subscribe(jausml::Core* core,
+                                                     jausml::Subscription* shared) {
+    try {
+        return core->subscribe(shared);
+    } catch (...) {
+        return nullptr;
+    }
 }
 
-JAUSML_EXPORT jausml::Subscriber* jausml_subscriber(const jausml::Ros* ros, const void* subscription,
-                                                    const jausml::Translation* translation,
-                                                    const jausml::Destination* to) {
-    return new (std::nothrow) jausml::Subscriber(*ros, subscription, translation, to);
+JAUSML_EXPORT void jausml_core_wait(jausml::Core* core, double seconds, double due,
+                                    jausml::Waited* out) {
+    core->wait(seconds, due, *out);
 }
 
-JAUSML_EXPORT void jausml_subscriber_end(const jausml::Subscriber* subscriber) { delete subscriber; }
-
-JAUSML_EXPORT std::int32_t jausml_take(jausml::Subscriber* subscriber, std::size_t wanted,
-                                       std::uint64_t expected, std::int64_t oldest,
-                                       jausml::Shipped* out) {
-    return subscriber->take(wanted, expected, oldest, *out);
+JAUSML_EXPORT std::uint64_t jausml_next_number(std::atomic<std::uint64_t>* numbers) {
+    return numbers->fetch_add(1, std::memory_order_relaxed);
 }
-
-JAUSML_EXPORT std::uint64_t jausml_next_number(std::uint64_t* numbers) { return (*numbers)++; }

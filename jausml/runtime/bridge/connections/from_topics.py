@@ -129,16 +129,14 @@ class FromTopics(Connection[SourceT, TargetT]):
             if left_out:
                 unknown(left_out)
 
-        def find(subscription: int) -> FastSubscriber | None:
+        def find(feed: Any) -> FastSubscriber | None:
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
             if outlet is None or switch.unusual is not None:
                 return None
             translation = self._fast_translation()
             if translation is None:
                 return None
-            return self._ends.fast_subscriber(
-                subscription, FastSending(translation, outlet, passed)
-            )
+            return self._ends.fast_subscriber(feed, FastSending(translation, outlet, passed))
 
         return through(take, find)
 

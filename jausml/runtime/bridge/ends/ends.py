@@ -157,16 +157,43 @@ class RosSide(Protocol):
 
 
 class FastSubscriber(Protocol):
-    """Takes messages of a subscription and sends what they become, in a core."""
+    """A core that takes the messages of a subscription and sends what they become.
 
-    def take(self, wanted: int, expected: int, oldest: int) -> tuple[int, int]:
-        """Takes messages; returns how many were sent, and why no more were."""
+    Attributes:
+        is_current: Whether it still does.
+    """
 
-    def other(self) -> tuple[bytes, int | None, int, int]:
-        """Returns the message that is not usual: its bytes, number, when received and published."""
+    is_current: bool
+
+    def pending(self) -> Other | None:
+        """Returns a message that is not usual, which was taken; None when there is none."""
 
     def look(self) -> None:
-        """Learns what Python has found out when it sent such a message."""
+        """Tells the core what Python has learnt when it took a message."""
+
+
+class Other(Protocol):
+    """A message that is not usual, which a core has taken."""
+
+    @property
+    def data(self) -> bytes:
+        """The message, serialized."""
+
+    @property
+    def number(self) -> int | None:
+        """That of its publisher; None where the middleware does not tell it."""
+
+    @property
+    def received(self) -> int:
+        """When it was received, in nanoseconds since 1970."""
+
+    @property
+    def published(self) -> int:
+        """When it was published, by the clock of its publisher."""
+
+    @property
+    def left(self) -> int:
+        """How many more wait."""
 
 
 class Feeder(Protocol):
@@ -235,12 +262,8 @@ class Ends(Protocol):
     def fast_translation(self, compiled: Compiled) -> Any:
         """Returns what a core is given to translate alone; None where Python has a part in it."""
 
-    def fast_subscriber(self, subscription: int, path: FastSending) -> FastSubscriber | None:
-        """Returns what takes the messages of a subscription in a core; None where none can.
-
-        Args:
-            subscription: Its address in the client library.
-        """
+    def fast_subscriber(self, feed: Any, path: FastSending) -> FastSubscriber | None:
+        """Returns a core that takes the messages of a subscription; None where none can."""
 
     def at(self, moment: Time) -> AbstractContextManager[None]:
         """Lets translations take a moment for the present."""

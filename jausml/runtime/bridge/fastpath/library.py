@@ -11,21 +11,15 @@ from typing import Any
 from ..messages.compiled import Translation
 
 AT_ONCE = 32
-"""Datagrams that are received at once at most."""
-
-NOTHING, ENOUGH, OTHER, FAILED = range(4)
-"""Why no more messages were taken: none is there, enough are done, one is not usual, or the system
-says no."""
+"""Messages that a core passes on before they are written down."""
 
 TAKEN = struct.Struct("@dQPNIHB1x")
 """A message that was taken: when, what was left out, where it is, its size, the index of its route,
 its number, and whether it was acknowledged."""
 
-SENT = struct.Struct("@dqQIi")
-"""A message that was sent: when it was taken, when it was published, what was left out, how many
-datagrams have gone, and the error of the one that has not."""
-
-_MOST_SENT = 16
+SENT = struct.Struct("@dqQIIi4x")
+"""A message that was sent: when it was taken, when it was published, what was left out, the index
+of its subscription, how many datagrams have gone, and the error of the one that has not."""
 
 
 class NoFastPathError(Exception):
@@ -72,17 +66,20 @@ class Route(ctypes.Structure):
     )
 
 
-class Received(ctypes.Structure):
-    """What was received, and the datagram that is not usual."""
+class Waited(ctypes.Structure):
+    """What was done while the loop waited, and what is left to Python."""
 
     _fields_ = (
         ("taken", ctypes.c_uint8 * (TAKEN.size * AT_ONCE)),
-        ("count", ctypes.c_size_t),
+        ("sent", ctypes.c_uint8 * (SENT.size * AT_ONCE)),
+        ("ready", ctypes.c_int32 * AT_ONCE),
+        ("taken_count", ctypes.c_size_t),
+        ("sent_count", ctypes.c_size_t),
+        ("ready_count", ctypes.c_size_t),
         ("data", ctypes.c_void_p),
         ("size", ctypes.c_size_t),
         ("host", ctypes.c_uint32),
         ("port", ctypes.c_uint32),
-        ("error", ctypes.c_int32),
     )
 
 
@@ -103,32 +100,47 @@ class Destination(ctypes.Structure):
     )
 
 
-class Shipped(ctypes.Structure):
-    """What was sent, and the message that is not usual."""
+class Subscription(ctypes.Structure):
+    """A subscription, the number of the next message, and how many were lost."""
 
     _fields_ = (
-        ("sent", ctypes.c_uint8 * (SENT.size * _MOST_SENT)),
-        ("count", ctypes.c_size_t),
+        ("handle", ctypes.c_void_p),
+        ("translation", ctypes.POINTER(Translation)),
+        ("to", ctypes.POINTER(Destination)),
+        ("descriptor", ctypes.c_int32),
+        ("index", ctypes.c_uint32),
+        ("age_limit", ctypes.c_int64),
+        ("expected", ctypes.c_uint64),
+        ("lost", ctypes.c_uint64),
+    )
+
+
+class Pending(ctypes.Structure):
+    """A message of a subscription that is not usual, and how many more wait."""
+
+    _fields_ = (
         ("data", ctypes.c_void_p),
         ("size", ctypes.c_size_t),
         ("published", ctypes.c_int64),
         ("received", ctypes.c_int64),
         ("number", ctypes.c_uint64),
+        ("left", ctypes.c_uint64),
     )
 
 
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
 _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "receiver": (_POINTER, (_POINTER,)),
-    "receiver_end": (None, (_POINTER,)),
-    "receiver_forget": (None, (_POINTER,)),
-    "receiver_add": (ctypes.POINTER(Order), (_POINTER, _POINTER, _POINTER, _SIZE)),
-    "receive": (ctypes.c_int32, (_POINTER, ctypes.c_int, ctypes.c_int, _POINTER)),
-    "subscriber": (_POINTER, (_POINTER, _POINTER, _POINTER, _POINTER)),
-    "subscriber_end": (None, (_POINTER,)),
-    "take": (ctypes.c_int32, (_POINTER, _SIZE, ctypes.c_uint64, ctypes.c_int64, _POINTER)),
+    "core": (_POINTER, (_POINTER, ctypes.c_int)),
+    "core_end": (None, (_POINTER,)),
+    "core_stop": (None, (_POINTER,)),
+    "core_start": (None, (_POINTER,)),
+    "core_forget": (None, (_POINTER,)),
+    "core_listen": (None, (_POINTER, ctypes.c_int)),
+    "core_add": (ctypes.POINTER(Order), (_POINTER, _POINTER, _POINTER, _SIZE)),
+    "core_subscribe": (ctypes.POINTER(Pending), (_POINTER, _POINTER)),
     "next_number": (ctypes.c_uint64, (_POINTER,)),
 }
+_WAIT = ctypes.CFUNCTYPE(None, _POINTER, ctypes.c_double, ctypes.c_double, _POINTER)
 _CLIENT_LIBRARY = {
     "publish": ("librcl.so", "rcl_publish_serialized_message"),
     "take": ("librcl.so", "rcl_take_serialized_message"),
@@ -142,6 +154,7 @@ class Library:
 
     Attributes:
         ros: Address of the functions of the client library.
+        core_wait: Waits, without the lock of the interpreter.
     """
 
     def __init__(self, core: ctypes.CDLL) -> None:
@@ -156,6 +169,8 @@ class Library:
             for name, (result, arguments) in _FUNCTIONS.items():
                 function = getattr(core, f"jausml_{name}")
                 function.restype, function.argtypes = result, arguments
+            # The loop waits without the lock of the interpreter; all else takes microseconds.
+            self.core_wait = _WAIT(_address_of(core.jausml_core_wait))
             # rclpy has loaded them; other copies would know nothing.
             found = {
                 name: getattr(ctypes.CDLL(file, mode=os.RTLD_NOLOAD | os.RTLD_LAZY), symbol)
@@ -163,13 +178,17 @@ class Library:
             }
         except (OSError, AttributeError) as error:
             raise NoFastPathError(str(error)) from error
-        addresses = {name: ctypes.cast(each, _POINTER).value for name, each in found.items()}
+        addresses = {name: _address_of(each) for name, each in found.items()}
         self._core, self._ros = core, Ros(**addresses)
         self.ros = ctypes.addressof(self._ros)
 
     def __getattr__(self, name: str) -> Any:
         """Returns a function of the core."""
         return getattr(self._core, f"jausml_{name}")
+
+
+def _address_of(function: Any) -> int:
+    return ctypes.cast(function, _POINTER).value or 0
 
 
 def packed_host(host: str) -> int:

@@ -1,18 +1,16 @@
 """Datagrams to ROS: a core receives, translates and publishes the usual ones alone.
 
-What each of them changes on its way through Python is written down as soon as it has been
-published. Any other datagram is handed to those who read the socket, as if it had been received
-here.
+What each of them changes on its way through Python is written down before anything else runs. Any
+other datagram is handed to those who read the socket, as if it had been received here.
 """
 
 from __future__ import annotations
 
 import ctypes
-import os
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...messages import Event
-from .library import FAILED, OTHER, TAKEN, Received, Route, host_of, packed_host
+from .library import TAKEN, Route, host_of, packed_host
 
 if TYPE_CHECKING:
     import socket
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
     from ...component.component import JausComponent
     from ...transports.udp.drops import Receiver
     from ...transports.udp.judp import JudpTransport
-    from .library import Library
+    from .library import Library, Waited
 
 _ENDS = slice(4, 13)
 _CODE = slice(13, 15)
@@ -56,10 +54,10 @@ class FastReceiver:
     """
 
     def __init__(
-        self, library: Library, transport: JudpTransport, component: JausComponent
+        self, library: Library, core: int, transport: JudpTransport, component: JausComponent
     ) -> None:
         self._library = library
-        self._transport = transport
+        self._core = core
         self._component = component
         self._inbox = transport.inbox
         self._book = transport.address_book
@@ -67,46 +65,54 @@ class FastReceiver:
         self._received = transport.counters.tally("judp.received")
         self._sent = transport.counters.tally("judp.sent")
         self._loop = component.loop
-        self._core = library.receiver(library.ros)
-        self._revision = self._loop.revision.number
         self._routes: list[_Known] = []
         self._by_key: dict[_Key, _Known] = {}
         self._without: set[_Key] = set()
         self._lent: list[object] = []
         self._seen: list[_Key] = []
-
-    def close(self) -> None:
-        """Ends the core's part."""
-        self._forget()
-        if self._core is not None:
-            self._library.receiver_end(self._core)
-            self._core = None
+        self._other: tuple[bytes, Endpoint] | None = None
+        self._is_enough = False
 
     def receiver(self, sock: socket.socket) -> Receiver:
         """Returns what receives from a socket whatever is not usual."""
-        descriptor, receive, out = sock.fileno(), self._library.receive, Received()
-        core, where, text = self._core, ctypes.byref(out), ctypes.string_at
-        revision, unpack, size = self._loop.revision, TAKEN.unpack_from, TAKEN.size
-        received, taken = self._received, out.taken
+        self._library.core_listen(self._core, sock.fileno())
+        receive, changed = sock.recvfrom, self._loop.revision.changed
 
-        def take_other(_most: int) -> tuple[bytes, Endpoint]:
-            if revision.number != self._revision:
-                self._forget()
-            left = receive(core, descriptor, descriptor, where)
-            routes, count = self._routes, out.count
-            received.count += count
-            for at in range(count):
-                when, unknown, data, length, index, number, answered = unpack(taken, at * size)
-                routes[index].settle(number, when, unknown, text(data, length), answered)
-            if left == OTHER:
-                datagram = text(out.data, out.size)
-                self._note(datagram)
-                return datagram, (host_of(out.host), out.port)
-            if left == FAILED:
-                raise OSError(out.error, os.strerror(out.error))
-            raise BlockingIOError
+        def take_other(most: int) -> tuple[bytes, Endpoint]:
+            other, self._other = self._other, None
+            if other is not None:
+                self._is_enough = True
+                return other
+            if self._is_enough:
+                self._is_enough = False
+                raise BlockingIOError  # the core looks for the next one
+            changed()  # the core does not know the number of what is received here
+            return receive(most)
 
         return take_other
+
+    def settle(self, waited: Waited) -> None:
+        """Writes down what has passed, and keeps a datagram that has not for whoever reads."""
+        count, text = waited.taken_count, ctypes.string_at
+        self._received.count += count
+        for at in range(count):
+            when, unknown, data, size, index, number, answered = TAKEN.unpack_from(
+                waited.taken, at * TAKEN.size
+            )
+            self._routes[index].settle(number, when, unknown, text(data, size), answered)
+
+    def keep(self, waited: Waited) -> None:
+        """Keeps a datagram that has not passed for whoever reads the socket."""
+        datagram = ctypes.string_at(waited.data, waited.size)
+        self._other = datagram, (host_of(waited.host), waited.port)
+        self._note(datagram)
+
+    def forget(self) -> None:
+        """Forgets all routes, as something has changed that they rest on."""
+        self._routes.clear()
+        self._by_key.clear()
+        self._without.clear()
+        self._lent.clear()
 
     # ------------------------------------------------------------------ routes
 
@@ -123,24 +129,10 @@ class FastReceiver:
 
     def _learn(self) -> None:
         seen, self._seen = self._seen, []
-        if self._core is None:
-            return
-        if self._loop.revision.number != self._revision:
-            self._forget()
         for key in seen:
             self._bring_up_to_date(key)
             if key not in self._by_key and key not in self._without:
                 self._find(key)
-
-    def _forget(self) -> None:
-        """Forgets all routes, as something has changed that they rest on."""
-        self._revision = self._loop.revision.number
-        self._routes.clear()
-        self._by_key.clear()
-        self._without.clear()
-        self._lent.clear()
-        if self._core is not None:
-            self._library.receiver_forget(self._core)
 
     def _bring_up_to_date(self, key: _Key) -> None:
         """Tells the routes of a kind of messages what Python has learnt of one of them."""
@@ -179,7 +171,7 @@ class FastReceiver:
         )
         numbers = list(way.numbers)
         known = (ctypes.c_uint16 * len(numbers))(*numbers)
-        order = self._library.receiver_add(self._core, ctypes.byref(route), known, len(numbers))
+        order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
         if not order:
             return
         _tell(order.contents, path)

@@ -4,15 +4,49 @@ from __future__ import annotations
 
 import ctypes
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from .library import SENT, Destination, Shipped, packed_host
+from .library import Destination, Subscription, packed_host
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ...base.fast_path import FastSending
+    from ..ends.topics import TopicCounts
     from .library import Library
+
+
+class Feed(Protocol):
+    """A subscription, as who takes its messages tells of it.
+
+    Attributes:
+        address: Where the client library has it.
+        descriptor: The eventfd that says how many messages wait.
+        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
+        expected: The number of the next message.
+    """
+
+    address: int
+    descriptor: int
+    age_limit: int
+    expected: int
+    counts: TopicCounts
+
+
+class Other(NamedTuple):
+    """A message that is not usual.
+
+    Attributes:
+        number: That of its publisher; None where the middleware does not tell it.
+        received: When, in nanoseconds, as when it was published.
+        left: How many more wait.
+    """
+
+    data: bytes
+    number: int | None
+    received: int
+    published: int
+    left: int
 
 
 _NOT_TOLD = (1 << 64) - 1
@@ -41,18 +75,25 @@ class SharedNumbers:
 
 
 class FastSubscriber:
-    """Takes the messages of one subscription and sends what they become."""
+    """Has a core take the messages of one subscription, and send what they become.
 
-    def __init__(self, library: Library, subscription: int, path: FastSending) -> None:
-        """Prepares the core.
+    Attributes:
+        is_current: Whether it still does.
+    """
+
+    def __init__(
+        self, library: Library, core: int, feed: Feed, path: FastSending, index: int
+    ) -> None:
+        """Begins.
 
         Args:
-            subscription: Address of the subscription of the client library.
+            index: By which the core tells of what it has sent.
 
         Raises:
             LookupError: The messages cannot go out alone now.
         """
-        self._library, self._path = library, path
+        self.is_current = True
+        self._path, self._feed = path, feed
         outlet = path.outlet
         numbers, place = outlet.numbers, outlet.endpoint()
         if not isinstance(numbers, SharedNumbers) or place is None:
@@ -70,41 +111,46 @@ class FastSubscriber:
             heard=heard,
             numbers=ctypes.pointer(numbers.cell),
         )
-        self._core = library.subscriber(
-            library.ros, subscription, ctypes.byref(path.translation), ctypes.byref(self._to)
+        self._shared = Subscription(
+            handle=feed.address,
+            translation=ctypes.pointer(path.translation),
+            to=ctypes.pointer(self._to),
+            descriptor=feed.descriptor,
+            index=index,
+            age_limit=feed.age_limit,
+            expected=feed.expected,
         )
-        self._out = Shipped()
-        self._take = partial(library.take, self._core)
-        self._where = ctypes.byref(self._out)
+        found = library.core_subscribe(core, ctypes.byref(self._shared))
+        if not found:
+            raise LookupError
+        self._pending = found.contents
 
-    def __del__(self) -> None:
-        """Ends the core's part."""
-        if getattr(self, "_core", None) is not None:
-            self._library.subscriber_end(self._core)
+    def settle(self, at: float, published: int, unknown: int, datagrams: int, error: int) -> None:
+        """Writes down a message that was sent."""
+        self._feed.counts.taken += 1
+        self._path.outlet.sent(datagrams, error)
+        self._path.passed(at, published, unknown)
 
-    def take(self, wanted: int, expected: int, oldest: int) -> tuple[int, int]:
-        """Takes messages; returns how many were sent, and why no more were.
+    def settle_numbers(self) -> None:
+        """Writes down which message is expected, and how many were lost."""
+        shared, feed = self._shared, self._feed
+        feed.expected = shared.expected
+        feed.counts.lost += shared.lost
+        shared.lost = 0
 
-        Args:
-            expected: Number of the next message of the publisher.
-            oldest: When one was received that is too old, in nanoseconds since 1970.
-        """
-        out, sent = self._out, self._path.outlet.sent
-        left = self._take(wanted, expected, oldest, self._where)
-        for at in range(out.count):
-            when, published, unknown, datagrams, error = SENT.unpack_from(out.sent, at * SENT.size)
-            sent(datagrams, error)
-            self._path.passed(when, published, unknown)
-        return out.count, left
-
-    def other(self) -> tuple[bytes, int | None, int, int]:
-        """Returns the message that is not usual: its bytes, number, when received and published."""
-        out = self._out
-        number = None if out.number == _NOT_TOLD else out.number
-        return ctypes.string_at(out.data, out.size), number, out.received, out.published
+    def pending(self) -> Other | None:
+        """Returns a message that is not usual, which was taken; None when there is none."""
+        found = self._pending
+        if not self.is_current or not found.data:
+            return None
+        data, number = ctypes.string_at(found.data, found.size), found.number
+        found.data = None
+        told = None if number == _NOT_TOLD else number
+        return Other(data, told, found.received, found.published, found.left)
 
     def look(self) -> None:
-        """Learns when the component was heard, after Python has sent to it."""
+        """Tells the core what Python has learnt when it took a message."""
         place = self._path.outlet.endpoint()
+        self._shared.expected = self._feed.expected & _NOT_TOLD
         if place is not None:
             self._to.heard = place[2]

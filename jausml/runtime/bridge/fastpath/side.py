@@ -1,49 +1,114 @@
-"""Both directions of the fast path of one bridge."""
+"""Both directions of the fast path of one bridge, and the wait of its loop."""
 
 from __future__ import annotations
 
+import ctypes
 import time
 from functools import partial
+from select import EPOLLIN
 from typing import TYPE_CHECKING
 
 from ...transports.udp.judp import JudpTransport
-from .library import Library, NoFastPathError
+from .library import SENT, Library, NoFastPathError, Waited
 from .receiving import FastReceiver
 from .sending import FastSubscriber, SharedNumbers
 
 if TYPE_CHECKING:
-    from ctypes import CDLL
-
     from ...base.fast_path import FastSending
     from ...component.component import JausComponent
+    from .sending import Feed
+
+_FOREVER = -1.0
 
 
 class FastSide:
-    """Lets a compiled core have the usual messages of a bridge alone."""
+    """Lets a compiled core have the usual messages of a bridge alone, while the loop waits.
 
-    def __init__(self, core: CDLL, component: JausComponent) -> None:
-        """Begins to receive with the core.
+    What the core has done is written down with the lock of the loop, before anything else of the
+    turn.
+    """
+
+    def __init__(self, code: ctypes.CDLL, component: JausComponent) -> None:
+        """Begins to wait with the core.
+
+        Args:
+            code: The library of the core.
 
         Raises:
             NoFastPathError: Messages cannot pass a core alone here.
         """
-        transport = component.transport
-        if not isinstance(transport, JudpTransport) or component.loop.now is not time.monotonic:
+        transport, self._loop = component.transport, component.loop
+        if not isinstance(transport, JudpTransport) or self._loop.now is not time.monotonic:
             raise NoFastPathError("the network or the clock is not that of the system")
-        self._library = Library(core)
+        self._library = library = Library(code)
+        self._core = library.core(library.ros, self._loop.descriptor)
+        if self._core is None:
+            raise NoFastPathError("there is no memory")
         self._transport = transport
-        transport.count_by(partial(SharedNumbers, self._library))
-        self._receiver = FastReceiver(self._library, transport, component)
-        transport.receive_by(self._receiver.receiver)
+        self._revision = -1
+        self._waited = Waited()
+        self._subscribers: list[FastSubscriber] = []
+        self._receiver = FastReceiver(library, self._core, transport, component)
+        transport.count_by(partial(SharedNumbers, library))
+        with self._loop.lock:
+            transport.receive_by(self._receiver.receiver)
+            self._loop.revision.stop_by(partial(library.core_stop, self._core))
+            self._loop.wait_by(self._wait, self._settle)
 
-    def subscriber(self, subscription: int, path: FastSending) -> FastSubscriber | None:
+    def __del__(self) -> None:
+        """Ends the core when nobody waits with it any more."""
+        if getattr(self, "_core", None) is not None:
+            self._library.core_end(self._core)
+
+    def subscriber(self, feed: Feed, path: FastSending) -> FastSubscriber | None:
         """Returns what takes the messages of a subscription; None where they cannot go alone."""
+        if self._revision != self._loop.revision.number:
+            return None  # the core forgets all before it waits again
+        index = len(self._subscribers)
         try:
-            return FastSubscriber(self._library, subscription, path)
+            made = FastSubscriber(self._library, self._core, feed, path, index)
         except LookupError:
             return None
+        self._subscribers.append(made)
+        return made
 
     def close(self) -> None:
-        """Has Python receive again."""
-        self._transport.receive_by(None)
-        self._receiver.close()
+        """Has Python wait and receive again."""
+        with self._loop.lock:
+            self._loop.revision.changed()
+            self._loop.revision.stop_by(None)
+            self._loop.wait_by(None, None)
+            self._transport.receive_by(None)
+
+    def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
+        """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
+        library, waited = self._library, self._waited
+        library.core_start(self._core)
+        if (number := self._loop.revision.number) != self._revision:
+            library.core_forget(self._core)
+            self._receiver.forget()
+            for each in self._subscribers:
+                each.is_current = False
+            self._subscribers.clear()
+            self._revision = number
+        due = self._loop.standstill.due
+        library.core_wait(
+            self._core, _FOREVER if seconds is None else seconds, due, ctypes.byref(waited)
+        )
+        return [(each, EPOLLIN) for each in waited.ready[: waited.ready_count]]
+
+    def _settle(self) -> None:
+        """Writes down what has passed."""
+        waited = self._waited
+        if waited.taken_count:
+            self._receiver.settle(waited)
+        if waited.data:
+            self._receiver.keep(waited)
+        if waited.sent_count:
+            senders = self._subscribers
+            for at in range(waited.sent_count):
+                when, published, unknown, index, datagrams, error = SENT.unpack_from(
+                    waited.sent, at * SENT.size
+                )
+                senders[index].settle(when, published, unknown, datagrams, error)
+                senders[index].settle_numbers()

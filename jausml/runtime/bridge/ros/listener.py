@@ -76,7 +76,7 @@ class Listener:
             partial(os.eventfd_read, number),
             self._loop.standstill,
             partial(os.eventfd_write, number),
-            self._loop.revision,
+            number,
         )
         self._keep(number, read)
         self._listen(self._on_message, subscription.handle, number)

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from time import monotonic, time_ns
 from typing import TYPE_CHECKING, Any
 
-from ..fastpath.library import ENOUGH, NOTHING
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ...base.fast_path import Revision
     from ...base.standstill import Standstill
     from ..ends.ends import FastSubscriber
     from ..ends.topics import TopicCounts
@@ -46,12 +43,12 @@ class Subscription:
     counts: TopicCounts
 
 
-def reader(  # noqa: C901 - for its two loops over messages, which share the number expected
+def reader(  # noqa: C901 - for two functions that share the number expected
     subscription: Subscription,
     announced: Callable[[], int],
     standstill: Standstill,
     rearm: Callable[[int], object] | None = None,
-    revision: Revision | None = None,
+    descriptor: int = -1,
 ) -> Callable[[], None]:
     """Returns what takes the messages that wait, a limited number at once.
 
@@ -62,7 +59,7 @@ def reader(  # noqa: C901 - for its two loops over messages, which share the num
         announced: Returns how many messages to take.
         rearm: Asks for another call for so many messages. None means that `announced` is no more
             than a guess: the middleware tells by itself when more is there, and not how much.
-        revision: Of what the fast path rests on, if that is looked for.
+        descriptor: Where it is announced, from which a core may take the usual messages.
     """
     handle, kind, take, counts = (
         subscription.handle,
@@ -108,52 +105,54 @@ def reader(  # noqa: C901 - for its two loops over messages, which share the num
                 rearm(left)
 
     find = getattr(take, "fast_path", None)
-    if rearm is None or revision is None or find is None:
+    if rearm is None or find is None:
         return read
+    feed = Feed(handle.pointer, descriptor, subscription.age_limit, counts)
     fast: FastSubscriber | None = None
-    known = -1
 
-    def read_fast() -> None:
-        """Has a core take what is usual, and takes what is not as `read` does."""
-        nonlocal expected, fast, known
-        if monotonic() > standstill.due:
-            standstill.end()
-        if revision.number != known:
-            known, fast = revision.number, find(handle.pointer)
-        if fast is None:
+    def read_other() -> None:
+        """Takes what a core has not passed on, and looks whether it can from now on."""
+        nonlocal expected, fast
+        expected = feed.expected
+        other = None if fast is None else fast.pending()
+        if other is None:
             read()
-            return
-        left = announced()
-        rest = left - AT_ONCE if left > AT_ONCE else 0
-        oldest = time_ns() - age_limit
-        try:
-            while left > rest:
-                sent, why = fast.take(left - rest, expected, oldest)
-                left -= sent
-                counts.taken += sent
-                expected += sent
-                if why == ENOUGH:
-                    continue
-                if why == NOTHING:
-                    counts.lost += left
-                    left = 0
-                    return
-                left -= 1
-                data, number, received, published = fast.other()
-                counts.taken += 1
-                expected = expected + 1 if number == expected else follow(expected, number)
-                if 0 < received < oldest:
-                    counts.too_old += 1
-                else:
-                    take(data, published)
-                    fast.look()
-                if revision.number != known:
-                    return
-        finally:
-            if left:
-                rearm(left)
+        else:
+            if monotonic() > standstill.due:
+                standstill.end()
+            counts.taken += 1
+            usual = other.number == expected
+            expected = expected + 1 if usual else follow(expected, other.number)
+            if 0 < other.received < time_ns() - age_limit:
+                counts.too_old += 1
+            else:
+                take(other.data, other.published)
+            if other.left:
+                rearm(other.left)
+        feed.expected = expected
+        if fast is None or not fast.is_current:
+            fast = find(feed)
+        else:
+            fast.look()
 
-    return read_fast
+    return read_other
+
+
+@dataclass
+class Feed:
+    """A subscription, as a core is told of it.
+
+    Attributes:
+        address: Where the client library has it.
+        descriptor: The eventfd that says how many messages wait.
+        expected: The number of the next message.
+    """
+
+    address: int
+    descriptor: int
+    age_limit: int
+    counts: TopicCounts
+    expected: int = 0
 
 
 class _Publishers:
