@@ -1,12 +1,14 @@
 // Feeds what stdin says to the fast path of a core, without ROS, and writes what it did.
 //
-// "d SIZE\n" and so many bytes: a datagram that arrives. "m SIZE NUMBER\n" and bytes: a message of
+// "d SIZE\n" and so many bytes: a datagram that arrives, "k SIZE\n" one with more behind it. "m SIZE NUMBER\n" and bytes: a message of
 // ROS. Both translations copy what they are given, if it begins with the octet of its kind.
 #include <arpa/inet.h>
+#include <sys/eventfd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 #include "fastpath.hpp"
 
@@ -83,12 +85,20 @@ void hex(const std::uint8_t* data, std::size_t size) {
 
 }  // namespace
 
-int main() {
+int main(int count, char**) {
     const jausml::Ros ros{publish, take, forget_error, allocator};
     const jausml::Translation translation{copy, nullptr, 0};
     sockaddr_in bridge{}, peer{};
     const int in = bound(bridge), out = bound(peer);
-    jausml::Receiver* const receiver = jausml_receiver(&ros);
+    const int epoll = epoll_create1(0), announced = eventfd(0, EFD_NONBLOCK);
+    for (const int each : {in, announced}) {
+        epoll_event event{};
+        event.events = EPOLLIN;
+        event.data.fd = each;
+        epoll_ctl(epoll, EPOLL_CTL_ADD, each, &event);
+    }
+    jausml::Core* const core = jausml_core(&ros, epoll);
+    jausml_core_listen(core, in, 100000);
     for (const bool is_event : {false, true}) {
         jausml::Route route{};
         route.source = 0x00010101;
@@ -103,9 +113,9 @@ int main() {
         route.index = is_event ? 1 : 0;
         route.translation = &translation;
         const std::uint16_t known[] = {7, 8};
-        if (jausml_receiver_add(receiver, &route, known, 2) == nullptr) return 3;
+        if (jausml_core_add(core, &route, known, 2) == nullptr) return 3;
     }
-    std::uint64_t numbers = 65530;
+    std::atomic<std::uint64_t> numbers{65530};
     jausml::Destination to{};
     to.host = INADDR_LOOPBACK;
     to.port = ntohs(peer.sin_port);
@@ -116,40 +126,74 @@ int main() {
     to.longest = 100;
     to.lifetime = 1e12;
     to.numbers = &numbers;
-    jausml::Subscriber* const subscriber = jausml_subscriber(&ros, nullptr, &translation, &to);
-    std::uint64_t expected = 0;
-    jausml::Received received{};
-    jausml::Shipped shipped{};
+    jausml::Subscription subscription{nullptr, &translation, &to, announced, 0, 0, 50, 0};
+    jausml::Pending* const pending = jausml_core_subscribe(core, &subscription);
+    jausml::Waited waited{};
+    // With an argument, another thread stops the core again and again, as Python may at any time.
+    std::atomic<bool> goes_on{count > 1};
+    std::thread other([core, &goes_on, &numbers] {
+        while (goes_on) {
+            jausml_core_stop(core);
+            jausml_next_number(&numbers);
+        }
+    });
     for (std::string words = line(); !words.empty(); words = line()) {
-        const bool is_datagram = words[0] == 'd';
+        const bool is_datagram = words[0] != 'm';
         std::size_t read = 0;
         const std::size_t size = std::stoul(words.substr(2), &read);
         const std::string data = bytes(size);
         if (is_datagram) {
             sendto(out, data.data(), data.size(), 0, reinterpret_cast<sockaddr*>(&bridge),
                    sizeof bridge);
-            const int left = jausml_receive(receiver, in, in, &received);
-            std::printf("%d %zu", left, received.count);
-            if (received.count == 1) {
-                std::printf(" %u %u ", received.taken[0].index, received.taken[0].number);
-                hex(received.taken[0].data, received.taken[0].size);
-            }
         } else {
             message_of_ros = data;
             number_of_ros = std::stoull(words.substr(2 + read));
-            if (expected == 0) expected = number_of_ros;
-            const int left = jausml_take(subscriber, 1, expected, 0, &shipped);
-            expected = number_of_ros == 0 && left != jausml::NOTHING ? expected + 1 : expected;
-            std::printf("%d %zu", left, shipped.count);
+            eventfd_write(announced, 1);
+        }
+        if (words[0] == 'k') {
+            std::printf("kept\n");
+            continue;
+        }
+        jausml_core_start(core);
+        jausml_core_wait(core, 0.0, 1e300, &waited);
+        std::printf("%zu %zu", waited.ready_count, waited.taken_count + waited.sent_count);
+        if (waited.taken_count == 1) {
+            std::printf(" %u %u ", waited.taken[0].index, waited.taken[0].number);
+            hex(waited.taken[0].data, waited.taken[0].size);
+        }
+        if (!is_datagram) {
+            if (waited.ready_count == 1) {
+                std::printf(" %zu", pending->size);
+                subscription.expected = pending->number + 1;
+            }
             std::uint8_t buffer[65536];
             for (ssize_t got = 0; (got = recv(out, buffer, sizeof buffer, 0)) > 0;) {
                 std::printf(" ");
                 hex(buffer, static_cast<std::size_t>(got));
             }
         }
+        std::uint8_t first = 0;
+        do {
+            for (std::size_t at = 0; at < waited.left_count; ++at) {
+                std::printf(" left ");
+                hex(waited.left[at].data, waited.left[at].size);
+            }
+            waited.left_count = 0;
+            const bool has_more = count == 1 && recv(in, &first, 1, MSG_PEEK) >= 0;
+            if (has_more) jausml_core_wait(core, 0.0, 1e300, &waited);
+        } while (waited.left_count > 0);
+        if (count > 1) {
+            std::uint8_t buffer[65536];
+            std::uint64_t told = 0;
+            while (recv(in, buffer, sizeof buffer, 0) > 0) continue;
+            if (eventfd_read(announced, &told) == 0) number_of_ros = 0;
+        }
         std::printf("\n");
         std::fflush(stdout);
     }
-    jausml_subscriber_end(subscriber);
-    jausml_receiver_end(receiver);
+    goes_on = false;
+    other.join();
+    jausml_core_stop(core);
+    jausml_core_forget(core);
+    jausml_core_end(core);
 }

@@ -42,6 +42,11 @@ def generate(folder: Path, document: Path = MODEL) -> list[str]:
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
+    if os.environ.get("COMPILED"):
+        from jausml.generation import native
+
+        built = native.build(native.cores(folder), native.compiler())
+        assert not any(each.reason for each in built), built
     return packages_of(folder)
 
 

@@ -20,6 +20,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, Event
 from jausml.runtime.transports.packets.packet import (
     AckNak,
+    DataFlags,
     Packet,
     Priority,
     parse_datagram,
@@ -281,6 +282,56 @@ def test_both_forms_do_the_same_with_whatever_comes(system, seed):
         assert system.alone("point_up") == 0
 
 
+def packets_of_scan(peer, size):
+    """The distances of a scan, and the packets of its message."""
+    ranges = [7 * at % 60000 for at in range(size)]
+    payload = struct.pack(f"<HH{size}H", 0xD104, size, *ranges)
+    parts = [payload[at : at + 4000] for at in range(0, len(payload), 4000)]
+    places = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (len(parts) - 2), DataFlags.LAST]
+    first = peer.number + 1
+    peer.number += len(parts)
+    return [each * 0.001 for each in ranges], [
+        Packet(BRIDGE, PEER, each, first + at, Priority.STANDARD, data_flags=places[at])
+        for at, each in enumerate(parts)
+    ]
+
+
+def test_messages_of_several_packets(system):
+    from sensor_msgs.msg import LaserScan
+
+    def send(packets):
+        for each in packets:
+            system.peer.sock.sendto(each.encode(), system.peer.bridge)
+
+    def is_reached():
+        send(packets_of_scan(system.peer, 2500)[1])
+        return scans
+
+    scans = system.ros.listen_to_publisher(LaserScan, "scan_up", 1000)
+    wait_for(is_reached, "first scan")
+    send(packets_of_scan(system.peer, 2600)[1])
+    wait_for(lambda: len(scans[-1].ranges) == 2600, "last of the first ones")
+    first, wanted = len(scans), []
+    for step in range(20):
+        ranges, sent = packets_of_scan(system.peer, 3000 + 100 * step)
+        if step % 4 == 1:
+            sent[0], sent[1] = sent[1], sent[0]  # they overtake each other
+        if step % 4 == 2:
+            sent.insert(1, sent[0])
+        if step % 4 == 3:
+            del sent[1]
+        else:
+            wanted.append(ranges)
+        send(sent)
+        wait_for(lambda: len(scans) == first + len(wanted), "scan")
+    for scan, ranges in zip(scans[first:], wanted, strict=True):
+        assert list(scan.ranges) == pytest.approx(ranges, abs=1e-4)
+    if system.is_compiled:
+        wait_for(lambda: system.alone("scan_up") >= 5, "messages of the core")
+    else:
+        assert system.alone("scan_up") == 0
+
+
 def test_a_parameter_counts_from_the_next_message_on(system):
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import ListParameters, SetParameters
@@ -324,8 +375,8 @@ def test_what_is_sent_is_numbered_with_what_python_sends(system):
         if step % 10 == 5:
             message.point.x = float("nan")  # it has no counterpart, and is not sent
             points.publish(message)
-        if step % 20 == 7:
-            size = (10, 5000, 9000)[step // 20]
+        if step % 10 == 7:
+            size = (10, 20, 30, 40, 5000, 9000)[step // 10]
             scans.publish(LaserScan(ranges=[each % 60 + 0.25 for each in range(size)]))
         wait_for(lambda: len(system.peer.of_code(0xD101)) == len(wanted), "point")
     assert [each for each, _ in system.peer.of_code(0xD101)] == wanted

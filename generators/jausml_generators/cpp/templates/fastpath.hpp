@@ -110,6 +110,17 @@ constexpr std::uint32_t VERSION = 2;
 constexpr std::uint32_t EVENT = 0x41F1;
 constexpr std::size_t EVENT_HEADER = 8;
 constexpr std::size_t LARGEST = 65536;
+constexpr std::size_t OVERHEAD = 400;  // of a packet of a message that is not whole
+constexpr std::uint8_t FIRST_PACKET = 1 << 6, MIDDLE_PACKET = 2 << 6, LAST_PACKET = 3 << 6;
+
+inline void put_header(std::uint8_t* data, std::size_t size, std::uint8_t flags,
+                       std::uint32_t destination, std::uint32_t source) {
+    put_little(data, VERSION, 2);
+    put_little(data + 2, static_cast<std::uint32_t>(EMPTY + size), 2);
+    data[4] = flags;
+    put_little(data + 5, destination, 4);
+    put_little(data + 9, source, 4);
+}
 
 // The sequence numbers that came lately, of which those that Python remembers are some.
 class Window {
@@ -159,15 +170,25 @@ struct Route {
     Order order;
 };
 
-// A message that was taken.
+// A message that was taken, in one packet or several, whose last one has the number.
 struct Taken {
     double at;
     std::uint64_t unknown;
     const std::uint8_t* data;
     std::size_t size;
+    const std::uint32_t* sizes;
+    std::size_t packets;
     std::uint32_t index;
     std::uint16_t number;
     std::uint8_t was_answered;
+};
+
+// A datagram that is left to Python.
+struct Datagram {
+    const std::uint8_t* data;
+    std::size_t size;
+    std::uint32_t host;
+    std::uint32_t port;
 };
 
 // A message that was sent, of the subscription with an index.
@@ -183,7 +204,7 @@ struct Sent {
 // Messages that are passed on before Python writes them down.
 constexpr std::size_t AT_ONCE = 32;
 
-// What was done, and what is left to Python: descriptors, and a datagram that was received.
+// What was done, and what is left to Python: descriptors, and datagrams that were received.
 struct Waited {
     Taken taken[AT_ONCE];
     Sent sent[AT_ONCE];
@@ -191,10 +212,8 @@ struct Waited {
     std::size_t taken_count;
     std::size_t sent_count;
     std::size_t ready_count;
-    const std::uint8_t* data;  // of the datagram; null where there is none
-    std::size_t size;
-    std::uint32_t host;
-    std::uint32_t port;
+    const Datagram* left;
+    std::size_t left_count;
 };
 
 // Why no more messages were taken.
@@ -209,6 +228,39 @@ public:
         routes_.clear();
         windows_.clear();
     }
+
+    // Takes messages of several packets up to so many bytes.
+    void limit(std::size_t most) { most_ = most; }
+
+    // Begins anew: what was told before is written down.
+    void begin() {
+        whole_.clear();
+        left_.clear();
+        given_back_.clear();
+    }
+
+    // Leaves to Python the packets of a message that is not whole.
+    void give_back() {
+        if (!assembly_) return;
+        const Assembly& held = *assembly_;
+        std::size_t at = 0;
+        for (std::size_t number = 0; number < held.sizes.size(); ++number) {
+            const std::size_t size = held.sizes[number];
+            Octets made(HEADER + size + NUMBER);
+            const std::uint8_t place = number == 0 ? FIRST_PACKET : MIDDLE_PACKET;
+            put_header(made.data(), size, held.flags | place, held.destination, held.source);
+            std::memcpy(made.data() + HEADER, held.payload.data() + at, size);
+            put_little(made.data() + HEADER + size, held.first + static_cast<std::uint32_t>(number),
+                       NUMBER);
+            given_back_.push_back(std::move(made));
+            left_.push_back({given_back_.back().data(), given_back_.back().size(), held.host,
+                             held.port});
+            at += size;
+        }
+        assembly_.reset();
+    }
+
+    const std::vector<Datagram>& left() const { return left_; }
 
     // Adds a route; returns what Python shares of it.
     Order* add(const Route& route, const std::uint16_t* numbers, std::size_t count) {
@@ -230,7 +282,10 @@ public:
         now_ = monotonic();
         if (now_ - latest_ > PAUSE) burst_ = 1;
         latest_ = now_;
-        for (std::size_t done = 0; done < burst_ && out.taken_count < AT_ONCE; ++done) {
+        const auto goes_on = [&](std::size_t done) {
+            return (done < burst_ || assembly_) && done < MOST && out.taken_count < AT_ONCE;
+        };
+        for (std::size_t done = 0; goes_on(done); ++done) {
             sockaddr_in origin{};
             socklen_t length = sizeof origin;
             std::uint8_t* const into = buffers_[out.taken_count].data();
@@ -241,10 +296,9 @@ public:
                 return errno == EAGAIN || errno == EWOULDBLOCK ? Left::NOTHING : Left::OTHER;
             }
             if (!take(into, static_cast<std::size_t>(got), origin, sock, out)) {
-                out.data = into;
-                out.size = static_cast<std::size_t>(got);
-                out.host = ntohl(origin.sin_addr.s_addr);
-                out.port = ntohs(origin.sin_port);
+                give_back();
+                left_.push_back({into, static_cast<std::size_t>(got),
+                                 ntohl(origin.sin_addr.s_addr), ntohs(origin.sin_port)});
                 return Left::OTHER;
             }
         }
@@ -254,6 +308,7 @@ public:
 
 private:
     static constexpr double PAUSE = 0.0002;
+    static constexpr std::size_t MOST = 64;
     static constexpr double LATEST = 2.0;
     static constexpr std::uint16_t FARTHEST = 1024;
 
@@ -273,6 +328,19 @@ private:
         return pair(source, destination) * 0x9E3779B97F4A7C15u ^ what;
     }
 
+    // A message of several packets, of which those that came are in order.
+    struct Assembly {
+        std::uint32_t source;
+        std::uint32_t destination;
+        std::uint32_t host;
+        std::uint32_t port;
+        std::uint8_t flags;
+        std::uint16_t first;
+        Route* route;
+        Octets payload;
+        std::vector<std::uint32_t> sizes;
+    };
+
     bool take(const std::uint8_t* const in, std::size_t length, const sockaddr_in& origin,
               int answering, Waited& out) {
         if (length < HEADER + CODE + NUMBER || little(in + 2, 2) != length - 1 ||
@@ -286,14 +354,61 @@ private:
         window->second->add(number);
         const std::uint8_t* const payload = in + HEADER;
         const std::size_t size = length - HEADER - NUMBER;
+        const std::uint8_t place = in[4] & LAST_PACKET;
+        if (place == MIDDLE_PACKET || place == LAST_PACKET)
+            return add(in, payload, size, number, origin, out);
         const std::uint32_t code = little(payload, CODE);
         const std::uint32_t event = code == EVENT && size > CODE ? payload[CODE] : 0;
-        const auto found = routes_.find(key(source, destination, in[4], code, event));
+        const std::uint8_t flags = in[4] & ~LAST_PACKET;
+        const auto found = routes_.find(key(source, destination, flags, code, event));
         if (found == routes_.end()) return false;
         Route& route = *found->second;
-        if (route.source != source || route.destination != destination || route.flags != in[4] ||
+        if (route.source != source || route.destination != destination || route.flags != flags ||
             route.host != ntohl(origin.sin_addr.s_addr) || route.port != ntohs(origin.sin_port))
             return false;
+        if (place == FIRST_PACKET) {
+            if (assembly_ || route.answer != 0) return false;
+            assembly_ = std::make_unique<Assembly>(
+                Assembly{source, destination, route.host, route.port, flags, number, &route,
+                         Octets(payload, payload + size), {static_cast<std::uint32_t>(size)}});
+            return true;
+        }
+        if (assembly_) return false;  // what began before it is Python's, and so is this
+        return pass(route, payload, size, number, origin, answering, out);
+    }
+
+    // Adds a packet to what is not whole.
+    bool add(const std::uint8_t* in, const std::uint8_t* payload, std::size_t size,
+             std::uint16_t number, const sockaddr_in& origin, Waited& out) {
+        if (!assembly_) return false;
+        Assembly& held = *assembly_;
+        const auto following = static_cast<std::uint16_t>(held.first + held.sizes.size());
+        if (held.source != little(in + 9, 4) || held.destination != little(in + 5, 4) ||
+            held.flags != (in[4] & ~LAST_PACKET) || number != following ||
+            held.host != ntohl(origin.sin_addr.s_addr) || held.port != ntohs(origin.sin_port) ||
+            held.payload.size() + size + (held.sizes.size() + 1) * OVERHEAD > most_)
+            return false;
+        if ((in[4] & LAST_PACKET) != LAST_PACKET) {
+            held.payload.insert(held.payload.end(), payload, payload + size);
+            held.sizes.push_back(static_cast<std::uint32_t>(size));
+            return true;
+        }
+        Octets message(held.payload);
+        message.insert(message.end(), payload, payload + size);
+        if (!pass(*held.route, message.data(), message.size(), number, origin, -1, out))
+            return false;
+        held.sizes.push_back(static_cast<std::uint32_t>(size));
+        held.payload = std::move(message);
+        whole_.push_back(std::move(assembly_));
+        Taken& taken = out.taken[out.taken_count - 1];
+        taken.data = whole_.back()->payload.data();
+        taken.sizes = whole_.back()->sizes.data();
+        taken.packets = whole_.back()->sizes.size();
+        return true;
+    }
+
+    bool pass(Route& route, const std::uint8_t* payload, std::size_t size, std::uint16_t number,
+              const sockaddr_in& origin, int answering, Waited& out) {
         const std::size_t before = route.is_event != 0 ? EVENT_HEADER : 0;
         if (route.is_event != 0 &&
             (size < EVENT_HEADER + CODE || payload[3] != route.order.expected ||
@@ -304,9 +419,8 @@ private:
         if (!publish(route, payload + before, size - before, unknown)) return false;
         const bool is_answered = route.answer != 0;
         if (is_answered) answer(route, number, origin, answering);
-        out.taken[out.taken_count++] = {now_,        unknown, payload,
-                                        size,        route.index, number,
-                                        static_cast<std::uint8_t>(is_answered)};
+        out.taken[out.taken_count++] = {now_, unknown,     payload, size, nullptr,
+                                        1,    route.index, number,  static_cast<std::uint8_t>(is_answered)};
         return true;
     }
 
@@ -344,11 +458,7 @@ private:
     static void answer(const Route& route, std::uint16_t number, const sockaddr_in& origin,
                        int answering) {
         std::uint8_t out[HEADER + NUMBER];
-        put_little(out, VERSION, 2);
-        put_little(out + 2, EMPTY, 2);
-        out[4] = route.answer;
-        put_little(out + 5, route.source, 4);
-        put_little(out + 9, route.destination, 4);
+        put_header(out, 0, route.answer, route.source, route.destination);
         put_little(out + HEADER, number, NUMBER);
         sendto(answering, out, sizeof out, 0, reinterpret_cast<const sockaddr*>(&origin),
                sizeof origin);
@@ -359,6 +469,11 @@ private:
     std::unordered_map<std::uint64_t, std::unique_ptr<Window>> windows_;
     std::unordered_map<std::uint64_t, std::unique_ptr<Route>> routes_;
     std::array<std::array<std::uint8_t, LARGEST>, AT_ONCE> buffers_;
+    std::unique_ptr<Assembly> assembly_;
+    std::vector<std::unique_ptr<Assembly>> whole_;
+    std::vector<Octets> given_back_;
+    std::vector<Datagram> left_;
+    std::size_t most_ = 0;
     std::size_t burst_ = 1;
     double latest_ = 0.0;
     double now_ = 0.0;
@@ -446,7 +561,6 @@ public:
 private:
     static constexpr std::size_t MOST_PARTS = 40;
     static constexpr std::size_t LARGEST_PART = 4079;
-    static constexpr std::uint8_t FIRST = 1 << 6, MIDDLE = 2 << 6, LAST = 3 << 6;
 
     bool pass(const MessageInfo& info, Waited& out) {
         const double now = monotonic();
@@ -469,18 +583,14 @@ private:
         const std::size_t step = std::max(shared_->to->longest, std::min(LARGEST_PART, needed));
         for (std::size_t at = 0; at < size && done.error == 0; at += step) {
             const bool is_last = at + step >= size;
-            const std::uint8_t place = at == 0 ? FIRST : is_last ? LAST : MIDDLE;
+            const std::uint8_t place = at == 0 ? FIRST_PACKET : is_last ? LAST_PACKET : MIDDLE_PACKET;
             send_part(data + at, std::min(step, size - at), shared_->to->flags | place, done);
         }
     }
 
     void send_part(const std::uint8_t* data, std::size_t size, std::uint8_t flags, Sent& done) const {
         std::uint8_t header[HEADER], number[NUMBER];
-        put_little(header, VERSION, 2);
-        put_little(header + 2, static_cast<std::uint32_t>(EMPTY + size), 2);
-        header[4] = flags;
-        put_little(header + 5, shared_->to->destination, 4);
-        put_little(header + 9, shared_->to->source, 4);
+        put_header(header, size, flags, shared_->to->destination, shared_->to->source);
         put_little(number, static_cast<std::uint32_t>(shared_->to->numbers->fetch_add(1, std::memory_order_relaxed)), NUMBER);
         iovec parts[] = {{header, HEADER},
                          {const_cast<std::uint8_t*>(data), size},
@@ -526,7 +636,10 @@ public:
         subscribers_.clear();
     }
 
-    void listen(int sock) { sock_ = sock; }
+    void listen(int sock, std::size_t most) {
+        sock_ = sock;
+        receiver.limit(most);
+    }
 
     Pending* subscribe(Subscription* shared) {
         auto& found = subscribers_[shared->descriptor];
@@ -539,7 +652,7 @@ public:
     // due: When the process must have stood still, by the steady clock: what waits then is old.
     void wait(double seconds, double due, Waited& out) {
         out.taken_count = out.sent_count = out.ready_count = 0;
-        out.data = nullptr;
+        receiver.begin();
         const double end = seconds < 0 ? 1e300 : monotonic() + seconds;
         for (bool goes_on = true; goes_on;) {
             epoll_event events[AT_ONCE];
@@ -557,6 +670,9 @@ public:
             goes_on = goes_on && out.ready_count == 0 && out.taken_count < AT_ONCE &&
                       out.sent_count < AT_ONCE;
         }
+        receiver.give_back();  // what is not whole when Python goes on is Python's
+        out.left = receiver.left().data();
+        out.left_count = receiver.left().size();
     }
 
     Receiver receiver;
@@ -569,8 +685,7 @@ private:
     }
 
     Left pass(int descriptor, Waited& out) {
-        if (descriptor == sock_)
-            return out.data != nullptr ? Left::OTHER : receiver.receive(descriptor, out);
+        if (descriptor == sock_) return receiver.receive(descriptor, out);
         const auto found = subscribers_.find(descriptor);
         return found == subscribers_.end() ? Left::OTHER : found->second->take(out);
     }
@@ -599,7 +714,9 @@ JAUSML_EXPORT void jausml_core_start(jausml::Core* core) { core->start(); }
 
 JAUSML_EXPORT void jausml_core_forget(jausml::Core* core) { core->forget(); }
 
-JAUSML_EXPORT void jausml_core_listen(jausml::Core* core, int sock) { core->listen(sock); }
+JAUSML_EXPORT void jausml_core_listen(jausml::Core* core, int sock, std::size_t most) {
+    core->listen(sock, most);
+}
 
 JAUSML_EXPORT jausml::Order* jausml_core_add(jausml::Core* core, const jausml::Route* route,
                                              const std::uint16_t* numbers, std::size_t count) {
@@ -621,7 +738,11 @@ JAUSML_EXPORT jausml::Pending* jausml_core_subscribe(jausml::Core* core,
 
 JAUSML_EXPORT void jausml_core_wait(jausml::Core* core, double seconds, double due,
                                     jausml::Waited* out) {
-    core->wait(seconds, due, *out);
+    try {
+        core->wait(seconds, due, *out);
+    } catch (...) {
+        out->left_count = 0;  // there is no memory for what waits
+    }
 }
 
 JAUSML_EXPORT std::uint64_t jausml_next_number(std::atomic<std::uint64_t>* numbers) {

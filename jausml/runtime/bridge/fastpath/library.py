@@ -13,9 +13,10 @@ from ..messages.compiled import Translation
 AT_ONCE = 32
 """Messages that a core passes on before they are written down."""
 
-TAKEN = struct.Struct("@dQPNIHB1x")
-"""A message that was taken: when, what was left out, where it is, its size, the index of its route,
-its number, and whether it was acknowledged."""
+TAKEN = struct.Struct("@dQPNPNIHB1x")
+"""A message that was taken: when, what was left out, where it is, its size, where the sizes of its
+packets are, how many there are, the index of its route, the number of the last packet, and whether
+it was acknowledged."""
 
 SENT = struct.Struct("@dqQIIi4x")
 """A message that was sent: when it was taken, when it was published, what was left out, the index
@@ -66,6 +67,17 @@ class Route(ctypes.Structure):
     )
 
 
+class Datagram(ctypes.Structure):
+    """A datagram that is left to Python."""
+
+    _fields_ = (
+        ("data", ctypes.c_void_p),
+        ("size", ctypes.c_size_t),
+        ("host", ctypes.c_uint32),
+        ("port", ctypes.c_uint32),
+    )
+
+
 class Waited(ctypes.Structure):
     """What was done while the loop waited, and what is left to Python."""
 
@@ -76,10 +88,8 @@ class Waited(ctypes.Structure):
         ("taken_count", ctypes.c_size_t),
         ("sent_count", ctypes.c_size_t),
         ("ready_count", ctypes.c_size_t),
-        ("data", ctypes.c_void_p),
-        ("size", ctypes.c_size_t),
-        ("host", ctypes.c_uint32),
-        ("port", ctypes.c_uint32),
+        ("left", ctypes.POINTER(Datagram)),
+        ("left_count", ctypes.c_size_t),
     )
 
 
@@ -135,7 +145,7 @@ _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "core_stop": (None, (_POINTER,)),
     "core_start": (None, (_POINTER,)),
     "core_forget": (None, (_POINTER,)),
-    "core_listen": (None, (_POINTER, ctypes.c_int)),
+    "core_listen": (None, (_POINTER, ctypes.c_int, _SIZE)),
     "core_add": (ctypes.POINTER(Order), (_POINTER, _POINTER, _POINTER, _SIZE)),
     "core_subscribe": (ctypes.POINTER(Pending), (_POINTER, _POINTER)),
     "next_number": (ctypes.c_uint64, (_POINTER,)),

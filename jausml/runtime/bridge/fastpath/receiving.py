@@ -7,14 +7,16 @@ other datagram is handed to those who read the socket, as if it had been receive
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple
+import struct
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...messages import Event
 from .library import TAKEN, Route, host_of, packed_host
 
 if TYPE_CHECKING:
     import socket
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ...base.fast_path import FastPath
     from ...base.settings import Endpoint
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from .library import Library, Waited
 
 _ENDS = slice(4, 13)
+_FLAGS = 4
+_PLACE, _FIRST, _WITHOUT_PLACE = 6, 1, 0x3F
 _CODE = slice(13, 15)
 _EVENT = 15
 _SHORTEST = 17
@@ -38,12 +42,17 @@ class _Key(NamedTuple):
     event: int
 
 
+Settle: TypeAlias = "Callable[[int, float, int, bytes, bool, Sequence[int] | None], None]"
+"""Writes down a message: the number of its last packet, when it came, what was left out, its
+payload, whether it was acknowledged, and the sizes of its packets, if they are several."""
+
+
 class _Known(NamedTuple):
     """A route of the core, its path through Python, and what writes down what has passed."""
 
     path: FastPath
     order: Any
-    settle: Callable[[int, float, int, bytes, bool], None]
+    settle: Settle
 
 
 class FastReceiver:
@@ -62,6 +71,7 @@ class FastReceiver:
         self._inbox = transport.inbox
         self._book = transport.address_book
         self._window = transport.inbox.duplicates
+        self._most = transport.inbox.reassembly.limit
         self._received = transport.counters.tally("judp.received")
         self._sent = transport.counters.tally("judp.sent")
         self._loop = component.loop
@@ -70,19 +80,20 @@ class FastReceiver:
         self._without: set[_Key] = set()
         self._lent: list[object] = []
         self._seen: list[_Key] = []
-        self._other: tuple[bytes, Endpoint] | None = None
+        self._others: deque[tuple[bytes, Endpoint]] = deque()
         self._is_enough = False
+        self.descriptor = -1
 
     def receiver(self, sock: socket.socket) -> Receiver:
         """Returns what receives from a socket whatever is not usual."""
-        self._library.core_listen(self._core, sock.fileno())
-        receive, changed = sock.recvfrom, self._loop.revision.changed
+        self.descriptor = sock.fileno()
+        self._library.core_listen(self._core, self.descriptor, self._most)
+        receive, changed, others = sock.recvfrom, self._loop.revision.changed, self._others
 
         def take_other(most: int) -> tuple[bytes, Endpoint]:
-            other, self._other = self._other, None
-            if other is not None:
+            if others:
                 self._is_enough = True
-                return other
+                return others.popleft()
             if self._is_enough:
                 self._is_enough = False
                 raise BlockingIOError  # the core looks for the next one
@@ -91,21 +102,29 @@ class FastReceiver:
 
         return take_other
 
-    def settle(self, waited: Waited) -> None:
-        """Writes down what has passed, and keeps a datagram that has not for whoever reads."""
-        count, text = waited.taken_count, ctypes.string_at
-        self._received.count += count
-        for at in range(count):
-            when, unknown, data, size, index, number, answered = TAKEN.unpack_from(
-                waited.taken, at * TAKEN.size
-            )
-            self._routes[index].settle(number, when, unknown, text(data, size), answered)
+    @property
+    def has_others(self) -> bool:
+        """Whether datagrams are kept that nobody has read."""
+        return bool(self._others)
 
-    def keep(self, waited: Waited) -> None:
-        """Keeps a datagram that has not passed for whoever reads the socket."""
-        datagram = ctypes.string_at(waited.data, waited.size)
-        self._other = datagram, (host_of(waited.host), waited.port)
-        self._note(datagram)
+    def settle(self, waited: Waited) -> None:
+        """Writes down what has passed, and keeps what has not for whoever reads the socket."""
+        text, size = ctypes.string_at, TAKEN.size
+        for at in range(waited.taken_count):
+            when, unknown, data, length, sizes, packets, index, number, answered = (
+                TAKEN.unpack_from(waited.taken, at * size)
+            )
+            self._received.count += packets
+            payload, settle = text(data, length), self._routes[index].settle
+            parts = None
+            if packets > 1:
+                parts = struct.unpack(f"{packets}I", text(sizes, 4 * packets))
+            settle(number, when, unknown, payload, answered, parts)
+        for at in range(waited.left_count):
+            left = waited.left[at]
+            datagram = text(left.data, left.size)
+            self._others.append((datagram, (host_of(left.host), left.port)))
+            self._note(datagram)
 
     def forget(self) -> None:
         """Forgets all routes, as something has changed that they rest on."""
@@ -121,7 +140,11 @@ class FastReceiver:
         if len(datagram) < _SHORTEST:
             return
         code = int.from_bytes(datagram[_CODE], "little")
-        key = _Key(datagram[_ENDS], code, datagram[_EVENT] if code == Event.CODE else 0)
+        flags = datagram[_FLAGS]
+        if flags >> _PLACE > _FIRST:
+            return
+        ends = bytes([flags & _WITHOUT_PLACE]) + datagram[_FLAGS + 1 : _ENDS.stop]
+        key = _Key(ends, code, datagram[_EVENT] if code == Event.CODE else 0)
         if not self._seen:
             self._loop.call_soon(self._learn)
         if len(self._seen) < _MOST_WITHOUT:
@@ -140,13 +163,19 @@ class FastReceiver:
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
                 _tell(known.order, known.path)
 
+    def _way_of(self, ends: bytes) -> Any:
+        """Returns what is known of whole messages, or of the first packets of longer ones."""
+        usual = self._inbox.usual
+        first = bytes([ends[0] | _FIRST << _PLACE]) + ends[1:]
+        return usual.get(ends) or usual.get(first)
+
     def _find(self, key: _Key) -> None:
         """Makes a route of what the datagrams with a key go through, where they are usual."""
-        way = self._inbox.usual.get(key.ends)
+        way = self._way_of(key.ends)
         if way is None:
             return
         path = None
-        if not way.place and way.destination == self._component.address:
+        if way.destination == self._component.address:
             path = self._component.fast_path(key.code, key.event, way.source)
         if path is None or (path.expected is not None and path.expected() is None):
             if len(self._without) >= _MOST_WITHOUT:
@@ -179,20 +208,34 @@ class FastReceiver:
         self._by_key[key] = found = _Known(path, order.contents, self._settling(way, path))
         self._routes.append(found)
 
-    def _settling(self, way: Any, path: FastPath) -> Callable[[int, float, int, bytes, bool], None]:
+    def _settling(self, way: Any, path: FastPath) -> Settle:
         """Returns what writes down a message, as those would have done whom it has not met."""
         entry, source, destination, numbers = way.entry, way.source, way.destination, way.numbers
-        pair, window, capacity = way.pair, self._window, self._window.capacity
+        pair, window, reassembly = way.pair, self._window, self._inbox.reassembly
         learnt, seen = self._book.learnt, window.seen
         heard, passed, sent = self._component.note_heard, path.passed, self._sent
 
-        def settle(number: int, at: float, unknown: int, payload: bytes, answered: bool) -> None:  # noqa: FBT001
+        def settle(
+            number: int,
+            at: float,
+            unknown: int,
+            payload: bytes,
+            answered: bool,  # noqa: FBT001
+            sizes: Sequence[int] | None,
+        ) -> None:
             entry.heard = at
             learnt.move_to_end(source)
             seen.move_to_end(pair)
-            if len(numbers) >= capacity:
-                window.make_room(pair, numbers)
-            numbers[number] = at, hash(payload) ^ destination
+            if sizes is None:
+                window.remember(pair, numbers, number, destination, payload, at)
+            else:
+                reassembly.note_whole(len(sizes))
+                start, first = 0, number - len(sizes) + 1
+                for each, size in enumerate(sizes, first):
+                    part = payload[start : start + size]
+                    window.remember(pair, numbers, each & 0xFFFF, destination, part, at)
+                    start += size
+            window.settle()
             sent.count += answered
             passed(payload, number, at, unknown)
             heard(source, at)

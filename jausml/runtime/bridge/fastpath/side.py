@@ -82,11 +82,14 @@ class FastSide:
 
     def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
         """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
-        library, waited = self._library, self._waited
+        library, waited, receiver = self._library, self._waited, self._receiver
+        if receiver.has_others:  # what comes behind them must not pass before them
+            waited.taken_count = waited.sent_count = waited.left_count = 0
+            return [(receiver.descriptor, EPOLLIN)]
         library.core_start(self._core)
         if (number := self._loop.revision.number) != self._revision:
             library.core_forget(self._core)
-            self._receiver.forget()
+            receiver.forget()
             for each in self._subscribers:
                 each.is_current = False
             self._subscribers.clear()
@@ -95,15 +98,16 @@ class FastSide:
         library.core_wait(
             self._core, _FOREVER if seconds is None else seconds, due, ctypes.byref(waited)
         )
-        return [(each, EPOLLIN) for each in waited.ready[: waited.ready_count]]
+        ready = set(waited.ready[: waited.ready_count])
+        if waited.left_count:
+            ready.add(receiver.descriptor)
+        return [(each, EPOLLIN) for each in ready]
 
     def _settle(self) -> None:
         """Writes down what has passed."""
         waited = self._waited
-        if waited.taken_count:
+        if waited.taken_count or waited.left_count:
             self._receiver.settle(waited)
-        if waited.data:
-            self._receiver.keep(waited)
         if waited.sent_count:
             senders = self._subscribers
             for at in range(waited.sent_count):

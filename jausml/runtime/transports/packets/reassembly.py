@@ -129,6 +129,9 @@ class Reassembly:
     ``transport.reassembly_stale``, others of a number that came again. Of the fragments taken,
     ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
     ``transport.fragments_discarded``.
+
+    Attributes:
+        limit: Bytes kept for one way, with bookkeeping.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
@@ -139,13 +142,19 @@ class Reassembly:
             limit: Bytes kept for one way (with bookkeeping); four times as many in total.
         """
         self._timeout = timeout
-        self._limit = limit
+        self.limit = limit
         self._counters = counters
         self._taken = counters.tally("transport.fragments")
         self._assembled = counters.tally("transport.fragments_assembled")
         self._finished = counters.tally("transport.reassembled")
         self._held: OrderedDict[Way, _Line | _Stream] = OrderedDict()
         self._size = 0
+
+    def note_whole(self, count: int) -> None:
+        """Count a message of so many fragments that was put together elsewhere."""
+        self._taken.count += count
+        self._assembled.count += count
+        self._finished.count += 1
 
     @property
     def size(self) -> int:
@@ -204,7 +213,7 @@ class Reassembly:
         else:
             return self._put_in_stream(way, flags, sequence, payload, now)
         self._taken.count += 1
-        if self._size > self._limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
+        if self._size > self.limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
             self._enforce_limits(way, line)
         return None
 
@@ -272,9 +281,9 @@ class Reassembly:
         return parts
 
     def _enforce_limits(self, way: Way, held: _Line | _Stream) -> None:
-        if held.size > self._limit or len(held) > _MAX_FRAGMENTS:
+        if held.size > self.limit or len(held) > _MAX_FRAGMENTS:
             self._discard(way)
-        while self._size > self._limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
+        while self._size > self.limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
             self._discard(next(iter(self._held)))
 
     def _discard(self, way: Way) -> None:
