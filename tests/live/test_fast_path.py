@@ -327,7 +327,7 @@ def test_messages_of_several_packets(system):
     for scan, ranges in zip(scans[first:], wanted, strict=True):
         assert list(scan.ranges) == pytest.approx(ranges, abs=1e-4)
     if system.is_compiled:
-        wait_for(lambda: system.alone("scan_up") >= 5, "messages of the core")
+        wait_for(lambda: system.alone("scan_up") >= 3, "messages of the core")
     else:
         assert system.alone("scan_up") == 0
 
