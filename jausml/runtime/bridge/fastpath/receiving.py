@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 _ENDS = slice(4, 13)
 _FLAGS = 4
 _PLACE, _FIRST, _WITHOUT_PLACE = 6, 1, 0x3F
+_DESTINATION = slice(5, 9)
+_WILD = frozenset([0xFF])
 _CODE = slice(13, 15)
 _EVENT = 15
 _SHORTEST = 17
@@ -84,8 +86,26 @@ class FastReceiver:
         self._is_enough = False
         self.descriptor = -1
 
-    def receiver(self, sock: socket.socket) -> Receiver:
+    def receiver(self, sock: socket.socket, by_multicast: bool) -> Receiver:  # noqa: FBT001
         """Returns what receives from a socket whatever is not usual."""
+        return self._grouped(sock) if by_multicast else self._alone(sock)
+
+    def _grouped(self, sock: socket.socket) -> Receiver:
+        """Returns what receives what comes to the group, in Python alone.
+
+        What is meant for one component has a number among those that the core knows.
+        """
+        receive, changed = sock.recvfrom, self._loop.revision.changed
+
+        def take(most: int) -> tuple[bytes, Endpoint]:
+            datagram, origin = receive(most)
+            if not _WILD.intersection(datagram[_DESTINATION]):
+                changed()
+            return datagram, origin
+
+        return take
+
+    def _alone(self, sock: socket.socket) -> Receiver:
         self.descriptor = sock.fileno()
         self._library.core_listen(self._core, self.descriptor, self._most)
         receive, changed, others = sock.recvfrom, self._loop.revision.changed, self._others

@@ -78,7 +78,13 @@ class FastSide:
             self._loop.revision.changed()
             self._loop.revision.stop_by(None)
             self._loop.wait_by(None, None)
+            self._end_subscribers()
             self._transport.receive_by(None)
+
+    def _end_subscribers(self) -> None:
+        for each in self._subscribers:
+            each.is_current = False
+        self._subscribers.clear()
 
     def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
         """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
@@ -90,9 +96,7 @@ class FastSide:
         if (number := self._loop.revision.number) != self._revision:
             library.core_forget(self._core)
             receiver.forget()
-            for each in self._subscribers:
-                each.is_current = False
-            self._subscribers.clear()
+            self._end_subscribers()
             self._revision = number
         due = self._loop.standstill.due
         library.core_wait(

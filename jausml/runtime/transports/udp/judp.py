@@ -49,7 +49,7 @@ class JudpTransport(DatagramTransport):
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
         self._usual = Usual(self._port, self._book, self._inbox)
-        self._receive_by: Callable[[socket.socket], Receiver] | None = None
+        self._receive_by: Callable[[socket.socket, bool], Receiver] | None = None
         self._standstill: Watch | None = None
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
@@ -118,24 +118,25 @@ class JudpTransport(DatagramTransport):
         if sock is not None:
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
-    def receive_by(self, make: Callable[[socket.socket], Receiver] | None) -> None:
-        """Receive the datagrams to this process by other means, or by the socket again.
+    def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
+        """Receive by other means, or by the sockets again.
 
         Args:
-            make: Returns what receives from a socket what is to be taken here.
+            make: Returns what receives from a socket what is to be taken here; it is told whether
+                that is the one of the multicast group.
         """
         with self.loop.lock:
             self._receive_by = make
-            sock = self._port.unicast
-            if sock is not None:
-                self.loop.unregister(sock)
-                self._watch(sock)
+            for sock in (self._port.multicast, self._port.unicast):
+                if sock is not None:
+                    self.loop.unregister(sock)
+                    self._watch(sock)
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
-        if self._receive_by is not None and not by_multicast and receive == sock.recvfrom:
-            receive = self._receive_by(sock)
+        if self._receive_by is not None and receive == sock.recvfrom:
+            receive = self._receive_by(sock, by_multicast)
         return reader(receive, self.loop, self._usual, self._sender.put, otherwise)
 
     def receive_datagram(
