@@ -11,6 +11,7 @@ import struct
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from ...base.address import address_of
 from ...messages import Event
 from .library import TAKEN, Route, host_of, packed_host
 
@@ -29,7 +30,6 @@ _ENDS = slice(4, 13)
 _FLAGS = 4
 _PLACE, _FIRST, _WITHOUT_PLACE = 6, 1, 0x3F
 _DESTINATION = slice(5, 9)
-_WILD = frozenset([0xFF])
 _CODE = slice(13, 15)
 _EVENT = 15
 _SHORTEST = 17
@@ -99,7 +99,7 @@ class FastReceiver:
 
         def take(most: int) -> tuple[bytes, Endpoint]:
             datagram, origin = receive(most)
-            if not _WILD.intersection(datagram[_DESTINATION]):
+            if address_of(int.from_bytes(datagram[_DESTINATION], "little")).is_concrete:
                 changed()
             return datagram, origin
 
