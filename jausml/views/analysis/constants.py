@@ -46,7 +46,7 @@ def runtime_constants() -> RuntimeConstants:
     settings = _File("base/settings.py")
     definitions = _File("services/definitions.py")
     packets = "transports/packets"
-    events = _File("clients/event_client.py")
+    events = _File("clients/event_stream.py")
     return RuntimeConstants(
         empty_message=int(_File(f"{packets}/packet.py").value("EMPTY_MESSAGE_SIZE")),
         largest_fragment=int(settings.value("MAX_FRAGMENT_SIZE")),
