@@ -18,6 +18,8 @@ from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
+pytestmark = pytest.mark.timeout(300)  # the first one waits for all of them
+
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = Path(__file__).with_name("checked_bridge.ros2jaus")
 BASE = "checked_bridge/checked_bridge_base.py"

@@ -33,7 +33,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
     result = subprocess.run(
-        [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "9"],
+        [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "14"],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
         capture_output=True,
         text=True,
@@ -42,7 +42,7 @@ def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
 
     assert result.returncode == 1, result.stdout[-4000:]
     assert "arrived at" not in result.stdout
-    reason = r"the vehicle did not arrive within 9 s; its last word: (vehicle|stands) at x"
+    reason = r"the vehicle did not arrive within 14 s; its last word: (vehicle|stands) at x"
     assert re.search(reason, result.stderr), result.stderr
 
 
