@@ -91,8 +91,10 @@ def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
 def _store(obj: Any, table: FeatureTable, target: Any) -> None:
     if table.many:
         collection = _collection(obj, table)
-        if target not in collection:
-            _extend(collection, (target,))
+        if not isinstance(collection, EList):
+            OrderedSet.add(collection, target)
+        elif target not in collection:
+            list.append(collection, target)
     else:
         holder = EValue.__new__(EValue)
         holder.owner = obj

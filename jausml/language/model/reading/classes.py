@@ -72,9 +72,13 @@ class ClassFinder:
         attribute = _type_attribute(node)
         if attribute is None and not table.abstract:
             return table
+        written = "" if attribute is None else node.get(" ".join(attribute)) or ""
+        named = self._known(node, written)
+        if named is not None and named in table.subtypes and not named.abstract:
+            return named
         place = NodePlace(self._document, node, attribute)
         if attribute is not None:
-            named = self.of_name(place, node.get(" ".join(attribute)) or "")
+            named = named or self.of_name(place, written)
             if named is None:
                 return None
             if named not in table.subtypes:
@@ -88,6 +92,11 @@ class ClassFinder:
                 return None
             table = named
         return table if self._is_concrete(place, table) else None
+
+    def _known(self, node: Node, written: str) -> ClassTable | None:
+        prefix, _, name = written.strip().rpartition(":")
+        package = self._metamodels.packages.get(node.prefixes.get(prefix, ""))
+        return None if package is None else package.classes.get(name)
 
     def of_name(self, place: NodePlace, written: str) -> ClassTable | None:
         """Returns the class of a qualified name such as `jaus:Component`."""

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
+    from jausml.language.model.values import ValueFault
     from jausml.language.model.xmi.parsing import Node
 
 
@@ -112,7 +113,9 @@ class ElementBuilder:
             feature = features.get(name)
             if feature is None:
                 self._other_attribute(node, table, name, attributes[index + 1])
-            elif self._accepts(node, table, feature, ("", name), node):
+            elif not feature.settable:
+                self._refuse(node, table, feature, ("", name), node)
+            else:
                 given.add(name)
                 self._assign_attribute(node, feature, attributes[index + 1])
         if node.children or node.text:
@@ -125,10 +128,12 @@ class ElementBuilder:
     def _other_attribute(self, node: Node, table: ClassTable, name: str, value: str) -> None:
         """Handles an XML attribute that is no feature."""
         namespace, _, local = name.rpartition(" ")
+        if namespace == XSI:
+            return
         if is_xmi(namespace):
             if local in ("id", "uuid"):
                 self._identify(node, value, (namespace, local))
-        elif namespace != XSI:
+        else:
             self._unknown_feature(node, table, node, local, (namespace, local))
 
     def _unknown_feature(
@@ -167,14 +172,15 @@ class ElementBuilder:
             feature = table.features.get(child.tag)
             if feature is None or (child.namespace and child.namespace not in self._packages):
                 self._unknown_feature(node, table, child, child.tag)
-            elif self._accepts(child, table, feature, None, node):
-                if feature.many or feature.name not in given:
-                    given.add(feature.name)
-                    self._child(node, child, feature, waiting)
-                else:
-                    self._problems.mark_unread(node.obj, feature.name)
-                    message = f"second value of the single-valued feature '{feature.name}'"
-                    self._report("JML111", child, f"{message} of {table.name}")
+            elif not feature.settable:
+                self._refuse(child, table, feature, None, node)
+            elif feature.many or feature.name not in given:
+                given.add(feature.name)
+                self._child(node, child, feature, waiting)
+            else:
+                self._problems.mark_unread(node.obj, feature.name)
+                message = f"second value of the single-valued feature '{feature.name}'"
+                self._report("JML111", child, f"{message} of {table.name}")
 
     def _child(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
         if feature.kind is FeatureKind.ATTRIBUTE:
@@ -206,27 +212,27 @@ class ElementBuilder:
         else:
             link(node.obj, feature, child.obj)
 
-    def _accepts(
+    def _refuse(
         self,
         node: Node,
         table: ClassTable,
         feature: FeatureTable,
         attribute: XmlAttribute | None,
         owner: Node,
-    ) -> bool:
-        if not feature.settable:
-            self._problems.mark_unread(owner.obj, feature.name)
-            message = f"feature '{feature.name}' of {table.name} cannot be set"
-            hint = "remove it: its value follows from the rest of the model"
-            self._report("JML112", node, message, hint, attribute)
-        return feature.settable
+    ) -> None:
+        self._problems.mark_unread(owner.obj, feature.name)
+        message = f"feature '{feature.name}' of {table.name} cannot be set"
+        hint = "remove it: its value follows from the rest of the model"
+        self._report("JML112", node, message, hint, attribute)
 
     def _assign_attribute(self, node: Node, feature: FeatureTable, text: str) -> None:
         """Takes the value of an XML attribute."""
         attribute = ("", feature.name)
         if feature.kind is FeatureKind.ATTRIBUTE:
-            texts = text.split() if feature.many else [text]
-            self._set(node, attribute, node.obj, feature, texts)
+            if feature.many:
+                self._set_all(node, attribute, node.obj, feature, text.split())
+            else:
+                self._set(node, attribute, node.obj, feature, text)
         elif feature.kind is FeatureKind.CONTAINMENT:
             self._problems.mark_unread(node.obj, feature.name)
             message = f"feature '{feature.name}' of {_class(node)} owns its elements"
@@ -246,8 +252,10 @@ class ElementBuilder:
             inner = NodePlace(self._document, child.children[0])
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._problems.report("JML103", inner, message)
+        elif feature.many:
+            self._set_all(child, None, node.obj, feature, [child.text])
         else:
-            self._set(child, None, node.obj, feature, [child.text])
+            self._set(child, None, node.obj, feature, child.text)
 
     def _assign_reference(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes a child element of a reference: `href`, `xmi:idref` or xsi:nil."""
@@ -330,8 +338,23 @@ class ElementBuilder:
         attribute: XmlAttribute | None,
         obj: EObject,
         feature: FeatureTable,
+        text: str,
+    ) -> None:
+        value, fault = convert(text, cast("DataTypeTable", feature.data_type))
+        if fault is None:
+            set_value(obj, feature, value)
+        else:
+            self._report_value(NodePlace(self._document, node, attribute), obj, feature, fault)
+
+    def _set_all(
+        self,
+        node: Node,
+        attribute: XmlAttribute | None,
+        obj: EObject,
+        feature: FeatureTable,
         texts: list[str],
     ) -> None:
+        place = NodePlace(self._document, node, attribute)
         data_type = cast("DataTypeTable", feature.data_type)
         values = []
         for text in texts:
@@ -339,18 +362,17 @@ class ElementBuilder:
             if fault is None:
                 values.append(value)
             else:
-                self._problems.mark_unread(obj, feature.name)
-                place = NodePlace(self._document, node, attribute)
-                what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
-                self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
-        if feature.many:
-            if feature.unique:
-                self._check_repeated(
-                    NodePlace(self._document, node, attribute), obj, feature, values
-                )
-            set_values(obj, feature, values)
-        elif values:
-            set_value(obj, feature, values[0])
+                self._report_value(place, obj, feature, fault)
+        if feature.unique:
+            self._check_repeated(place, obj, feature, values)
+        set_values(obj, feature, values)
+
+    def _report_value(
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, fault: ValueFault
+    ) -> None:
+        self._problems.mark_unread(obj, feature.name)
+        what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
+        self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
 
     def _check_repeated(
         self, place: NodePlace, obj: EObject, feature: FeatureTable, values: list[Any]

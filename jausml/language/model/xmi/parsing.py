@@ -204,7 +204,10 @@ class _TreeBuilder:
         self._stack.pop()
 
     def _characters(self, text: str) -> None:
-        self._stack[-1].text += text
+        node = self._stack[-1]
+        # Nothing but the space before each further child, in elements that have many.
+        if not (node.children and text.isspace() and node.text.isspace()):
+            node.text += text
 
     def _declare(self, prefix: str | None, uri: str | None) -> None:
         self._declared[prefix or ""] = uri or ""
