@@ -71,3 +71,41 @@ def test_an_element_is_as_pyecore_makes_it():
             assert type(ours.__dict__[name]) is type(value)
             assert ours.__dict__[name] == expected, name
         assert type(ours) is type(theirs)
+
+
+class _Listener:
+    def __init__(self):
+        self.told = []
+
+    def notifyChanged(self, notification):  # noqa: N802 -- pyecore's name
+        said = (notification.kind.name, notification.old, notification.new)
+        self.told.append((*said, notification.feature.name, notification.notifier.name))
+
+
+@pytest.mark.parametrize("make", [new_object, lambda table: table.eclass()])
+def test_values_that_stand_in_the_element_are_set_and_told_as_by_pyecore(make):
+    component = make(load_metamodels().classes["jaus.Component"])
+    listener = _Listener()
+    component.listeners.append(listener)
+    component.name = "front"
+    with pytest.raises(TypeError):
+        component.name = 5
+    assert component.name == "front"
+    component.eSet("name", "rear")
+    del component.name
+    assert listener.told == [
+        ("SET", None, "front", "name", "front"),
+        ("SET", "front", "rear", "name", "rear"),
+        ("UNSET", "rear", None, "name", None),
+    ]
+    component.remark = "no feature"
+    del component.remark
+    assert not hasattr(component, "remark")
+
+
+def test_a_value_that_is_refused_leaves_the_element_as_it_was():
+    component = new_object(load_metamodels().classes["jaus.Component"])
+    with pytest.raises(TypeError):
+        component.name = 5
+    assert component.name is None
+    assert not component.eIsSet("name")

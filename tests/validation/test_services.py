@@ -55,3 +55,24 @@ def test_heirs_come_before_their_parents_in_the_file(tmp_path):
 def test_a_cycle_is_found_and_what_hangs_on_it_is_left_alone(tmp_path):
     path = write(tmp_path / "cycle.xmi", [1, 0, 1], [0x10, 0x10, 0x10])
     assert {rule for rule, _ in found(path)} == {"JML311"}
+
+
+def flat_message(count):
+    member = '<fields xsi:type="jaus:FixedField" name="F{}" type="uint8"/>'
+    members = "".join(member.format(number) for number in range(count))
+    return (
+        '<jaus:ServiceSet xmlns:jaus="http://www.jausml.org/jaus/1.0" name="Set" version="1.0"'
+        ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">\n'
+        '<services name="S" urn="urn:example:S" version="1.0">'
+        '<inputs name="SetAll" code="0x0410">\n'
+        f'<body xsi:type="jaus:Record" name="Body">{members}</body>'
+        "</inputs></services></jaus:ServiceSet>\n"
+    )
+
+
+def test_a_message_of_numbers_alone_may_have_all_fields_but_its_body(tmp_path):
+    """They are counted at a glance, and not resolved: the limit is the same to the field."""
+    for count, expected in ((9_999, []), (10_000, [("JML360", 2)])):
+        path = tmp_path / f"flat_{count}.xmi"
+        path.write_text(flat_message(count), encoding="utf-8")
+        assert found(path) == expected

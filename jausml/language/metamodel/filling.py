@@ -5,6 +5,7 @@ checked everything itself need not pay for. What is written here is exactly the 
 setters would leave behind (pyecore 0.15), so objects can be changed by the setters afterwards;
 tests/metamodel compares the two. Rules and generators do little but ask elements for their
 features: pyecore would make a holder for each that was never given a value, which is spared too.
+The value of an attribute stands in the element itself, without a holder, as Python finds it first.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def new_object(table: ClassTable) -> Any:
     It is not among pyecore's `allInstances`, whose weak references would take most of the time.
     """
     made = object.__new__(table.eclass.python_class)
-    made.__dict__ = {
+    state = {
         "_internal_id": None,
         "_isset": InternalSet(),
         "_container": None,
@@ -43,18 +44,13 @@ def new_object(table: ClassTable) -> Any:
         "_staticEClass": False,
         "dyn_inst": made,
     }
+    object.__setattr__(made, "__dict__", state)
     return made
 
 
 def set_value(obj: Any, table: FeatureTable, value: Any) -> None:
     """Sets a single-valued attribute."""
-    holder = EValue.__new__(EValue)
-    holder.owner = obj
-    holder.feature = table.feature
-    holder.is_ref = holder.is_cont = False
-    holder.generic_type = None
-    holder._value = value
-    obj.__dict__[table.name] = holder
+    obj.__dict__[table.name] = value
     obj._isset[table.feature] = None
 
 
@@ -68,8 +64,7 @@ def link(obj: Any, table: FeatureTable, target: Any) -> None:
     """Sets a single-valued reference or adds to a multi-valued one; opposites are kept."""
     _store(obj, table, target)
     if table.kind is FeatureKind.CONTAINMENT:
-        target._container = obj
-        target._containment_feature = table.feature
+        hang(target, obj, table)
     opposite = table.opposite
     if opposite is None:
         target._inverse_rels.add((obj, table.feature))
@@ -84,8 +79,9 @@ def point(obj: Any, table: FeatureTable, target: Any) -> None:
 
 def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
     """Gives a detached element an owner that is not to know of it."""
-    obj._container = owner
-    obj._containment_feature = table.feature
+    state = obj.__dict__
+    state["_container"] = owner
+    state["_containment_feature"] = table.feature
 
 
 def _store(obj: Any, table: FeatureTable, target: Any) -> None:
@@ -125,20 +121,21 @@ def _extend(collection: Any, values: Iterable[Any]) -> None:
 
 def count(obj: Any, table: FeatureTable) -> int:
     """Returns how many values a feature has; unset and None count as none."""
-    holder = obj.__dict__.get(table.name)
-    if holder is None:
-        return 0
-    return len(holder) if table.many else int(holder._value is not None)
+    held = obj.__dict__.get(table.name)
+    if table.many:
+        return 0 if held is None else len(held)
+    return int(_value(held) is not None)
 
 
 def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
     """Returns the values of a feature; unlike asking for it, that leaves no empty value behind."""
-    holder = obj.__dict__.get(table.name)
-    if holder is None:
+    held = obj.__dict__.get(table.name)
+    if held is None:
         return ()
     if table.many:
-        return list(holder)
-    return () if holder._value is None else (holder._value,)
+        return list(held)
+    value = _value(held)
+    return () if value is None else (value,)
 
 
 def is_set(obj: Any, table: FeatureTable) -> bool:
@@ -148,14 +145,54 @@ def is_set(obj: Any, table: FeatureTable) -> bool:
 
 def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
     """Tells whether a feature has a value already."""
-    holder = obj.__dict__.get(table.name)
-    if holder is None:
+    held = obj.__dict__.get(table.name)
+    if held is None:
         return False
-    return value in holder if table.many else holder._value is value
+    return value in held if table.many else _value(held) is value
 
 
-# The state behind the setters is private to pyecore.
-# ruff: noqa: SLF001
+def _value(held: Any) -> Any:
+    """Returns what a single-valued feature has, of what the element holds by its name."""
+    return held._value if isinstance(held, EValue) else held
+
+
+class _Default:
+    """What an attribute of one value has while the element holds none by its name."""
+
+    __slots__ = ("default", "feature")
+
+    def __init__(self, table: FeatureTable) -> None:
+        self.default = table.default
+        self.feature = table.feature
+
+    def __get__(self, obj: Any, owner: Any = None) -> Any:
+        return self.feature if obj is None else self.default
+
+
+def _set_attribute(obj: Any, name: str, value: Any) -> None:
+    """Sets what pyecore or somebody else sets of an element, checked and told as by pyecore."""
+    known = _known(obj, name)
+    if isinstance(known, _Default):
+        holder = EValue(obj, known.feature)
+        holder.check(value)
+        holder._value = getattr(obj, name)
+        obj.__dict__[name] = value
+        holder._set(value)
+    else:
+        object.__setattr__(obj, name, value)
+
+
+def _take_attribute(obj: Any, name: str) -> None:
+    known = _known(obj, name)
+    if isinstance(known, _Default):
+        setattr(obj, name, known.default)
+    else:
+        object.__delattr__(obj, name)
+
+
+def _known(obj: Any, name: str) -> Any:
+    """Returns what the class of an element has by a name."""
+    return next((vars(each)[name] for each in type(obj).__mro__ if name in vars(each)), None)
 
 
 class _Access:
@@ -176,7 +213,7 @@ class _Access:
 
 
 class _Single(_Access):
-    """Access to a feature of one value."""
+    """Access to a reference of one value."""
 
     __slots__ = ()
 
@@ -206,6 +243,14 @@ def hasten(table: FeatureTable) -> None:
     derived is computed.
     """
     feature = table.feature
-    if table.opposite is None and not feature.derived:
-        access = _Many(table) if table.many else _Single(table)
-        setattr(feature.eContainingClass.python_class, table.name, access)
+    if table.opposite is not None or feature.derived:
+        return
+    python_class = feature.eContainingClass.python_class
+    if table.many:
+        setattr(python_class, table.name, _Many(table))
+    elif table.is_reference:
+        setattr(python_class, table.name, _Single(table))
+    else:
+        setattr(python_class, table.name, _Default(table))
+        python_class.__setattr__ = _set_attribute
+        python_class.__delattr__ = _take_attribute

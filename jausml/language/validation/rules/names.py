@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
     Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
+
+_LETTER = re.compile("[A-Za-z]")
 
 
 @rule("JML501", Severity.ERROR, "name is no identifier")
@@ -45,17 +48,19 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
     )
     files = (jaus.Component, jaus.Service, ros.Node, system.System)
     for element in (each for kind in kinds for each in subject.instances(kind, needs=("name",))):
-        if element.name is not None and not is_identifier(element.name):
+        name = element.name
+        if name is not None and not is_identifier(name):
             noun = element.eClass.name
             hint = "letters, digits and underscores, with a letter first"
-            yield Finding(element, f"{noun} name {element.name!a} is no identifier", "name", hint)
-        elif isinstance(element, files) and snake_case(element.name or "") in DEVICES:
-            message = f"{element.eClass.name} name '{element.name}' is a device name on Windows"
+            yield Finding(element, f"{noun} name {name!a} is no identifier", "name", hint)
+        elif isinstance(element, files) and snake_case(name or "") in DEVICES:
+            message = f"{element.eClass.name} name '{name}' is a device name on Windows"
             yield Finding(element, message, "name", "files would have that name")
     fields: tuple[type[Named], ...] = (jaus.Field, jaus.SubField)
     for field in (each for kind in fields for each in subject.instances(kind, needs=("name",))):
-        if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):
-            message = f"field name {field.name!a} has no letter to make a name in code of"
+        name = field.name
+        if name is not None and not _LETTER.search(name):
+            message = f"field name {name!a} has no letter to make a name in code of"
             yield Finding(field, message, "name")
 
 
@@ -88,8 +93,8 @@ def package_collisions(subject: Subject) -> Iterator[Finding]:
 
     Good: vehicle and vehicle_display
     """
-    interfaces = subject.model.instances(ros.InterfacePackage)
     for whole in subject.instances(system.System, needs=("components", "bridges", "nodes")):
+        interfaces = subject.model.instances(ros.InterfacePackage)
         holders: dict[str, Named] = {
             package_key(each.name): each for each in interfaces if each.name
         }

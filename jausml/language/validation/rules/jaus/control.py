@@ -222,12 +222,13 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
     seen: dict[int, jaus.MessageDef] = {}
     for service, entering in along_inheritance(services):
         for message in _messages(service):
-            if code(message) < 0 or not subject.is_intact(message):
+            number = code(message)
+            if number < 0 or not subject.is_intact(message):
                 continue
-            first = seen.setdefault(code(message), message)
+            first = seen.setdefault(number, message)
             if not entering:
                 if first.eContainer() is service:
-                    del seen[code(message)]
+                    del seen[number]
             elif service in judged and _differ(first, message):
                 owner = first.eContainer()
                 path = subject.path(owner) if owner is not None else ""
@@ -253,8 +254,9 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
     for component in subject.instances(jaus.Component):
         by_code: dict[int, list[jaus.MessageDef]] = defaultdict(list)
         for message in _messages_of(component):
-            if code(message) >= 0 and subject.is_intact(message):
-                by_code[code(message)].append(message)
+            number = code(message)
+            if number >= 0 and subject.is_intact(message):
+                by_code[number].append(message)
         for messages in by_code.values():
             first = messages[0]
             for other in messages[1:]:
