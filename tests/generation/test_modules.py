@@ -19,6 +19,7 @@ def test_{0}_of_some(bridge: Odometry) -> None:
     """Shows that 0x1E5, 1.0e5, f"{{x}}" and {0} stay."""
     source = ReportPose(1.0e5, x=0x1E5, text=f"{{bridge.{0}}} and {0}")
     target = bridge.translate_{0}(source, "{0}", bridge.{0}_frame_id, longer="than a line may be")
+    assert f"a{0}b" "c" "d{0}_2" == {{"link_{0}": 'a"b"c', "in": ("x",)}}["link_{0}"], "of" "{0}x"
     assert target.{0}.x == source.e5.f.x{1}
 '''
 METHOD = '''
@@ -88,6 +89,15 @@ def test_pieces_that_differ_in_a_word_are_parsed_once(parses):
     assert once < 12
 
 
+def test_pieces_that_differ_in_strings_are_parsed_once(parses):
+    text = 'def test_{0}() -> None:\n    assert frame_of({0}) == "link_{1}"\n\n\n'
+    names = [f"c{number}" for number in range(10, 90)]
+    made = "".join(text.format(each, 150 - number) for number, each in enumerate(names))
+
+    assert Modules().finished(made, None, names) == made
+    assert len(parses) < 5
+
+
 def test_a_word_counts_in_attributes_of_anything(parses):
     text = "def make(bridge: object) -> object:\n    return bridge.{0}_speed\n\n\n"
     names = [f"c{number}" for number in range(10, 60)]
@@ -133,9 +143,10 @@ def test_what_looks_like_a_function_in_a_string_is_none(quotes):
 
 
 def test_a_word_of_the_letters_that_stand_in_for_words_is_no_harm():
-    text = f"{HEAD}\n\ndef c1(\u01c2\u01c2):\n    return \u01c2\u01c2, 1\n"
+    for letter in "\u01c2\u01c0":
+        text = f'{HEAD}\n\ndef c1({letter}):\n    return {letter}, "{letter}{letter}", "ab", 1\n'
 
-    assert Modules().finished(text, Imports({}), ["c1"]) == text
+        assert Modules().finished(text, Imports({}), ["c1"]) == text
 
 
 def test_what_python_cannot_read_is_refused():

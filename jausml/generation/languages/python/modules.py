@@ -1,8 +1,8 @@
 """Rendered modules as they are to stand in their files: parsed once, with imports, laid out.
 
 A module is worked on in pieces: its functions, its methods, and what stands before them. The
-modules of a large system consist of pieces that differ in one word alone, the name of a connection.
-Those are worked on once, under a word that stands in for it.
+modules of a large system consist of pieces that differ in one word alone, the name of a connection,
+and in strings. Those are worked on once, under letters that stand in for them.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import ast
 import re
 import warnings
 from dataclasses import dataclass
+from io import StringIO
 from typing import TYPE_CHECKING
 
 from jausml.generation.checks import CANNOT_PARSE
@@ -30,6 +31,10 @@ _STAND_IN = "\u01c2"
 """A letter that no rendered word has; as many of them as the word has letters stand in for it."""
 _INSIDE = re.compile(f"[A-Za-z0-9]{_STAND_IN}+|{_STAND_IN}+(?=[A-Za-z0-9])")
 """Where they do not: in a longer word, whose parts underscores join."""
+_STRING = re.compile(r'(?<=")[A-Za-z0-9_]+(?=")')
+_HIDDEN = "\u01c0"
+"""A letter that stands in for each of a string, of which nothing but its length counts."""
+_HIDDEN_STRING = re.compile(f"{_HIDDEN}+")
 
 
 @dataclass(frozen=True)
@@ -39,13 +44,15 @@ class _Piece:
     text: str
     names: Names
 
-    def under(self, word: str) -> _Piece:
-        """Returns the piece with a word for what stands in for it."""
+    def under(self, word: str, strings: str) -> _Piece:
+        """Returns the piece with a word and the strings for what stands in for them."""
         stand_in = _STAND_IN * len(word)
+        letters = StringIO(strings)
+        text = _HIDDEN_STRING.sub(lambda found: letters.read(len(found[0])), self.text)
         names = self.names
         groups = (names.running, names.annotating, names.defined)
         found = ({each.replace(stand_in, word) for each in group} for group in groups)
-        return _Piece(self.text.replace(stand_in, word), Names(*found))
+        return _Piece(text.replace(stand_in, word), Names(*found))
 
 
 class Modules:
@@ -85,15 +92,17 @@ class Modules:
             return laid_out.replace(MARKER, f"{MARKER}\n{layout(lines)}" if lines else MARKER, 1)
 
     def _piece(self, text: str, words: Collection[str]) -> _Piece:
-        word, alike = _without_word(text, words)
+        word, alike = _without_word(text, words if _HIDDEN not in text else ())
         if not word:
             return self._worked_on(text, words)
+        strings = "".join(_STRING.findall(alike))
+        alike = _STRING.sub(lambda found: _HIDDEN * len(found[0]), alike)
         if alike not in self._pieces:
             try:
                 self._pieces[alike] = self._worked_on(alike, words)
             except CANNOT_PARSE:
                 return self._worked_on(text)
-        return self._pieces[alike].under(word)
+        return self._pieces[alike].under(word, strings)
 
     def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
         is_member = text.startswith(" ")
