@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import re
+import string
 import warnings
 from dataclasses import dataclass
 from io import StringIO
@@ -29,8 +30,9 @@ _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_IN = "\u01c2"
 """A letter that no rendered word has; as many of them as the word has letters stand in for it."""
-_INSIDE = re.compile(f"[A-Za-z0-9]{_STAND_IN}+|{_STAND_IN}+(?=[A-Za-z0-9])")
-"""Where they do not: in a longer word, whose parts underscores join."""
+_STOOD_IN = re.compile(f"{_STAND_IN}+")
+_LONGER = frozenset(string.ascii_letters + string.digits)
+"""Beside these they do not: in a longer word, whose parts underscores join."""
 _STRING = re.compile(r'(?<=")[A-Za-z0-9_]+(?=")')
 _HIDDEN = "\u01c0"
 """A letter that stands in for each of a string, of which nothing but its length counts."""
@@ -139,12 +141,23 @@ def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
         return "", text
     stand_in = _STAND_IN * len(word)
     alike = text.replace(word, stand_in)
-    return word, _INSIDE.sub(lambda found: found[0].replace(stand_in, word), alike)
+
+    def kept(found: re.Match[str]) -> str:
+        start, end = found.span()
+        beside = alike[max(start - 1, 0) : start] + alike[end : end + 1]
+        return found[0] if _LONGER.isdisjoint(beside) else found[0].replace(stand_in, word)
+
+    return word, _STOOD_IN.sub(kept, alike)
 
 
 def _word_in(text: str, words: Collection[str]) -> str:
     """Returns the first of some words in the name of a function, method or attribute."""
-    for name in dict.fromkeys(_HEAD.findall(text)):
+    seen = set()
+    for found in _HEAD.finditer(text):
+        name = found[1]
+        if name in seen:
+            continue
+        seen.add(name)
         parts = name.split("_")
         for start in range(len(parts)):
             for end in range(len(parts), start, -1):
