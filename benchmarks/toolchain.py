@@ -64,18 +64,23 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         folder: Where files may be written.
 
     Returns:
-        `generate` by shape and size and `validate` by elements, in seconds of processor time;
+        `generate` by shape and size, `again` of the last shape by size for a model that has not
+        changed, and `validate` by elements, in seconds of processor time;
         `verbs`, in seconds; `editor`, in milliseconds of processor time for each letter
         (`letter_ms`), for one whose completions are asked for (`completion_ms`), and for the check
         when typing pauses (`pause_ms`).
     """
-    found: dict[str, Any] = {"generate": {}, "validate": {}}
+    found: dict[str, Any] = {"generate": {}, "again": {}, "validate": {}}
     for name, shape in SHAPES.items():
         found["generate"][name] = {
             str(size): rounded(growth.seconds_to_generate(growth.connections(size, **shape)))
             for size in scale.cases(SIZES, 1)
         }
         print(f"  generate, {name}: {found['generate'][name]}", flush=True)
+    for size in scale.cases(SIZES, 1):
+        model = growth.connections(size, own_maps=True, own_frames=True)
+        found["again"][str(size)] = rounded(growth.seconds_to_generate(model, again=True))
+    print(f"  generate again: {found['again']}", flush=True)
     for elements in scale.cases(ELEMENTS, 1):
         with tempfile.TemporaryDirectory(dir=folder) as models:
             read_models.write_models(Path(models), elements)

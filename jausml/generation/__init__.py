@@ -7,6 +7,7 @@ Nothing here prints; the command line does.
 
 from __future__ import annotations
 
+from jausml.generation.again import render_again
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.drift import drift
@@ -67,6 +68,7 @@ __all__ = [
     "make_plan",
     "read_manifest",
     "render",
+    "render_again",
     "select",
     "templates_beside",
     "unified_diff",

@@ -19,7 +19,7 @@ from jausml.generation.writer import apply, locked
 from jausml.language.model.diagnostics import Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     from jausml.generation.artifact import Artifact
@@ -93,6 +93,7 @@ def generate(
     force: bool = False,
     write: bool = True,
     fix: bool = False,
+    rendering: Callable[[Model, Sequence[Target[Any]]], list[Artifact]] = render,
 ) -> Result:
     """Generates a workspace; writes nothing when a file is refused.
 
@@ -101,6 +102,7 @@ def generate(
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         fix: Make users' files fit where it is certain how.
+        rendering: Makes the files of targets.
 
     Raises:
         NoSystemError: A target needs one system, and the model's file holds none or several.
@@ -117,7 +119,7 @@ def generate(
         again = [target for target in renewed if target.name in there]
         _check_again(model, again)
         targets = [*targets, *again]
-    artifacts = render(model, targets)
+    artifacts = rendering(model, targets)
     with locked(out) if write else nullcontext():
         return _generate(
             model, targets, artifacts, out, kept, adopt, force=force, write=write, fix=fix

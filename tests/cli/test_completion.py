@@ -125,6 +125,7 @@ def offered(tmp_path):
             "COMP_CWORD": str(len(line.split(" ")) - 1),
             "_JAUSML_COMPLETE": "bash_complete",
             "XDG_CACHE_HOME": str(tmp_path / "cache"),
+            "XDG_STATE_HOME": str(tmp_path / "state"),
         }
         program = [sys.executable, "-c", READS]
         done = subprocess.run(

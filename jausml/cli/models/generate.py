@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +21,13 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
-    from jausml.generation import NoSystemError, Plan, Result, Selection, Target
+    from collections.abc import Callable
+
+    from jausml.generation import Artifact, NoSystemError, Plan, Result, Selection, Target
     from jausml.language.model.model import Model
     from jausml.language.project.reading import Reading
+
+    Rendering = Callable[..., list[Artifact]]
 
 _FEW = 3
 """Files of a package that are listed one by one when the same becomes of them."""
@@ -101,6 +106,11 @@ class WholeLibraryOption(click.Option):
     metavar="HZ",
     help="Frequency of every bridge, for connections that state no rate.",
 )
+@click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Render all files of a large model, also those that were rendered of the same before.",
+)
 @reading_options
 @bridge_options
 @quiet_option("Do not list files; with --check, list those that would change.")
@@ -116,6 +126,7 @@ def command(
     adopt: str,
     force: bool,
     frequency: float | None,
+    no_cache: bool,
     reading: Reading,
     quiet: bool,
     **modes: bool,
@@ -149,8 +160,17 @@ def command(
         if is_report:
             write_report(RENDERERS[output_format](report), output)
         fail(report, "nothing generated")
+    is_written = mode == "write"
     result = _generated(
-        report.model, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
+        report.model,
+        selection,
+        folder,
+        adopt=adopt,
+        force=force,
+        write=is_written,
+        fix=fix,
+        # What says whether a workspace is right looks for itself.
+        rendering=_rendering((reading, frequency) if is_written and not no_cache else None),
     )
     if is_report:
         write_report(RENDERERS[output_format](with_code(report, result, folder)), output)
@@ -255,6 +275,13 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
     except GenerationError as error:
         # A target's view found what no rule demands.
         raise click.ClickException(f"cannot generate from this model: {error}") from error
+
+
+def _rendering(read: tuple[Reading, float | None] | None) -> Rendering:
+    """Returns what renders: anew, or again where it is known how the model was read."""
+    from jausml.generation import render, render_again
+
+    return render if read is None else partial(render_again, reading=repr(read))
 
 
 def _no_system(error: NoSystemError) -> str:

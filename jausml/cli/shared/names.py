@@ -6,8 +6,6 @@ of the user until one of its models changes.
 
 from __future__ import annotations
 
-import json
-import os
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
 
 Names = dict[str, list[dict[str, Any]]]
 """Services as `list services` has them, and the paths of the fields of messages."""
-
-_KINDS = ("services", "fields")
 
 
 def completing(names: Callable[[Sequence[str]], Iterable[str]]) -> Completing:
@@ -102,20 +98,21 @@ def _named(models: Sequence[str]) -> Names:
 
 def _of_project() -> Names:
     """Returns the names that the models of the project of the current folder add."""
+    from jausml.language.model.cache import keep, kept
     from jausml.language.model.project import made_project
 
     root = made_project(Path.cwd())
     if root is None:
         return {}
     state = _state(root)
-    file = _cache_folder() / f"names-{blake2b(bytes(root), digest_size=12).hexdigest()}.json"
-    names = _kept(file, state)
+    name = f"names-{blake2b(bytes(root), digest_size=12).hexdigest()}"
+    names: Names | None = kept(name, state)
     if names is None:
         from jausml.cli.shared.project_names import names_of
         from jausml.live.messages.of_project import project_catalogue
 
         names = names_of(project_catalogue(lambda _: None))
-        _keep(file, {"state": state, **names})
+        keep(name, state, names)
     return names
 
 
@@ -133,27 +130,3 @@ def _state(root: Path) -> str:
         found.update(f"\0{each}\0{len(data)}\0".encode("utf-8", "surrogateescape"))
         found.update(data)
     return found.hexdigest()
-
-
-def _cache_folder() -> Path:
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jausml"
-
-
-def _kept(file: Path, state: str) -> Names | None:
-    from jausml.language.model.inputs import read_text
-
-    try:
-        found = json.loads(read_text(file))
-        return {kind: found[kind] for kind in _KINDS} if found["state"] == state else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None  # There is none, or somebody else has written it.
-
-
-def _keep(file: Path, content: dict[str, Any]) -> None:
-    new = file.with_suffix(f".{os.getpid()}")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        new.write_text(json.dumps(content), encoding="utf-8")
-        new.replace(file)
-    except OSError:
-        return  # It is read again at the next completion.

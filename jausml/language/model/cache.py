@@ -1,0 +1,86 @@
+"""What was worked out before, in the cache of the user, under a seal.
+
+Caches are restored and shared, by others too. Therefore what is kept bears a seal, whose key lies
+elsewhere and is the user's alone: what others wrote, and what belongs to another state of its
+inputs, is as if it were not there.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import os
+import secrets
+import time
+import zlib
+from pathlib import Path
+from typing import Any
+
+from jausml.language.model.inputs import read_input
+
+_SEAL = 32
+"""Bytes of a seal, and of its key."""
+
+_FORGOTTEN = 30 * 24 * 3600
+"""Seconds after which a file is removed that nobody has written since."""
+
+
+def kept(name: str, state: str) -> Any:
+    """Returns what this user has kept under a name for a state; None where there is nothing."""
+    try:
+        data = read_input(_cache() / name)
+        seal, body = data[:_SEAL], data[_SEAL:]
+        is_own = hmac.compare_digest(seal, _seal(name, state, body))
+        return json.loads(zlib.decompress(body)) if is_own else None
+    except (OSError, RuntimeError, ValueError, zlib.error):
+        return None
+
+
+def keep(name: str, state: str, content: Any) -> None:
+    """Keeps JSON under a name for a state, in place of any other, where that can be done."""
+    try:
+        folder = _cache()
+        folder.mkdir(parents=True, exist_ok=True)
+        for each in folder.iterdir():
+            if each.stat().st_mtime < time.time() - _FORGOTTEN:
+                each.unlink()
+        body = zlib.compress(json.dumps(content).encode(), 1)
+        _write(folder / name, _seal(name, state, body) + body)
+    except (OSError, RuntimeError, ValueError):
+        return  # It is worked out again the next time.
+
+
+def _seal(name: str, state: str, body: bytes) -> bytes:
+    return hmac.digest(_key(), json.dumps([name, state]).encode() + body, "sha256")
+
+
+def _key() -> bytes:
+    """Returns the key of the user, which is made when it is first asked for.
+
+    Raises:
+        PermissionError: Others could read it.
+    """
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    path = Path(state) / "jausml" / "seal"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _write(path, secrets.token_bytes(_SEAL))
+    key, of_file = read_input(path), path.stat()
+    if os.name == "posix" and (of_file.st_uid != os.geteuid() or of_file.st_mode & 0o077):
+        raise PermissionError(f"{path} is not the user's alone")
+    if len(key) != _SEAL:
+        raise ValueError(f"{path} is no key")
+    return key
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Writes a file that nobody else can read, at once."""
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    with os.fdopen(descriptor, "wb") as file:
+        file.write(data)
+    new.replace(path)
+
+
+def _cache() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jausml"
