@@ -11,7 +11,7 @@ from ..wire.message import Message
 
 
 @message(0x0001)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class SetAuthority(Message):
     """Gives the component another authority code, no greater than that of who sends it."""
 
@@ -19,7 +19,7 @@ class SetAuthority(Message):
 
 
 @message(0x000D)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class RequestControl(Message):
     """Asks for control, and asks for it to go on."""
 
@@ -32,7 +32,7 @@ class ReleaseControl(Bodiless):
 
 
 @message(0x000F)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ConfirmControl(Message):
     """Answers RequestControl."""
 
@@ -45,7 +45,7 @@ class ConfirmControl(Message):
 
 
 @message(0x0010)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class RejectControl(Message):
     """Tells a client that it controls the component no more, or could not release it."""
 
@@ -72,7 +72,7 @@ class QueryControl(Bodiless):
 
 
 @message(0x4001)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportAuthority(Message):
     """Tells the authority code of the component."""
 
@@ -80,7 +80,7 @@ class ReportAuthority(Message):
 
 
 @message(0x4003)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportTimeout(Message):
     """Tells after which time control lapses, unless it is requested again."""
 
@@ -91,7 +91,7 @@ class ReportTimeout(Message):
 
 
 @message(0x400D)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportControl(Message):
     """Tells who controls the component; zeros for nobody."""
 

@@ -80,7 +80,7 @@ class _WithServices(Message):
 
 
 @message(0x0B00)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class RegisterServices(_WithServices):
     """Tells the Discovery service of a subsystem what a component provides."""
 
@@ -88,7 +88,7 @@ class RegisterServices(_WithServices):
 
 
 @message(0x2B00)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryIdentification(Message):
     """Asks who is there, for a system, subsystem, node or component."""
 
@@ -103,7 +103,7 @@ class QueryIdentification(Message):
 
 
 @message(0x2B01)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryConfiguration(Message):
     """Asks for the components of a subsystem or node."""
 
@@ -147,7 +147,7 @@ class _AskedServices(Message):
 
 
 @message(0x2B03)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryServices(_AskedServices):
     """Asks what components provide."""
 
@@ -200,7 +200,7 @@ class _FilteredServices(Message):
 
 
 @message(0x2B04)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryServiceList(_FilteredServices):
     """Asks a Discovery service what is known to it."""
 
@@ -215,7 +215,7 @@ class QueryServiceList(_FilteredServices):
 
 
 @message(0x4B00)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportIdentification(Message):
     """Tells what kind of component, node or subsystem is there, and its name."""
 
@@ -253,7 +253,7 @@ class _Configuration(Message):
 
 
 @message(0x4B01)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportConfiguration(_Configuration):
     """Tells the components of a subsystem or node."""
 
@@ -261,7 +261,7 @@ class ReportConfiguration(_Configuration):
 
 
 @message(0x4B02)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportSubsystemList(Message):
     """Tells which subsystems are known."""
 
@@ -278,7 +278,7 @@ class ReportSubsystemList(Message):
 
 
 @message(0x4B03)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportServices(_WithServices):
     """Tells what components provide."""
 
@@ -302,7 +302,7 @@ class _WithSubsystems(_WithServices):
 
 
 @message(0x4B04)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportServiceList(_WithSubsystems):
     """Tells what is known to a Discovery service."""
 

@@ -25,7 +25,7 @@ _EventType = Annotated[int, unsigned(1, upper=1)]
 
 
 @message(0x01F0)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class CreateEvent(Message):
     """Asks for the answer of a query periodically or at every change."""
 
@@ -40,7 +40,7 @@ class CreateEvent(Message):
 
 
 @message(0x01F1)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class UpdateEvent(Message):
     """Changes an event, which also renews it."""
 
@@ -54,7 +54,7 @@ class UpdateEvent(Message):
 
 
 @message(0x01F2)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class CancelEvent(Message):
     """Ends an event."""
 
@@ -63,7 +63,7 @@ class CancelEvent(Message):
 
 
 @message(0x01F3)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ConfirmEventRequest(Message):
     """Answers CreateEvent, UpdateEvent and CancelEvent, with the rate that is given."""
 
@@ -73,7 +73,7 @@ class ConfirmEventRequest(Message):
 
 
 @message(0x01F4)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class RejectEventRequest(Message):
     """Answers the same when nothing comes of it."""
 
@@ -91,7 +91,7 @@ class RejectEventRequest(Message):
 
 
 @message(0x01F6)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class CreateCommandEvent(Message):
     """Has a command executed, whose end a CommandEvent tells."""
 
@@ -101,7 +101,7 @@ class CreateCommandEvent(Message):
 
 
 @message(0x21F0)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryEvents(Message):
     """Asks for the events of a message, of a type, of an id, or for all."""
 
@@ -156,7 +156,7 @@ class QueryEventTimeout(Bodiless):
 
 
 @message(0x41F0)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportEvents(Message):
     """Tells which events there are."""
 
@@ -175,7 +175,7 @@ class ReportEvents(Message):
 
 
 @message(0x41F1)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class Event(Message):
     """Brings a report that an event asked for."""
 
@@ -185,7 +185,7 @@ class Event(Message):
 
 
 @message(0x41F2)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportEventTimeout(Message):
     """Tells after which time an event lapses, unless it is updated."""
 
@@ -196,7 +196,7 @@ class ReportEventTimeout(Message):
 
 
 @message(0x41F6)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class CommandEvent(Message):
     """Tells how a command of CreateCommandEvent ended."""
 

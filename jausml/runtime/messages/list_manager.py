@@ -48,7 +48,7 @@ class _WithElements(Message):
 
 
 @message(0x041A)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class SetElement(_WithElements):
     """Adds elements to a list, or replaces them."""
 
@@ -61,7 +61,7 @@ class SetElement(_WithElements):
 
 
 @message(0x041B)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class DeleteElement(_WithElements):
     """Deletes elements of a list."""
 
@@ -77,7 +77,7 @@ class DeleteElement(_WithElements):
 
 
 @message(0x041C)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ConfirmElementRequest(Message):
     """Answers SetElement and DeleteElement."""
 
@@ -85,7 +85,7 @@ class ConfirmElementRequest(Message):
 
 
 @message(0x041D)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class RejectElementRequest(Message):
     """Answers the same when the list was left as it is."""
 
@@ -103,7 +103,7 @@ class RejectElementRequest(Message):
 
 
 @message(0x241A)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryElement(Message):
     """Asks for an element of a list."""
 
@@ -121,7 +121,7 @@ class QueryElementCount(Bodiless):
 
 
 @message(0x441A)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportElement(_WithElements):
     """Tells an element of a list."""
 
@@ -134,7 +134,7 @@ class ReportElement(_WithElements):
 
 
 @message(0x441B)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportElementList(Message):
     """Tells the elements of a list, in order."""
 
@@ -149,7 +149,7 @@ class ReportElementList(Message):
 
 
 @message(0x441C)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportElementCount(Message):
     """Tells how long a list is."""
 

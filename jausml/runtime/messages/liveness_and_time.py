@@ -41,7 +41,7 @@ class _Dated(StampedMessage):
 
 
 @message(0x0011)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class SetTime(_Dated):
     """Sets the clock of the component."""
 
@@ -50,7 +50,7 @@ class SetTime(_Dated):
 
 
 @message(0x2011)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class QueryTime(Message):
     """The presence vector says which fields are asked for."""
 
@@ -63,7 +63,7 @@ class QueryHeartbeatPulse(Bodiless):
 
 
 @message(0x4011)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportTime(_Dated):
     """Tells the time of the component."""
 

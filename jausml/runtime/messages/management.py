@@ -31,7 +31,7 @@ class Reset(Bodiless):
 
 
 @message(0x0006)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class SetEmergency(Message):
     """Has the component go to Emergency."""
 
@@ -42,7 +42,7 @@ class SetEmergency(Message):
 
 
 @message(0x0007)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ClearEmergency(Message):
     """Ends an emergency of the same sender."""
 
@@ -57,7 +57,7 @@ class QueryStatus(Bodiless):
 
 
 @message(0x4002)
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class ReportStatus(Message):
     """Tells the state of the component."""
 

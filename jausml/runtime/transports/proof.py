@@ -7,8 +7,8 @@ few bytes for each byte from it, until it has acknowledged a number that it coul
 
 from __future__ import annotations
 
-import secrets
 import threading
+from random import SystemRandom
 from typing import TYPE_CHECKING
 
 from ..base.address import address_of
@@ -53,7 +53,7 @@ class Prover:
         loop: Loop,
         limit: int,
         put: Callable[[bytes, Endpoint], bool],
-        draw: Callable[[int], int] = secrets.randbelow,
+        draw: Callable[[int], int] = SystemRandom().randrange,
     ) -> None:
         """Begin without claims.
 

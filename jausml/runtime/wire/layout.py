@@ -61,7 +61,7 @@ def record(name: str) -> Callable[[ClassT], ClassT]:
     return declare
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class Bodiless(Message):
     """A message of its code alone."""
 

@@ -10,6 +10,9 @@ at each of them whenever it wakes up; but a new version of rclpy may change it.
 
 from __future__ import annotations
 
+import sys
+from contextlib import suppress
+from importlib import import_module
 from typing import Any
 
 from rclpy.duration import Duration
@@ -37,6 +40,25 @@ NEEDED: dict[str, tuple[str, ...]] = {
     ),
 }
 """Classes of the extension module and what is used of them."""
+
+
+_TYPE_SUPPORTS = "rosidl_generator_py"
+_GENERATING = f"{_TYPE_SUPPORTS}.generate_py_impl"
+
+
+def spare_generator() -> None:
+    """Keeps out of the process what generates Python of ROS types, which takes 8 MiB.
+
+    It comes with the package that finds type supports, which is prepared to do without.
+    """
+    if _TYPE_SUPPORTS in sys.modules or _GENERATING in sys.modules:
+        return
+    sys.modules[_GENERATING] = None  # type: ignore[assignment]  # so its import fails
+    try:
+        with suppress(ImportError):
+            import_module(_TYPE_SUPPORTS)
+    finally:
+        del sys.modules[_GENERATING]
 
 
 def require_internals(node: Any) -> None:

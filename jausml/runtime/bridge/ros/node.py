@@ -27,7 +27,7 @@ from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.errors import RosLostError
 from .codec import Codec
-from .internals import require_internals
+from .internals import require_internals, spare_generator
 from .lifecycle import ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
@@ -88,6 +88,7 @@ class RosNode:
             name: Node name, which `-r __node:=` changes.
             arguments: Command line with `--ros-args`; None means none.
         """
+        spare_generator()
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
         with as_parameter_error():

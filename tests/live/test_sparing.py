@@ -1,0 +1,27 @@
+"""A bridge does without the parts of ROS that make code of types."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.live
+
+PROGRAM = """
+import sys
+from jausml.runtime.bridge.ros.node import RosNode
+node = RosNode("spared", "/")
+print(*sorted({"em", "lark", "hashlib", "rosidl_generator_py"} & set(sys.modules)))
+from rosidl_generator_py.generate_py_impl import generate_py
+print(callable(generate_py))
+"""
+
+
+def test_what_generates_code_of_types_is_not_loaded_with_a_node_and_can_be_later():
+    pytest.importorskip("rclpy")
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.splitlines() == ["rosidl_generator_py", "True"]
