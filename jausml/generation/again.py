@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import asdict
 from hashlib import sha256
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,7 +44,10 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
     named = _digest([str(model.documents[0].path), *wanted])
     name = f"artifacts-{named[:24]}"
-    state = _digest([reading, *wanted, *_documents(model), *_tool()])
+    try:
+        state = _digest([reading, *wanted, *_documents(model), *_tool()])
+    except (OSError, PackageNotFoundError):
+        return render(model, targets)  # nobody knows what renders
     found = kept(name, state)
     if found is not None:
         return [_artifact(each) for each in found]

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,17 @@ def test_files_of_small_models_and_of_targets_of_others_are_not_kept(car, render
         render_again(model_of(car), [chosen], HOW)
         render_again(model_of(car), [chosen], HOW)
     assert rendered == [1, 1, 1, 1]
+
+
+def test_what_cannot_be_told_apart_is_rendered(car, rendered, monkeypatch):
+    def unknown(_):
+        raise PackageNotFoundError
+
+    monkeypatch.setattr(again, "version", unknown)
+    (messages,) = select(load_targets(), ["messages"]).targets
+    assert render_again(model_of(car), [messages], HOW) == render(model_of(car), [messages])
+    render_again(model_of(car), [messages], HOW)
+    assert rendered == [1, 1]
 
 
 def tree(folder):
