@@ -53,19 +53,17 @@ class Prover:
         loop: Loop,
         limit: int,
         put: Callable[[bytes, Endpoint], bool],
-        draw: Callable[[int], int] = SystemRandom().randrange,
     ) -> None:
         """Begin without claims.
 
         Args:
             limit: Bytes that go to an endpoint without proof for each byte from it.
-            draw: Returns a number from 0 to below its argument that nobody can guess.
         """
         self._book = book
         self._loop = loop
         self._limit = limit
         self._put = put
-        self._draw = draw
+        self._draw = SystemRandom().randrange
         self._lock = threading.Lock()
         self.listeners: list[Callable[[JausAddress], None]] = []
 
