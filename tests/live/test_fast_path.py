@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import socket
 import struct
+import threading
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -351,6 +352,43 @@ def test_a_parameter_counts_from_the_next_message_on(system):
     assert [said(vx) for vx in (1.0, 3.0, 2.0, 25.0)] == [1.0, 2.5, 2.0, 2.5]
     if system.is_compiled:
         wait_for(lambda: system.alone("speed_up") >= 4, "messages of the core")
+
+
+def test_nothing_passes_once_the_bridge_is_inactive(system):
+    from lifecycle_msgs.msg import Transition
+    from lifecycle_msgs.srv import ChangeState
+
+    sent, ended = [0], threading.Event()
+
+    def flood():
+        while not ended.wait(0.001):
+            sent[0] += 1
+            system.peer.send(point(float(sent[0]), sec=9))
+
+    def change(transition):
+        asked = ChangeState.Request(transition=Transition(id=transition))
+        assert system.call(ChangeState, "change_state", asked).success
+
+    def latest():
+        return system.points[-1].point.x
+
+    flooding = threading.Thread(target=flood)
+    flooding.start()
+    try:
+        for _ in range(3):
+            before = latest()
+            wait_for(lambda before=before: latest() > before + 50, "points")
+            change(Transition.TRANSITION_DEACTIVATE)
+            last = sent[0]
+            wait_for(lambda last=last: sent[0] > last + 200, "points that do not pass")
+            assert latest() <= last
+            change(Transition.TRANSITION_ACTIVATE)
+            wait_for(lambda last=last: latest() > last + 200, "points")
+    finally:
+        ended.set()
+        flooding.join()
+    if system.is_compiled:
+        wait_for(lambda: system.alone("point_up") > 100, "messages of the core")
 
 
 def numbered(packets):
