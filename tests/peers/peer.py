@@ -172,7 +172,8 @@ class FaultyPeer:
         if answer == 0:
             former = self.controller
             self.controller, self.authority = sender, code
-            self.lapses = time.monotonic() + CONTROL_TIMEOUT
+            if former != sender or "renews no control" not in self.faults:
+                self.lapses = time.monotonic() + CONTROL_TIMEOUT
             if "lapses early" in self.faults:
                 self.lapses -= 0.7 * CONTROL_TIMEOUT
             if former not in (None, sender) and "preempts in silence" not in self.faults:
@@ -187,7 +188,7 @@ class FaultyPeer:
         return code > self.authority
 
     def on_release_control(self, _message, sender):
-        if self.controller is None:
+        if self.controller is None and "releases in silence" not in self.faults:
             refused = not self.available and sender not in self.emergencies
             self.send(core.RejectControl(response_code=int(refused)), sender)
         elif sender == self.controller or "released by anybody" in self.faults:
@@ -344,7 +345,10 @@ class FaultyPeer:
     def on_cancel_event(self, message, sender):
         event = self.events.get(message.event_id)
         if event is None or event["client"] != sender:
-            self.send(core.RejectEventRequest(message.request_id, 6), sender)
+            confirmed = core.ConfirmEventRequest(message.request_id, message.event_id, 0.0)
+            rejected = core.RejectEventRequest(message.request_id, 6)
+            anything = "confirms any cancellation" in self.faults
+            self.send(confirmed if anything else rejected, sender)
             return
         if "goes on after cancel" not in self.faults:
             del self.events[message.event_id]
@@ -352,10 +356,11 @@ class FaultyPeer:
 
     def on_query_events(self, message, sender):
         choice = message.query_events_var
+        everything = "lists all events" in self.faults
         found = [
             core.ReportEvents.ReportEventRec(min(event["type"], 1), number, event["query"])
             for number, event in self.events.items()
-            if getattr(choice, "event_id", number) == number
+            if (everything or getattr(choice, "event_id", number) == number)
             and getattr(choice, "event_type", event["type"]) == event["type"]
         ]
         if "lists no events" in self.faults:

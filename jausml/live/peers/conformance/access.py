@@ -4,25 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.check import Check, Step, step
 from jausml.live.peers.conformance.session import NOBODY, Authority
 from jausml.live.peers.conformance.steps import (
     A,
     B,
+    ask,
+    expect,
+    expect_none,
+    has,
     needs,
-    rejected,
     send,
     take,
 )
 from jausml.live.peers.discovery import controller_of
-from jausml.runtime import messages as core
 from jausml.runtime.messages import (
     ConfirmControl,
-    QueryAuthority,
+    QueryControl,
     QueryTimeout,
     RejectControl,
     ReleaseControl,
-    ReportAuthority,
+    ReportControl,
     ReportTimeout,
     RequestControl,
     SetAuthority,
@@ -31,15 +33,10 @@ from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
-    from jausml.runtime.wire.message import Message
 
 ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
 INSUFFICIENT = ConfirmControl.ResponseCode.INSUFFICIENT_AUTHORITY
 BELOW, LOW, MIDDLE, HIGH = Authority
-
-_EARLIEST = 0.8
-_LATEST = 1.5
-"""Parts of the announced timeout between which control must lapse."""
 
 
 def requires(session: Session) -> str:
@@ -74,15 +71,35 @@ def _why_no_control(session: Session) -> str:
     )
 
 
-def timeout_in_reach(session: Session) -> int:
-    """Returns the announced timeout in seconds, when the run may wait for it."""
-    seconds = session.first.ask(QueryTimeout(), core.ReportTimeout).timeout
+def control_timeout(session: Session) -> int:
+    """Returns the seconds after which control lapses, as the target announces them."""
+    return session.first.ask(QueryTimeout(), ReportTimeout).timeout
+
+
+@step
+def timeout_in_reach(session: Session) -> None:
+    """Skips the check unless the run may wait for the announced timeout."""
+    seconds = control_timeout(session)
     session.skip_unless(seconds > 0, "the target announces that control never lapses")
     session.skip_unless(
         session.limits.slow or seconds <= session.limits.longest_wait,
         f"the announced timeout of {seconds} s is long; --slow waits for it",
     )
-    return seconds
+
+
+@step
+def holds(session: Session, client: int, part: float) -> None:
+    """A client has control for a part of the announced timeout."""
+    seconds = part * control_timeout(session)
+    lost = session.client(client).find(RejectControl, within=seconds)
+    session.require(lost is None, f"control lapsed before {seconds:g} s of the timeout were over")
+
+
+@step
+def lapses(session: Session, client: int, part: float) -> None:
+    """A client is told that control lapsed, within a part of the timeout and half a second."""
+    seconds = part * control_timeout(session) + 0.5
+    session.client(client).expect(RejectControl, f"the timeout and {seconds:g} s", within=seconds)
 
 
 @step
@@ -93,17 +110,14 @@ def request(
     expected: ConfirmControl.ResponseCode | None = None,
 ) -> None:
     """A client asks for control and is answered with a code, if one is expected."""
-    authority = session.authority(level)
-    session.send(client, RequestControl(authority_code=authority))
-    if expected is None:
-        return
-    what = f"{session.latest} with authority {authority}"
-    code = session.client(client).expect(ConfirmControl, what).response_code
-    session.require(
-        code == expected,
-        f"{what} is answered with ConfirmControl {code} instead of "
-        f"{int(expected)} ({expected.name})",
-    )
+    session.send(client, RequestControl(authority_code=session.authority(level)))
+    if expected is not None:
+        expect(client, ConfirmControl, has(response_code=expected))(session)
+
+
+def rejected(client: int, code: int = 0) -> Step:
+    """A client is told that it has no control, with a code."""
+    return expect(client, RejectControl, has(response_code=code))
 
 
 @step
@@ -113,137 +127,65 @@ def set_authority(session: Session, client: int, level: Authority) -> None:
 
 
 @step
-def unanswered(session: Session, client: int, kind: type[Message]) -> None:
-    """A client without control should get no such message; one is noted."""
-    if session.client(client).find(kind, within=session.probe.quiet) is not None:
-        session.note(f"{session.latest}, which has no control, is answered")
-
-
-@step
 def controlled_by(session: Session, client: int, level: Authority) -> None:
     """ReportControl names a client and its authority."""
-    report, address = session.seen_control(), str(session.client(client).address)
-    if report is None:
-        return
-    session.require(
-        controller_of(report) == address,
-        f"ReportControl names {controller_of(report)} instead of {address}",
-    )
-    session.require(
-        report.authority_code == session.authority(level),
-        f"ReportControl says authority {report.authority_code} "
-        f"instead of {session.authority(level)}",
-    )
+    _require_control(session, str(session.client(client).address), session.authority(level))
 
 
 @step
 def kept(session: Session, client: int, level: Authority) -> None:
     """A client is not told that it lost control, and has it still."""
-    keeper = session.client(client)
-    keeper.expect_none(RejectControl, f"{session.latest} takes no control from {keeper.address}")
+    expect_none(client, RejectControl, f"{session.latest} takes no control")(session)
     controlled_by(client, level)(session)
 
 
 @step
 def uncontrolled(session: Session) -> None:
     """ReportControl names nobody and the default authority."""
+    _require_control(session, NOBODY, session.default_authority)
+
+
+@step
+def nobody_controls(session: Session) -> None:
+    """ReportControl names nobody, with any authority."""
+    _require_control(session, NOBODY)
+
+
+def _require_control(session: Session, address: str, authority: int | None = None) -> None:
     report = session.seen_control()
     if report is None:
         return
+    found = controller_of(report)
     session.require(
-        controller_of(report) == NOBODY,
-        f"ReportControl still names {controller_of(report)}",
+        found == address, f"ReportControl names {found} instead of {address} after {session.latest}"
     )
     session.require(
-        report.authority_code == session.default_authority,
-        f"ReportControl says authority {report.authority_code} without a controller instead of "
-        f"the default {session.default_authority}",
-    )
-
-
-@check(
-    "access.uncontrolled",
-    "Reports no controller and its default authority",
-    "AS5710A AccessControl, NotControlled (entry), QueryControl, QueryAuthority",
-)
-def uncontrolled_at_first(session: Session) -> None:
-    """Without a controller, ReportControl names 0.0.0 with the default authority.
-
-    ReportAuthority must name the same authority.
-    """
-    report = session.control()
-    session.require(
-        controller_of(report) == NOBODY,
-        f"ReportControl names {controller_of(report)} although nobody has control",
-    )
-    authority = session.first.ask(QueryAuthority(), ReportAuthority).authority_code
-    session.require(
-        authority == report.authority_code,
-        f"ReportControl says authority {report.authority_code}, ReportAuthority {authority}",
+        authority in (None, report.authority_code),
+        f"ReportControl says authority {report.authority_code} instead of {authority}",
     )
 
 
-@check(
-    "access.timeout-reported",
-    "Reports its control timeout",
-    "AS5710A AccessControl, QueryTimeout",
-)
-def timeout_reported(session: Session) -> None:
-    """QueryTimeout is answered with the seconds after which control lapses; 0 means never."""
-    report = session.first.ask(QueryTimeout(), ReportTimeout)
-    session.trace.remark(f"control lapses after {report.timeout} s (0: never)")
-
-
-@check(
-    "access.release-uncontrolled",
-    "Answers ReleaseControl when nobody has control",
-    "AS5710A AccessControl, NotControlled: ReleaseControl",
-)
-def release_uncontrolled(session: Session) -> None:
-    """ReleaseControl is answered with RejectControl 0 even without control."""
-    send(A, ReleaseControl())(session)
-    if session.is_v1_0("AccessControl"):
-        if session.first.find(RejectControl) is None:
-            session.note("not answered; AS5710 before revision A leaves that open")
-        return
-    rejected(A)(session)
-
-
-@check(
-    "access.timeout",
-    "Takes control back from a silent controller after the announced timeout",
-    "AS5710A AccessControl, Controlled: Timedout; ReportTimeout",
-)
-def timeout(session: Session) -> None:
-    """RejectControl 0 comes between 0.8 and 1.5 of the announced timeout, and not before."""
-    seconds = timeout_in_reach(session)
-    take(A, LOW)(session)
-    early = session.first.find(RejectControl, within=seconds * _EARLIEST)
-    session.require(early is None, f"control lapsed before the announced {seconds} s")
-    late = session.first.find(RejectControl, within=seconds * (_LATEST - _EARLIEST) + 0.5)
-    session.require(late is not None, f"control did not lapse after the announced {seconds} s")
-    uncontrolled()(session)
-
-
-@check(
-    "access.timeout-renewed",
-    "Counts the timeout anew when its controller asks again",
-    "AS5710A AccessControl, Controlled: RequestControl of the controller restarts the timer",
-)
-def timeout_renewed(session: Session) -> None:
-    """A controller that asks again within the timeout keeps control past its first end."""
-    seconds = timeout_in_reach(session)
-    take(A, LOW)(session)
-    lost = session.first.find(RejectControl, within=seconds * 0.6)
-    session.require(lost is None, f"control lapsed before the announced {seconds} s")
-    request(A, LOW, ACCEPTED)(session)
-    lost = session.first.find(RejectControl, within=seconds * 0.7)
-    session.require(lost is None, "control lapsed although it was asked for again in time")
+def _left_open_in_1_0(session: Session) -> str:
+    old = session.is_v1_0("AccessControl")
+    return "not answered; AS5710 before revision A leaves that open" if old else ""
 
 
 CHECKS = (
-    uncontrolled_at_first,
-    timeout_reported,
+    Check(
+        "access.uncontrolled",
+        "Reports no controller and its default authority",
+        "AS5710A AccessControl, NotControlled (entry), QueryControl, QueryAuthority",
+        "Without a controller, ReportControl names 0.0.0 with the default authority.\n\n"
+        "ReportAuthority must name the same authority.",
+        (ask(A, QueryControl(), ReportControl), uncontrolled()),
+    ),
+    Check(
+        "access.timeout-reported",
+        "Reports its control timeout",
+        "AS5710A AccessControl, QueryTimeout",
+        "QueryTimeout is answered with the seconds after which control lapses; 0 means never.",
+        (ask(A, QueryTimeout(), ReportTimeout),),
+    ),
     Check(
         "access.request",
         "Gives control to the first who asks",
@@ -335,13 +277,27 @@ CHECKS = (
         "ReleaseControl is answered with RejectControl 0, and nobody has control.",
         (take(A, LOW), send(A, ReleaseControl()), rejected(A), uncontrolled()),
     ),
-    release_uncontrolled,
+    Check(
+        "access.release-uncontrolled",
+        "Answers ReleaseControl when nobody has control",
+        "AS5710A AccessControl, NotControlled: ReleaseControl",
+        "ReleaseControl is answered with RejectControl 0 even without control.",
+        (
+            send(A, ReleaseControl()),
+            expect(A, RejectControl, has(response_code=0), unless=_left_open_in_1_0),
+        ),
+    ),
     Check(
         "access.release-by-other",
         "Ignores ReleaseControl of others than its controller",
         "AS5710A AccessControl, Controlled: ReleaseControl, guard on the sender",
         "ReleaseControl of a client without control is not answered and has no effect.",
-        (take(A, LOW), send(B, ReleaseControl()), unanswered(B, RejectControl), kept(A, LOW)),
+        (
+            take(A, LOW),
+            send(B, ReleaseControl()),
+            expect_none(B, RejectControl, "it has no control", tolerated=True),
+            kept(A, LOW),
+        ),
     ),
     Check(
         "access.release-after-preemption",
@@ -350,6 +306,24 @@ CHECKS = (
         "A client that was preempted cannot release the control of its successor.",
         (take(A, LOW), take(B, HIGH), send(A, ReleaseControl()), kept(B, HIGH)),
     ),
-    timeout,
-    timeout_renewed,
+    Check(
+        "access.timeout",
+        "Takes control back from a silent controller after the announced timeout",
+        "AS5710A AccessControl, Controlled: Timedout; ReportTimeout",
+        "RejectControl 0 comes between 0.8 and 1.5 of the announced timeout, and not before.",
+        (timeout_in_reach(), take(A, LOW), holds(A, 0.8), lapses(A, 0.7), uncontrolled()),
+    ),
+    Check(
+        "access.timeout-renewed",
+        "Counts the timeout anew when its controller asks again",
+        "AS5710A AccessControl, Controlled: RequestControl of the controller restarts the timer",
+        "A controller that asks again within the timeout keeps control past its first end.",
+        (
+            timeout_in_reach(),
+            take(A, LOW),
+            holds(A, 0.6),
+            request(A, LOW, ACCEPTED),
+            holds(A, 0.7),
+        ),
+    ),
 )

@@ -21,6 +21,12 @@ UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
 """Elements are deleted while control is held; in an emergency control cannot be released."""
 
 
+_CREATING = tuple(
+    each.CODE.to_bytes(2, "little") for each in (core.CreateEvent, core.CreateCommandEvent)
+)
+"""Message codes whose request ids an event is confirmed for."""
+
+
 class ReceivedMessage(NamedTuple):
     """One whole message of the target.
 
@@ -63,7 +69,8 @@ class Client:
     What it leaves behind in the target (control, emergencies, elements, events) it can undo.
 
     Attributes:
-        event: Its event that the steps of a check speak of.
+        event: Its event that the steps of a check speak of, as it was confirmed.
+        sent: The packet that it sent last.
     """
 
     def __init__(self, exchange: Carrier, address: JausAddress) -> None:
@@ -71,11 +78,13 @@ class Client:
         self.address = address
         self.inbox: list[ReceivedMessage] = []
         self.acknowledgements: list[Packet] = []
-        self.event = 0
+        self.event = core.ConfirmEventRequest()
+        self.sent = Packet(exchange.target, address)
         self._exchange = exchange
         # A former run may be remembered by the target's duplicate detection (AS5669A).
         self._sequence = random.randrange(0x10000)
         self._owes: dict[type[Message], bytes] = {}
+        self._requests: set[int] = set()
         self._events: set[int] = set()
 
     # ---- sending ----------------------------------------------------------------------------
@@ -112,6 +121,9 @@ class Client:
 
     def put(self, packet: Packet) -> None:
         """Sends a packet."""
+        self.sent = packet
+        if packet.payload[:2] in _CREATING:
+            self._requests.update(packet.payload[2:3])
         self._exchange.put(packet)
 
     def send(self, message: Message, priority: Priority = Priority.STANDARD) -> None:
@@ -141,6 +153,13 @@ class Client:
             self.owe(core.DeleteElement, undo.encode())
 
     # ---- receiving --------------------------------------------------------------------------
+
+    def take(self, received: ReceivedMessage) -> None:
+        """Takes a message, and remembers an event that it confirms."""
+        self.inbox.append(received)
+        is_confirmation = received.code == core.ConfirmEventRequest.CODE
+        if is_confirmation and self._requests.issuperset(received.payload[2:3]):
+            self._events.update(received.payload[3:4])
 
     def clear(self) -> None:
         """Forgets what has arrived."""
@@ -216,63 +235,6 @@ class Client:
             if report is not None:
                 return report
         return None
-
-    def expect_none(
-        self, message_class: type[Message], why: str, within: float | None = None
-    ) -> None:
-        """Waits for the quiet time.
-
-        Args:
-            within: Seconds to wait; the quiet time of the run when None.
-        """
-        seconds = self._exchange.quiet if within is None else within
-        if self.find(message_class, within=seconds) is not None:
-            raise CheckFailed(f"{message_class.NAME} came, but {why}")
-
-    def expect_silence(self, why: str) -> None:
-        """Waits for the quiet time."""
-        if self._exchange.wait(lambda: bool(self.inbox), self._exchange.quiet):
-            raise CheckFailed(f"message {self.inbox[0].code:04X} came, but {why}")
-
-    # ---- events -----------------------------------------------------------------------------
-
-    def create_event(
-        self, query: Message, *, rate: float = 0.0, request_id: int = 1
-    ) -> core.ConfirmEventRequest | core.RejectEventRequest:
-        """Asks for an event: periodic at a rate in Hz, or every change when the rate is 0."""
-        kinds = core.CreateEvent.EventType
-        message = core.CreateEvent(
-            request_id=request_id,
-            event_type=kinds.PERIODIC_SC if rate else kinds.EVERY_CHANGE,
-            requested_periodic_rate=rate,
-            query_message=query.encode(),
-        )
-        self.send(message)
-        return self.event_answer(request_id, "CreateEvent")
-
-    def event_answer(
-        self, request_id: int, what: str
-    ) -> core.ConfirmEventRequest | core.RejectEventRequest:
-        """Returns the answer to a request of the Events service."""
-        codes = (core.ConfirmEventRequest.CODE, core.RejectEventRequest.CODE)
-        received = self.first_of(codes)
-        if received is None:
-            raise CheckFailed(f"{what} is neither confirmed nor rejected")
-        answer: core.ConfirmEventRequest | core.RejectEventRequest
-        if received.code == codes[0]:
-            answer = decoded(core.ConfirmEventRequest, received.payload)
-            self._events.add(answer.event_id)
-        else:
-            answer = decoded(core.RejectEventRequest, received.payload)
-        if answer.request_id != request_id:
-            raise CheckFailed(
-                f"the answer to {what} names request {answer.request_id} instead of {request_id}"
-            )
-        return answer
-
-    def cancelled(self, event_id: int) -> None:
-        """Says that an event is gone."""
-        self._events.discard(event_id)
 
     # ---- cleaning ---------------------------------------------------------------------------
 

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import check
+from jausml.live.peers.conformance.check import Check, Step, check
+from jausml.live.peers.conformance.steps import (
+    A,
+    AnythingBut,
+    Judgement,
+    ask,
+    expect_none,
+    has,
+    send,
+    usual,
+)
 from jausml.live.peers.discovery import service_list, services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from jausml.runtime.messages import (
@@ -26,62 +36,12 @@ if TYPE_CHECKING:
     from jausml.runtime.services.definitions import ServiceIdentity
 
 _TYPES = {
-    Scope.SYSTEM: (10001, 40000),
-    Scope.SUBSYSTEM: (10001, 40000),
-    Scope.NODE: (40001, 50000),
-    Scope.COMPONENT: (50001, 65535),
+    Scope.SYSTEM: range(10001, 40001),
+    Scope.SUBSYSTEM: range(10001, 40001),
+    Scope.NODE: range(40001, 50001),
+    Scope.COMPONENT: range(50001, 65536),
 }
 """Ranges of Type by QueryType (AS5710A, ReportIdentification)."""
-
-
-@check(
-    "discovery.identification",
-    "Identifies itself as a component",
-    "AS5710A Discovery, QueryIdentification 4, ReportIdentification",
-)
-def identification(session: Session) -> None:
-    """The report repeats QueryType 4 and holds a type of components and a name."""
-    query = QueryIdentification(query_type=Scope.COMPONENT)
-    report = session.first.ask(query, ReportIdentification)
-    session.require(
-        report.query_type == Scope.COMPONENT,
-        f"QueryType 4 is answered with QueryType {report.query_type}",
-    )
-    _note_type(session, report)
-    if not report.identification:
-        session.note("the identification is empty")
-
-
-@check(
-    "discovery.scopes",
-    "Answers for the scope that was asked for, or not at all",
-    "AS5710A Discovery, QueryIdentification 1 to 3",
-)
-def scopes(session: Session) -> None:
-    """A report about system, subsystem or node must say so; a narrower server stays silent."""
-    for scope in (Scope.SYSTEM, Scope.SUBSYSTEM, Scope.NODE):
-        query = QueryIdentification(query_type=scope)
-        report = session.first.asked(query, ReportIdentification, attempts=1)
-        if report is not None:
-            session.require(
-                report.query_type == scope,
-                f"QueryType {int(scope)} is answered with QueryType {report.query_type}",
-            )
-            _note_type(session, report)
-
-
-@check(
-    "discovery.reserved-type",
-    "Does not identify itself as something reserved",
-    "AS5710A Discovery, QueryIdentification: QueryType 0 is reserved",
-)
-def reserved_type(session: Session) -> None:
-    """QueryType 0 and 200 need no answer."""
-    for query_type in (0, 200):
-        session.first.send(QueryIdentification(query_type=query_type))
-    report = session.first.find(ReportIdentification, within=session.probe.quiet)
-    if report is not None:
-        session.note(f"a reserved QueryType is answered with QueryType {report.query_type}")
 
 
 @check(
@@ -234,10 +194,40 @@ def inheritance(session: Session) -> None:
         session.note(f"not listed, though inherited: {', '.join(missing)}")
 
 
+def _identifies(
+    scope: Scope, *judgements: Judgement[ReportIdentification], optional: bool = True
+) -> Step:
+    query = QueryIdentification(query_type=scope)
+    expected = (has(query_type=scope), usual(type_=_TYPES[scope]), *judgements)
+    return ask(A, query, ReportIdentification, *expected, optional=optional)
+
+
 CHECKS = (
-    identification,
-    scopes,
-    reserved_type,
+    Check(
+        "discovery.identification",
+        "Identifies itself as a component",
+        "AS5710A Discovery, QueryIdentification 4, ReportIdentification",
+        "The report repeats QueryType 4 and holds a type of components and a name.",
+        (_identifies(Scope.COMPONENT, usual(identification=AnythingBut("")), optional=False),),
+    ),
+    Check(
+        "discovery.scopes",
+        "Answers for the scope that was asked for, or not at all",
+        "AS5710A Discovery, QueryIdentification 1 to 3",
+        "A report about system, subsystem or node must say so; a narrower server stays silent.",
+        tuple(_identifies(each) for each in (Scope.SYSTEM, Scope.SUBSYSTEM, Scope.NODE)),
+    ),
+    Check(
+        "discovery.reserved-type",
+        "Does not identify itself as something reserved",
+        "AS5710A Discovery, QueryIdentification: QueryType 0 is reserved",
+        "QueryType 0 and 200 need no answer.",
+        (
+            send(A, QueryIdentification(query_type=0)),
+            send(A, QueryIdentification(query_type=200)),
+            expect_none(A, ReportIdentification, "the QueryType is reserved", tolerated=True),
+        ),
+    ),
     services,
     services_by_id,
     services_unknown,
@@ -246,14 +236,6 @@ CHECKS = (
     subsystem_list,
     inheritance,
 )
-
-
-def _note_type(session: Session, report: ReportIdentification) -> None:
-    low, high = _TYPES[Scope(report.query_type)]
-    if not low <= report.type_ <= high:
-        session.note(
-            f"Type {report.type_} for QueryType {report.query_type}; usual are {low} to {high}"
-        )
 
 
 def _query(node: int, component: int) -> QueryServices:

@@ -6,7 +6,9 @@ import itertools
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import step
-from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.client import decoded
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.steps import expect, has, send
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
@@ -14,11 +16,10 @@ if TYPE_CHECKING:
 
     from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.steps import Judgement
     from jausml.runtime.wire.message import Message
 
     Record = core.ReportEvents.ReportEventRec
-    Request = core.CreateEvent | core.UpdateEvent | core.CancelEvent | core.CreateCommandEvent
-    Answer = core.ConfirmEventRequest | core.RejectEventRequest
 
 PERIODIC = core.CreateEvent.EventType.PERIODIC_SC
 
@@ -48,150 +49,108 @@ def subject(session: Session) -> tuple[Message, type[Message]]:
     raise AssertionError  # skip_unless has raised
 
 
-def creating(session: Session, hertz: float = RATE) -> core.CreateEvent:
-    """Returns the request for a periodic event."""
-    return core.CreateEvent(1, PERIODIC, hertz, subject(session)[0].encode())
-
-
-def updating(session: Session, hertz: float, event_id: int) -> core.UpdateEvent:
-    """Returns the request for another rate of an event."""
-    return core.UpdateEvent(2, PERIODIC, hertz, event_id, subject(session)[0].encode())
-
-
-def begin_periodic(session: Session, client: Client) -> int:
-    """Creates a periodic event as a step before what is to be checked, and returns its id."""
-    query, _ = subject(session)
-    answer = client.create_event(query, rate=RATE)
-    session.skip_unless(
-        isinstance(answer, core.ConfirmEventRequest),
-        f"no periodic event on {query.NAME} is confirmed; see events.create-periodic",
+def creating(hertz: float, query: Message | None = None) -> Callable[[Session], core.CreateEvent]:
+    """Returns what makes the request for a periodic event."""
+    return lambda session: core.CreateEvent(
+        1, PERIODIC, hertz, (query or subject(session)[0]).encode()
     )
-    client.event = answer.event_id if isinstance(answer, core.ConfirmEventRequest) else 0
-    return client.event
 
 
-# -- answers ---------------------------------------------------------------------------------------
+def damaged(damage: Callable[[bytes], bytes]) -> Callable[[Session], bytes]:
+    """Returns what makes the payload of such a request with other bytes."""
+    return lambda session: damage(creating(RATE)(session).encode())
 
 
-def require_confirmed(answer: Answer, what: str) -> core.ConfirmEventRequest:
-    """Returns the confirmation that an answer is."""
-    if isinstance(answer, core.RejectEventRequest):
-        text = f": {answer.error_message}" if answer.error_message else ""
-        raise CheckFailed(f"{what} is rejected with code {answer.response_code}{text}")
-    return answer
+def updating(hertz: float, number: int | None = None) -> Callable[[Session], core.UpdateEvent]:
+    """Returns what makes the request for another rate of the event of our first client."""
+    return lambda session: core.UpdateEvent(
+        2, PERIODIC, hertz, number or event_id(session), subject(session)[0].encode()
+    )
 
 
-def require_rejected(session: Session, answer: Answer, code: int | None, what: str) -> None:
-    """Fails unless an answer is a rejection, with a code if one is expected."""
-    if isinstance(answer, core.ConfirmEventRequest):
-        raise CheckFailed(f"{what} is confirmed")
-    if answer.response_code is None:
-        session.note("the rejection has no response code, which the standard leaves open")
-    elif code is not None and answer.response_code != code:
-        raise CheckFailed(f"{what} is rejected with code {answer.response_code} instead of {code}")
+def cancelling(session: Session) -> core.CancelEvent:
+    """Returns the request for the end of the event of our first client."""
+    return core.CancelEvent(3, event_id(session))
 
 
-def next_event(client: Client, event_id: int) -> core.Event:
-    """Returns the next report of an event."""
+def event_id(session: Session) -> int:
+    """The id of the event of our first client."""
+    return session.first.event.event_id
+
+
+def next_event(client: Client) -> core.Event:
+    """Returns the next report of the event of a client."""
+    own = client.event.event_id
     return client.expect(
-        core.Event,
-        f"the confirmation of event {event_id}",
-        lambda event: event.event_id == event_id,
+        core.Event, f"the confirmation of event {own}", lambda event: event.event_id == own
     )
-
-
-def require_consecutive(session: Session, client: Client, event_id: int, count: int) -> None:
-    """Fails unless the next reports of an event have consecutive numbers."""
-    numbers = [next_event(client, event_id).sequence_number for _ in range(count)]
-    session.require(
-        all((after - before) & 0xFF == 1 for before, after in itertools.pairwise(numbers)),
-        f"the sequence numbers of an event are {numbers[:20]}",
-    )
-
-
-def require_listed(
-    session: Session, event_id: int, choice: core.QueryEvents.QueryEventsVar
-) -> list[Record]:
-    """Returns the events of a choice, of which a periodic one of ours must be one."""
-    found = list(session.second.ask(core.QueryEvents(choice), core.ReportEvents).event_list)
-    payload = subject(session)[0].encode()
-    session.require(
-        any(
-            (each.event_id, each.event_type, each.query_message) == (event_id, PERIODIC, payload)
-            for each in found
-        ),
-        f"ReportEvents does not hold event {event_id} with its type and query",
-    )
-    return found
 
 
 # -- steps -----------------------------------------------------------------------------------------
 
 
 @step
+def created(
+    session: Session,
+    client: int,
+    *judgements: Judgement[core.ConfirmEventRequest],
+    query: Message | None = None,
+    rate: float = RATE,
+) -> None:
+    """A client asks for a periodic event, and is told that it has it."""
+
+    def keep(session: Session, confirmation: core.ConfirmEventRequest, _: str) -> None:
+        session.client(client).event = confirmation
+
+    send(client, creating(rate, query))(session)
+    expect(client, core.ConfirmEventRequest, has(request_id=1), keep, *judgements)(session)
+
+
+@step
 def periodic(session: Session, client: int) -> None:
-    """A client has a periodic event."""
-    begin_periodic(session, session.client(client))
+    """A client has a periodic event; the check is skipped where it is given none."""
+    try:
+        created(client)(session)
+    except CheckFailed as failure:
+        raise CheckSkipped(f"{failure}; see events.create-periodic") from failure
+
+
+@step
+def carries(session: Session, client: int, kind: type[Message] | None = None) -> None:
+    """The event of a client carries the whole report that answers its query."""
+    found = session.client(client)
+    report_class = kind or subject(session)[1]
+    payload = next_event(found).report_message
+    code = int.from_bytes(payload[:2], "little")
+    session.require(
+        code == report_class.CODE,
+        f"the event carries message {code:04X} instead of {report_class.CODE:04X} "
+        f"({report_class.NAME})",
+    )
+    decoded(report_class, payload)
 
 
 @step
 def numbered(session: Session, client: int, count: int) -> None:
     """Reports of the event of a client come, and have consecutive numbers."""
     found = session.client(client)
-    require_consecutive(session, found, found.event, count)
-
-
-@step
-def confirmed(session: Session, client: int, request: Callable[[Session, int], Request]) -> None:
-    """A request for the event of a client is confirmed under the id of the event."""
-    asking = session.client(client)
-    message = request(session, asking.event)
-    asking.send(message)
-    answer = asking.event_answer(message.request_id, message.NAME)
-    found = require_confirmed(answer, message.NAME).event_id
+    numbers = [next_event(found).sequence_number for _ in range(count)]
     session.require(
-        found == asking.event,
-        f"{message.NAME} of event {asking.event} is confirmed for event {found}",
+        all((after - before) & 0xFF == 1 for before, after in itertools.pairwise(numbers)),
+        f"the sequence numbers of an event are {numbers[:20]}",
     )
-    asking.clear()
-
-
-@step
-def ended(session: Session, client: int) -> None:
-    """No report of the event of a client comes any more."""
-    found = session.client(client)
-    found.cancelled(found.event)
-    found.expect_none(core.Event, f"event {found.event} is cancelled", within=SOME_PERIODS)
-
-
-@step
-def refused(
-    session: Session, what: str, request: Callable[[Session], Request], code: int | None = None
-) -> None:
-    """A request is rejected, with a code if one is expected."""
-    message = request(session)
-    session.first.send(message)
-    answer = session.first.event_answer(message.request_id, what)
-    require_rejected(session, answer, code, what)
-
-
-@step
-def damaged(session: Session, what: str, damage: Callable[[bytes], bytes]) -> None:
-    """A request for an event with other bytes is not confirmed; silence is noted."""
-    session.first.put(session.first.packet(damage(creating(session).encode())))
-    try:
-        answer = session.first.event_answer(1, what)
-    except CheckFailed:
-        session.note(f"{what} is not answered")
-        return
-    require_rejected(session, answer, None, what)
 
 
 @step
 def listed(session: Session, choice: Callable[[Session], core.QueryEvents.QueryEventsVar]) -> None:
     """ReportEvents of a choice holds the event of our first client, and only what was chosen."""
-    chosen = choice(session)
-    found = require_listed(session, session.first.event, chosen)
+    chosen, own = choice(session), event_id(session)
+    found = session.second.ask(core.QueryEvents(chosen), core.ReportEvents).event_list
+    wanted = (own, PERIODIC, subject(session)[0].encode())
+    session.require(
+        any((each.event_id, each.event_type, each.query_message) == wanted for each in found),
+        f"ReportEvents does not hold event {own} with its type and query",
+    )
     others = [each.event_id for each in found if not _is_chosen(chosen, each)]
     session.require(not others, f"ReportEvents holds events that were not asked for: {others}")
 
@@ -202,5 +161,7 @@ def _is_chosen(choice: core.QueryEvents.QueryEventsVar, event: Record) -> bool:
             return int.from_bytes(event.query_message[:2], "little") == code
         case core.QueryEvents.EventTypeRec(kind):
             return event.event_type == kind
+        case core.QueryEvents.EventIDRec(number):
+            return event.event_id == number
         case _:
             return True

@@ -12,48 +12,43 @@ from jausml.live.peers.conformance.event_steps import (
     RATE,
     SOME_PERIODS,
     UNKNOWN_QUERY,
-    begin_periodic,
-    confirmed,
+    cancelling,
+    carries,
+    created,
     creating,
     damaged,
-    ended,
+    event_id,
     listed,
     next_event,
     numbered,
     periodic,
-    refused,
-    require_confirmed,
-    require_consecutive,
-    require_listed,
     subject,
     updating,
 )
 from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.session import Authority
-from jausml.live.peers.conformance.steps import A, B, since_1_1
+from jausml.live.peers.conformance.steps import (
+    A,
+    AnythingBut,
+    B,
+    ask,
+    expect,
+    expect_none,
+    has,
+    put,
+    send,
+    settle,
+    since_1_1,
+    slow,
+    usual,
+)
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.client import Client, ReceivedMessage
     from jausml.live.peers.conformance.session import Session
 
-RejectCode = core.RejectEventRequest.ResponseCode
-
-
-@check(
-    "events.create-periodic",
-    "Confirms a periodic event",
-    "AS5710A Events, CreateEvent, ConfirmEventRequest",
-)
-def create_periodic(session: Session) -> None:
-    """CreateEvent at 10 Hz is confirmed under its request id, with a rate above 0."""
-    query, _ = subject(session)
-    answer = session.first.create_event(query, rate=RATE, request_id=17)
-    what = f"CreateEvent for {query.NAME} at {RATE:g} Hz"
-    hertz = require_confirmed(answer, what).confirmed_periodic_rate
-    session.require(hertz > 0, "the confirmed rate is 0 Hz")
-    if abs(hertz - RATE) > 0.1:
-        session.note(f"{hertz:.3g} Hz confirmed instead of {RATE:g} Hz")
+Confirm, Reject = core.ConfirmEventRequest, core.RejectEventRequest
 
 
 @check(
@@ -64,50 +59,16 @@ def create_periodic(session: Session) -> None:
 def confirm_first(session: Session) -> None:
     """ConfirmEventRequest arrives before any Event."""
     client = session.first
-    client.send(creating(session))
+    send(A, creating(RATE))(session)
     codes = (core.ConfirmEventRequest.CODE, core.Event.CODE)
     session.probe.wait(
         lambda: {each.code for each in client.inbox} >= set(codes), 2 * session.probe.timeout
     )
     order = [each.code for each in client.inbox if each.code in codes]
-    client.event_answer(1, "CreateEvent")
     session.require(
         order[:1] == [core.ConfirmEventRequest.CODE],
         "the first Event comes before its confirmation",
     )
-
-
-@check(
-    "events.report",
-    "Sends the report of the query in its events",
-    "AS5710A Events, Event: ReportMessage",
-)
-def report(session: Session) -> None:
-    """The ReportMessage is the complete report, message code and body, and decodes."""
-    query, report_class = subject(session)
-    event_id = begin_periodic(session, session.first)
-    event = next_event(session.first, event_id)
-    code = int.from_bytes(event.report_message[:2], "little")
-    session.require(
-        code == report_class.CODE,
-        f"the event for {query.NAME} carries message {code:04X} "
-        f"instead of {report_class.CODE:04X} ({report_class.NAME})",
-    )
-    decoded(report_class, event.report_message)
-
-
-@check(
-    "events.sequence-wrap",
-    "Goes on with 0 after sequence number 255",
-    "AS5710A Events, Event: SequenceNumber (unsigned byte)",
-)
-def sequence_wrap(session: Session) -> None:
-    """260 reports are awaited at the highest rate; only with --slow."""
-    session.skip_unless(session.limits.slow, "takes 260 reports; --slow waits for them")
-    query, _ = subject(session)
-    answer = session.first.create_event(query, rate=100.0)
-    event_id = require_confirmed(answer, "CreateEvent at 100 Hz").event_id
-    require_consecutive(session, session.first, event_id, 260)
 
 
 @check(
@@ -117,9 +78,8 @@ def sequence_wrap(session: Session) -> None:
 )
 def rate(session: Session) -> None:
     """Ten intervals take between half and twice the time that the confirmed rate gives."""
-    answer = session.first.create_event(subject(session)[0], rate=RATE)
-    hertz = require_confirmed(answer, "CreateEvent").confirmed_periodic_rate
-    period = 1 / max(hertz, 0.02)
+    created(A)(session)
+    period = 1 / max(session.first.event.confirmed_periodic_rate, 0.02)
     session.skip_unless(
         10 * period <= session.limits.longest_wait, f"the confirmed period is {period:.1f} s"
     )
@@ -135,52 +95,6 @@ def rate(session: Session) -> None:
 
 
 @check(
-    "events.cancel-unknown",
-    "Rejects the cancellation of an event that does not exist",
-    "AS5710A Events, CancelEvent: RejectEventRequest",
-)
-def cancel_unknown(session: Session) -> None:
-    """The standard names code 6 for updates; it is the usual one here too."""
-    session.first.send(core.CancelEvent(request_id=4, event_id=FREE_EVENT))
-    answer = session.first.event_answer(4, "CancelEvent of an unknown event")
-    if isinstance(answer, core.ConfirmEventRequest):
-        session.first.cancelled(answer.event_id)
-        raise CheckFailed("CancelEvent of an unknown event is confirmed")
-    if answer.response_code != 6:
-        session.note(f"rejected with code {answer.response_code} instead of 6")
-
-
-@check(
-    "events.cancel-by-other",
-    "Keeps an event that another client cancels",
-    "AS5710A Events; practice: an event belongs to the client that created it",
-)
-def cancel_by_other(session: Session) -> None:
-    """CancelEvent of another client does not end the reports."""
-    event_id = begin_periodic(session, session.first)
-    session.second.send(core.CancelEvent(request_id=5, event_id=event_id))
-    session.probe.wait(lambda: False, session.probe.quiet)
-    session.first.clear()
-    if session.first.find(core.Event) is None:
-        session.note("a client can cancel the event of another one")
-
-
-@check(
-    "events.zero-rate",
-    "Does not confirm a periodic event at 0 Hz",
-    "AS5710A Events, CreateEvent: RequestedPeriodicRate is not 0 for periodic events",
-)
-def zero_rate(session: Session) -> None:
-    """RejectEventRequest 4 (invalid setup) is usual; some stacks take another rate."""
-    session.first.send(creating(session, 0.0))
-    answer = session.first.event_answer(1, "CreateEvent at 0 Hz")
-    if isinstance(answer, core.ConfirmEventRequest):
-        session.note(f"confirmed with {answer.confirmed_periodic_rate:.3g} Hz")
-    elif answer.response_code != RejectCode.INVALID_EVENT_SETUP:
-        session.note(f"rejected with code {answer.response_code} instead of 4")
-
-
-@check(
     "events.every-change",
     "Reports every change",
     "AS5710A Events, CreateEvent: EventType 1",
@@ -189,49 +103,29 @@ def every_change(session: Session) -> None:
     """The event on QueryControl reports when control is taken and released, and not between."""
     session.skip_unless(session.provides("AccessControl"), "needs AccessControl for a change")
     client = session.first
-    answer = client.create_event(core.QueryControl())
-    if isinstance(answer, core.RejectEventRequest):
+    query = core.QueryControl().encode()
+    client.send(core.CreateEvent(1, core.CreateEvent.EventType.EVERY_CHANGE, 0.0, query))
+    rejection = client.find(core.RejectEventRequest, within=session.probe.quiet)
+    if rejection is not None:
+        code = rejection.response_code
+        unsupported = core.RejectEventRequest.ResponseCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED
         session.skip_unless(
-            answer.response_code != RejectCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED,
-            "the target supports no change-based events (code 2)",
+            code != unsupported, "the target supports no change-based events (code 2)"
         )
-        raise CheckFailed(f"every-change event rejected with code {answer.response_code}")
+        raise CheckFailed(f"every-change event rejected with code {code}")
+    client.event = client.expect(core.ConfirmEventRequest, "CreateEvent")
     # The present value, which some send at once.
     client.find(core.Event, within=session.probe.quiet)
-    client.expect_none(core.Event, "nothing has changed")
+    expect_none(A, core.Event, "nothing has changed")(session)
     session.second.send(core.RequestControl(authority_code=session.authority(Authority.LOW)))
-    taken = _changed_control(client, answer.event_id, "control was taken")
+    taken = _changed_control(client)
     session.require(
         taken.component_id == session.second.address.component,
         f"the event does not name {session.second.address} as the controller",
     )
     session.second.send(core.ReleaseControl())
-    released = _changed_control(client, answer.event_id, "control was released")
+    released = _changed_control(client)
     session.require(released.component_id == 0, "the event still names a controller")
-
-
-@check(
-    "events.query-by-id",
-    "Lists one event",
-    "AS5710A Events, QueryEvents variant 2, ReportEvents",
-)
-def query_by_id(session: Session) -> None:
-    """ReportEvents for an event id holds that event alone."""
-    event_id = begin_periodic(session, session.first)
-    found = require_listed(session, event_id, core.QueryEvents.EventIDRec(event_id))
-    session.require(len(found) == 1, f"ReportEvents holds {len(found)} events instead of one")
-
-
-@check(
-    "events.timeout-reported",
-    "Reports its event timeout",
-    "AS5710A v1.1 Events, QueryEventTimeout",
-)
-def timeout_reported(session: Session) -> None:
-    """QueryEventTimeout is answered with minutes; 0 means never. Events 1.0 has no such query."""
-    session.skip_unless(not session.is_v1_0("Events"), "Events 1.0 has no timeout")
-    answer = session.first.ask(core.QueryEventTimeout(), core.ReportEventTimeout)
-    session.trace.remark(f"events lapse after {answer.timeout} minutes (0: never)")
 
 
 @check(
@@ -241,36 +135,58 @@ def timeout_reported(session: Session) -> None:
 )
 def timeout(session: Session) -> None:
     """No report comes after the announced minutes; only with --slow."""
-    session.skip_unless(not session.is_v1_0("Events"), "Events 1.0 has no timeout")
+    since_1_1("Events", "Events 1.0 has no timeout")(session)
     minutes = session.first.ask(core.QueryEventTimeout(), core.ReportEventTimeout).timeout
     session.skip_unless(minutes > 0, "the target announces that events never end")
     session.skip_unless(
         session.limits.slow and minutes <= 2, f"takes {minutes} minutes; --slow waits for two"
     )
-    event_id = begin_periodic(session, session.first)
+    client = session.first
+    periodic(A)(session)
     session.probe.wait(lambda: False, 60.0 * minutes - 5)
-    session.first.clear()
-    next_event(session.first, event_id)
+    client.clear()
+    next_event(client)
     session.probe.wait(lambda: False, 10.0)
-    session.first.clear()
-    session.first.expect_none(
-        core.Event, f"the event was not updated for {minutes} minutes", within=SOME_PERIODS
-    )
+    client.clear()
+    why = f"the event was not updated for {minutes} minutes"
+    expect_none(A, core.Event, why, within=SOME_PERIODS)(session)
+
+
+def _at_the_rate(session: Session, confirmation: core.ConfirmEventRequest, what: str) -> None:
+    hertz = confirmation.confirmed_periodic_rate
+    if abs(hertz - RATE) > 0.1:
+        session.note(f"{what} says {hertz:.3g} Hz")
+
+
+def _confirmed(session: Session) -> str:
+    confirmation = session.first.find(Confirm, within=0)
+    return (confirmation and f"confirmed with {confirmation.confirmed_periodic_rate:.3g} Hz") or ""
 
 
 def _events(client: Client) -> list[ReceivedMessage]:
     return [each for each in client.inbox if each.code == core.Event.CODE]
 
 
-def _changed_control(client: Client, event_id: int, what: str) -> core.ReportControl:
-    event = client.expect(core.Event, what, lambda each: each.event_id == event_id)
-    return decoded(core.ReportControl, event.report_message)
+def _changed_control(client: Client) -> core.ReportControl:
+    return decoded(core.ReportControl, next_event(client).report_message)
 
 
 CHECKS = (
-    create_periodic,
+    Check(
+        "events.create-periodic",
+        "Confirms a periodic event",
+        "AS5710A Events, CreateEvent, ConfirmEventRequest",
+        "CreateEvent at 10 Hz is confirmed under its request id, with a rate above 0.",
+        (created(A, has(confirmed_periodic_rate=AnythingBut(0)), _at_the_rate),),
+    ),
     confirm_first,
-    report,
+    Check(
+        "events.report",
+        "Sends the report of the query in its events",
+        "AS5710A Events, Event: ReportMessage",
+        "The ReportMessage is the complete report, message code and body, and decodes.",
+        (periodic(A), carries(A)),
+    ),
     Check(
         "events.sequence",
         "Numbers the reports of an event",
@@ -278,7 +194,13 @@ CHECKS = (
         "Five reports have consecutive sequence numbers, also while another event runs.",
         (periodic(A), periodic(B), numbered(A, 5)),
     ),
-    sequence_wrap,
+    Check(
+        "events.sequence-wrap",
+        "Goes on with 0 after sequence number 255",
+        "AS5710A Events, Event: SequenceNumber (unsigned byte)",
+        "260 reports are awaited at the highest rate; only with --slow.",
+        (slow("260 reports"), created(A, rate=100.0), numbered(A, 260)),
+    ),
     rate,
     Check(
         "events.two-clients",
@@ -294,7 +216,9 @@ CHECKS = (
         "UpdateEvent with another rate is confirmed with the same event id, and reports go on.",
         (
             periodic(A),
-            confirmed(A, lambda session, event: updating(session, RATE / 2, event)),
+            send(A, updating(RATE / 2)),
+            expect(A, Confirm, has(request_id=2, event_id=event_id)),
+            settle(A),
             numbered(A, 1),
         ),
     ),
@@ -304,11 +228,8 @@ CHECKS = (
         "AS5710A Events, UpdateEvent: RejectEventRequest 6",
         "The response code is 6 (invalid event id).",
         (
-            refused(
-                "UpdateEvent of an unknown event",
-                lambda session: updating(session, RATE, FREE_EVENT),
-                6,
-            ),
+            send(A, updating(RATE, FREE_EVENT)),
+            expect(A, Reject, has(request_id=2, response_code=(6, None))),
         ),
     ),
     Check(
@@ -316,21 +237,44 @@ CHECKS = (
         "Sends no reports of a cancelled event",
         "AS5710A Events, CancelEvent: ConfirmEventRequest",
         "CancelEvent is confirmed; no report comes afterwards.",
-        (periodic(A), confirmed(A, lambda _, event: core.CancelEvent(3, event)), ended(A)),
+        (
+            periodic(A),
+            send(A, cancelling),
+            expect(A, Confirm, has(request_id=3, event_id=event_id)),
+            settle(A),
+            expect_none(A, core.Event, "the event is cancelled", within=SOME_PERIODS),
+        ),
     ),
-    cancel_unknown,
-    cancel_by_other,
+    Check(
+        "events.cancel-unknown",
+        "Rejects the cancellation of an event that does not exist",
+        "AS5710A Events, CancelEvent: RejectEventRequest",
+        "The standard names code 6 for updates; it is the usual one here too.",
+        (
+            send(A, core.CancelEvent(4, FREE_EVENT)),
+            expect(A, Reject, has(request_id=4), usual(response_code=6)),
+        ),
+    ),
+    Check(
+        "events.cancel-by-other",
+        "Keeps an event that another client cancels",
+        "AS5710A Events; practice: an event belongs to the client that created it",
+        "CancelEvent of another client does not end the reports.",
+        (
+            periodic(A),
+            send(B, cancelling),
+            settle(A),
+            expect(A, core.Event, unless=lambda _: "a client can cancel another one's event"),
+        ),
+    ),
     Check(
         "events.unsupported-message",
         "Rejects an event on a message that it does not know",
         "AS5710A Events, CreateEvent: RejectEventRequest 5",
         "The response code is 5 (message not supported).",
         (
-            refused(
-                "CreateEvent on an unknown message",
-                lambda _: core.CreateEvent(1, PERIODIC, RATE, UNKNOWN_QUERY),
-                5,
-            ),
+            send(A, core.CreateEvent(1, PERIODIC, RATE, UNKNOWN_QUERY)),
+            expect(A, Reject, has(request_id=1, response_code=(5, None))),
         ),
     ),
     Check(
@@ -338,15 +282,30 @@ CHECKS = (
         "Rejects an event whose query is empty",
         "AS5710A Events, CreateEvent: QueryMessage",
         "A QueryMessage without a message code cannot be served; code 4 or 5 is usual.",
-        (damaged("CreateEvent without a query", lambda payload: payload[:6] + bytes(4)),),
+        (
+            put(A, "CreateEvent without a query", damaged(lambda event: event[:6] + bytes(4))),
+            expect_none(A, Confirm, "the event has no query"),
+        ),
     ),
-    zero_rate,
+    Check(
+        "events.zero-rate",
+        "Does not confirm a periodic event at 0 Hz",
+        "AS5710A Events, CreateEvent: RequestedPeriodicRate is not 0 for periodic events",
+        "RejectEventRequest 4 (invalid setup) is usual; some stacks take another rate.",
+        (
+            send(A, creating(0.0)),
+            expect(A, Reject, has(request_id=1), usual(response_code=4), unless=_confirmed),
+        ),
+    ),
     Check(
         "events.unknown-type",
         "Rejects an event type that does not exist",
         "AS5710A Events, CreateEvent: EventType 0 or 1",
         "Event type 7 cannot be served; code 4 (invalid setup) is usual.",
-        (damaged("CreateEvent of type 7", lambda payload: payload[:3] + b"\7" + payload[4:]),),
+        (
+            put(A, "CreateEvent", damaged(lambda event: event[:3] + b"\7" + event[4:])),
+            expect_none(A, Confirm, "the event is of type 7"),
+        ),
     ),
     every_change,
     Check(
@@ -373,8 +332,27 @@ CHECKS = (
         "ReportEvents for periodic events holds the event, and no every-change event.",
         (periodic(A), listed(lambda _: core.QueryEvents.EventTypeRec(PERIODIC))),
     ),
-    query_by_id,
-    timeout_reported,
+    Check(
+        "events.query-by-id",
+        "Lists one event",
+        "AS5710A Events, QueryEvents variant 2, ReportEvents",
+        "ReportEvents for an event id holds that event alone.",
+        (
+            periodic(A),
+            periodic(B),
+            listed(lambda session: core.QueryEvents.EventIDRec(event_id(session))),
+        ),
+    ),
+    Check(
+        "events.timeout-reported",
+        "Reports its event timeout",
+        "AS5710A v1.1 Events, QueryEventTimeout",
+        "QueryEventTimeout is answered with minutes; 0 means never. Events 1.0 has no such query.",
+        (
+            since_1_1("Events", "Events 1.0 has no timeout"),
+            ask(A, core.QueryEventTimeout(), core.ReportEventTimeout),
+        ),
+    ),
     timeout,
     Check(
         "events.command-event",
@@ -383,10 +361,8 @@ CHECKS = (
         "A command event on an unknown message is rejected.",
         (
             since_1_1("Events", "Events 1.0 has no command events"),
-            refused(
-                "CreateCommandEvent on an unknown message",
-                lambda _: core.CreateCommandEvent(6, 1, UNKNOWN_QUERY),
-            ),
+            send(A, core.CreateCommandEvent(6, 1, UNKNOWN_QUERY)),
+            expect(A, Reject, has(request_id=6)),
         ),
     ),
 )

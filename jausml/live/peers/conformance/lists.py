@@ -8,9 +8,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import check
-from jausml.live.peers.conformance.client import decoded
-from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.steps import (
+    A,
+    B,
+    expect,
+    expect_none,
+    has,
+    quiet,
+    ready,
+    send,
+    usual,
+)
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,
@@ -25,7 +34,6 @@ from jausml.runtime.messages import (
 )
 
 if TYPE_CHECKING:
-    from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
 
 UNSUPPORTED_TYPE = RejectElementRequest.ResponseCode.UNSUPPORTED_ELEMENT_TYPE
@@ -66,68 +74,42 @@ def elements(session: Session) -> None:
         )
 
 
-@check(
-    "list.unknown-element",
-    "Reports no element that does not exist",
-    "AS5710A ListManager, QueryElement, guard elementExists",
-)
-def unknown_element(session: Session) -> None:
-    """QueryElement of a UID that is not listed is not answered."""
-    session.skip_unless(_UID not in _uids(session), f"element {_UID} exists")
-    session.first.send(QueryElement(element_uid=_UID))
-    session.first.expect_none(ReportElement, f"element {_UID} is not listed")
+@step
+def lacks(session: Session, uid: int) -> None:
+    """Skips the check where an element exists."""
+    session.skip_unless(uid not in _uids(session), f"element {uid} exists")
 
 
-@check(
-    "list.set-by-other",
-    "Ignores SetElement of others than its controller",
-    "AS5710A ListManager, SetElement, guard isControllingClient",
-)
-def set_by_other(session: Session) -> None:
-    """SetElement of a client without control does not change the list."""
-    before = _uids(session)
-    session.second.send(_element(request_id=1, uid=_UID))
-    session.probe.wait(lambda: False, session.probe.quiet)
-    session.require(_uids(session) == before, "a client without control can change the list")
+@step
+def still_lacks(session: Session, uid: int) -> None:
+    """An element does not exist now either."""
+    session.require(uid not in _uids(session), f"element {uid} exists after {session.latest}")
 
 
-@check(
-    "list.delete-unknown",
-    "Rejects the deletion of an element that does not exist",
-    "AS5710A ListManager, DeleteElement, RejectElementRequest 5",
-)
-def delete_unknown(session: Session) -> None:
-    """The rejection repeats the request id; code 5 or 1 says why."""
-    session.skip_unless(_UID not in _uids(session), f"element {_UID} exists")
-    session.make_ready(0)
-    code = _answer(session.first, _delete(request_id=9, uid=_UID), 9)
-    session.require(code is not None, "the deletion of an unknown element is confirmed")
-    if code not in (1, 5):
-        session.note(f"rejected with code {code}; 5 (element id not found) is usual")
-
-
-@check(
-    "list.set-and-delete",
-    "Sets and deletes an element for its controller",
-    "AS5710A ListManager, SetElement, DeleteElement, ConfirmElementRequest",
-)
-def set_and_delete(session: Session) -> None:
-    """An element of user data is set in an empty list, reported, and deleted again."""
+@step
+def empty(session: Session) -> None:
+    """Skips the check where the list holds something."""
     session.skip_unless(not _uids(session), "the list is not empty and stays as it is")
-    session.make_ready(0)
-    code = _answer(session.first, _element(request_id=10, uid=_UID), 10)
+
+
+@step
+def holds(session: Session, *uids: int) -> None:
+    """The list holds these elements and no others."""
+    found = _uids(session)
+    session.require(
+        found == [*uids], f"the list holds {found} instead of {[*uids]} after {session.latest}"
+    )
+
+
+@step
+def accepted(session: Session, client: int) -> None:
+    """Skips the check where elements of user data are not supported."""
+    rejection = session.client(client).find(RejectElementRequest, within=session.probe.quiet)
+    code = None if rejection is None else rejection.response_code
     session.skip_unless(
         code != UNSUPPORTED_TYPE, "the target takes no user-defined elements (code 4)"
     )
-    session.require(code is None, f"SetElement is rejected with code {code}")
-    uids = _uids(session)
-    code = _answer(session.first, _delete(request_id=11, uid=_UID), 11)
-    session.require(uids == [_UID], f"the list holds {uids} after element {_UID} was set")
-    session.require(code is None, f"DeleteElement is rejected with code {code}")
-    session.require(not _uids(session), "the list is not empty after its element was deleted")
-
-
-CHECKS = (count, elements, unknown_element, set_by_other, delete_unknown, set_and_delete)
+    session.require(code is None, f"{session.latest} is rejected with code {code}")
 
 
 def _uids(session: Session) -> list[int]:
@@ -135,9 +117,9 @@ def _uids(session: Session) -> list[int]:
     return [each.element_uid for each in report.element_list]
 
 
-def _element(request_id: int, uid: int) -> SetElement:
+def _element(request_id: int) -> SetElement:
     record = SetElement.ElementRec(
-        element_uid=uid,
+        element_uid=_UID,
         previous_uid=0,
         next_uid=0,
         element_data=SetElement.ElementData(format_index=_USER_DEFINED, data=b"\0"),
@@ -147,26 +129,61 @@ def _element(request_id: int, uid: int) -> SetElement:
     )
 
 
-def _delete(request_id: int, uid: int) -> DeleteElement:
+def _delete(request_id: int) -> DeleteElement:
     return DeleteElement(
         request_id_rec=DeleteElement.RequestIDRec(request_id=request_id),
-        delete_element_list=[DeleteElement.DeleteElementRec(element_uid=uid)],
+        delete_element_list=[DeleteElement.DeleteElementRec(element_uid=_UID)],
     )
 
 
-def _answer(client: Client, message: SetElement | DeleteElement, request_id: int) -> int | None:
-    """Sends a request and returns the response code of its rejection, None when confirmed."""
-    client.send(message)
-    codes = (ConfirmElementRequest.CODE, RejectElementRequest.CODE)
-    received = client.first_of(codes)
-    if received is None:
-        raise CheckFailed(f"{message.NAME} of the controller is neither confirmed nor rejected")
-    if received.code == ConfirmElementRequest.CODE:
-        confirmed = decoded(ConfirmElementRequest, received.payload)
-        answered, code = confirmed.request_id, None
-    else:
-        rejected = decoded(RejectElementRequest, received.payload)
-        answered, code = rejected.request_id, int(rejected.response_code)
-    if answered != request_id:
-        raise CheckFailed(f"the answer names request {answered} instead of {request_id}")
-    return code
+CHECKS = (
+    count,
+    elements,
+    Check(
+        "list.unknown-element",
+        "Reports no element that does not exist",
+        "AS5710A ListManager, QueryElement, guard elementExists",
+        "QueryElement of a UID that is not listed is not answered.",
+        (
+            lacks(_UID),
+            send(A, QueryElement(element_uid=_UID)),
+            expect_none(A, ReportElement, f"element {_UID} is not listed"),
+        ),
+    ),
+    Check(
+        "list.set-by-other",
+        "Ignores SetElement of others than its controller",
+        "AS5710A ListManager, SetElement, guard isControllingClient",
+        "SetElement of a client without control does not change the list.",
+        (lacks(_UID), send(B, _element(1)), quiet(), still_lacks(_UID)),
+    ),
+    Check(
+        "list.delete-unknown",
+        "Rejects the deletion of an element that does not exist",
+        "AS5710A ListManager, DeleteElement, RejectElementRequest 5",
+        "The rejection repeats the request id; code 5 or 1 says why.",
+        (
+            lacks(_UID),
+            ready(A),
+            send(A, _delete(9)),
+            expect(A, RejectElementRequest, has(request_id=9), usual(response_code=(5, 1))),
+        ),
+    ),
+    Check(
+        "list.set-and-delete",
+        "Sets and deletes an element for its controller",
+        "AS5710A ListManager, SetElement, DeleteElement, ConfirmElementRequest",
+        "An element of user data is set in an empty list, reported, and deleted again.",
+        (
+            empty(),
+            ready(A),
+            send(A, _element(10)),
+            accepted(A),
+            expect(A, ConfirmElementRequest, has(request_id=10)),
+            holds(_UID),
+            send(A, _delete(11)),
+            expect(A, ConfirmElementRequest, has(request_id=11)),
+            holds(),
+        ),
+    ),
+)

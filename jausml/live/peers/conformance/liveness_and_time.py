@@ -8,10 +8,10 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import check
+from jausml.live.peers.conformance.check import Check, check
+from jausml.live.peers.conformance.event_steps import carries, created
+from jausml.live.peers.conformance.steps import A, AnythingBut, ask, serves, usual
 from jausml.runtime.messages import (
-    ConfirmEventRequest,
-    Event,
     QueryHeartbeatPulse,
     QueryTime,
     ReportHeartbeatPulse,
@@ -26,31 +26,6 @@ TIME, DATE = 1, 2
 
 _FIRST_YEAR = 2000
 _LARGEST_DIFFERENCE = timedelta(seconds=5)
-
-
-@check("liveness.pulse", "Reports its heartbeat", "AS5710A Liveness, QueryHeartbeatPulse")
-def pulse(session: Session) -> None:
-    """QueryHeartbeatPulse is answered with the empty ReportHeartbeatPulse."""
-    session.first.ask(QueryHeartbeatPulse(), ReportHeartbeatPulse)
-
-
-@check(
-    "liveness.event",
-    "Reports its heartbeat periodically",
-    "AS5710A Liveness, QueryHeartbeatPulse; Events, CreateEvent",
-)
-def event(session: Session) -> None:
-    """A periodic event on the heartbeat is confirmed and delivers it; others watch it so."""
-    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
-    answer = session.first.create_event(QueryHeartbeatPulse(), rate=10.0)
-    session.require(
-        isinstance(answer, ConfirmEventRequest), "a periodic event on the heartbeat is rejected"
-    )
-    report = session.first.expect(Event, "the event on the heartbeat")
-    session.require(
-        report.report_message == ReportHeartbeatPulse().encode(),
-        f"the event carries {report.report_message.hex()} instead of ReportHeartbeatPulse",
-    )
 
 
 @check("time.report", "Reports time and date", "AS5710A Time, QueryTime, ReportTime")
@@ -80,19 +55,46 @@ def report(session: Session) -> None:
         session.note(f"its clock says {theirs:%Y-%m-%d %H:%M:%S} UTC, which is not ours")
 
 
-@check(
-    "time.subset",
-    "Reports what was asked for",
-    "AS5710A Time, QueryTime: PresenceVector; the report may hold more or less",
+LIVENESS = (
+    Check(
+        "liveness.pulse",
+        "Reports its heartbeat",
+        "AS5710A Liveness, QueryHeartbeatPulse",
+        "QueryHeartbeatPulse is answered with the empty ReportHeartbeatPulse.",
+        (ask(A, QueryHeartbeatPulse(), ReportHeartbeatPulse),),
+    ),
+    Check(
+        "liveness.event",
+        "Reports its heartbeat periodically",
+        "AS5710A Liveness, QueryHeartbeatPulse; Events, CreateEvent",
+        "A periodic event on the heartbeat is confirmed and delivers it; others watch it so.",
+        (
+            serves("Events"),
+            created(A, query=QueryHeartbeatPulse()),
+            carries(A, ReportHeartbeatPulse),
+        ),
+    ),
 )
-def subset(session: Session) -> None:
-    """A query for the time alone and one for the date alone."""
-    for vector, name in ((TIME, "TimeStamp"), (DATE, "DateStamp")):
-        answer = session.first.ask(QueryTime(presence_vector=vector), ReportTime)
-        present = (answer.time_stamp is not None) * TIME | (answer.date_stamp is not None) * DATE
-        if present != vector:
-            session.note(f"asked for {name} alone, ReportTime has presence vector {present}")
-
-
-LIVENESS = (pulse, event)
-TIME_CHECKS = (report, subset)
+TIME_CHECKS = (
+    report,
+    Check(
+        "time.subset",
+        "Reports what was asked for",
+        "AS5710A Time, QueryTime: PresenceVector; the report may hold more or less",
+        "A query for the time alone and one for the date alone.",
+        (
+            ask(
+                A,
+                QueryTime(presence_vector=TIME),
+                ReportTime,
+                usual(time_stamp=AnythingBut(None), date_stamp=None),
+            ),
+            ask(
+                A,
+                QueryTime(presence_vector=DATE),
+                ReportTime,
+                usual(time_stamp=None, date_stamp=AnythingBut(None)),
+            ),
+        ),
+    ),
+)

@@ -9,18 +9,30 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance import access
+from jausml.live.peers.conformance.access import (
+    control_timeout,
+    controlled_by,
+    nobody_controls,
+    rejected,
+    request,
+    timeout_in_reach,
+)
 from jausml.live.peers.conformance.check import Check, check, step
-from jausml.live.peers.conformance.session import NOBODY, Authority
+from jausml.live.peers.conformance.session import Authority
 from jausml.live.peers.conformance.steps import (
     A,
     B,
+    ask,
+    expect,
+    has,
+    only_in_1_1,
     ready,
-    rejected,
     send,
+    silence,
     since_1_1,
     take,
+    usual,
 )
-from jausml.live.peers.discovery import controller_of
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -60,20 +72,18 @@ def requires(session: Session) -> str:
 
 
 @step
-def may_hear(session: Session, client: int, kind: type[Message]) -> None:
-    """Waits for a message that a client may be sent now, so that it is not taken for another."""
-    session.client(client).find(kind)
+def may_hear(session: Session, client: int, kind: type[Message], timeouts: float = 0) -> None:
+    """Waits for a message that a client may be sent now, perhaps as control lapses."""
+    within = timeouts * control_timeout(session) + 0.5 if timeouts else None
+    session.client(client).find(kind, within=within)
 
 
 @step
-def hears(session: Session, client: int, kind: type[Message]) -> None:
-    """A client is sent a message."""
-    session.client(client).expect(kind, session.latest)
-
-
-@step
-def comes_to(session: Session, status: Status) -> None:
-    """The target comes to a state."""
+def comes_to(session: Session, status: Status, in_1_0: Status | None = None) -> None:
+    """The target comes to a state; Management 1.0 may name another one, which is noted."""
+    if in_1_0 is not None and session.is_v1_0("Management") and session.reaches(in_1_0):
+        session.note(f"comes to {in_1_0.name}, as Management 1.0 says, and not to {status.name}")
+        return
     session.require(
         session.reaches(status),
         f"after {session.latest} the target is in {session.status().name} instead of {status.name}",
@@ -83,7 +93,7 @@ def comes_to(session: Session, status: Status) -> None:
 @step
 def stays(session: Session, status: Status) -> None:
     """Like `comes_to`, but the state must hold for the quiet time."""
-    session.probe.wait(lambda: False, session.probe.quiet)
+    session.pause()
     present = session.status()
     session.require(
         present is status,
@@ -95,16 +105,8 @@ def stays(session: Session, status: Status) -> None:
 def ignored(session: Session, client: int, command: Message, status: Status) -> None:
     """A command of a client without control gets no answer, and the target stays in its state."""
     session.send(client, command)
-    session.client(client).expect_silence(f"{session.latest} is to be ignored")
+    silence(client, f"{session.latest} is to be ignored")(session)
     stays(status)(session)
-
-
-@step
-def controls(session: Session, client: int) -> None:
-    """A client has control still."""
-    session.require(
-        session.controls(session.client(client)), f"control was lost with {session.latest}"
-    )
 
 
 @step
@@ -117,72 +119,12 @@ def dismissed(session: Session, client: int) -> None:
 
 
 @step
-def nobody_controls(session: Session, *, only_in_1_1: bool = False) -> None:
-    """Nobody has control; may hold for Management 1.1 alone."""
-    if only_in_1_1 and session.is_v1_0("Management"):
-        return
-    report = session.seen_control()
-    if report is None:
-        return
-    session.require(
-        controller_of(report) == NOBODY,
-        f"{controller_of(report)} still has control after {session.latest}",
-    )
-
-
-@step
 def emergency(session: Session, client: int) -> None:
     """A client sets an emergency; the check is skipped where that leads not to Emergency."""
     session.send(client, SET, Priority.SAFETY_CRITICAL)
     session.skip_unless(
         session.reaches(EMERGENCY), "the target does not enter Emergency; see management.emergency"
     )
-
-
-@check(
-    "management.standby",
-    "Waits in Standby without a controller",
-    "AS5710A Management, Init: Initialized; ReportStatus",
-)
-def standby(session: Session) -> None:
-    """ReportStatus says 2 (STANDBY) and 0 in its reserved field."""
-    report = session.first.ask(QueryStatus(), ReportStatus)
-    session.require(
-        report.status == STANDBY,
-        f"ReportStatus says {report.status} instead of 2 (STANDBY) without a controller",
-    )
-    if report.reserved:
-        session.note(f"the reserved field of ReportStatus is {report.reserved} instead of 0")
-
-
-@check(
-    "management.timeout-ends-ready",
-    "Leaves Ready when control lapses",
-    "AS5710A Management, Controlled to NotControlled; AccessControl, Timedout",
-)
-def timeout_ends_ready(session: Session) -> None:
-    """A Ready component whose controller fell silent must go to Standby."""
-    seconds = access.timeout_in_reach(session)
-    session.make_ready(A)
-    session.first.find(RejectControl, within=1.5 * seconds + 0.5)
-    session.latest = f"{seconds} s without its controller"
-    comes_to(STANDBY)(session)
-
-
-@check(
-    "management.clear-after-ready",
-    "Does not come back to Ready from Emergency",
-    "AS5710A Management, Emergency: ClearEmergency; v1.0 pops to the state before",
-)
-def clear_after_ready(session: Session) -> None:
-    """An emergency set in Ready ends in Standby (v1.1); v1.0 may come back to Ready."""
-    session.make_ready(A)
-    emergency(B)(session)
-    send(B, CLEAR)(session)
-    if session.is_v1_0("Management") and session.reaches(READY):
-        session.note("comes back to Ready, as Management 1.0 says; revision A says Standby")
-        return
-    comes_to(STANDBY)(session)
 
 
 @check(
@@ -211,7 +153,13 @@ def _is_down(session: Session) -> None:
 
 
 CHECKS = (
-    standby,
+    Check(
+        "management.standby",
+        "Waits in Standby without a controller",
+        "AS5710A Management, Init: Initialized; ReportStatus",
+        "ReportStatus says 2 (STANDBY) and 0 in its reserved field.",
+        (ask(A, QueryStatus(), ReportStatus, has(status=STANDBY), usual(reserved=0)),),
+    ),
     Check(
         "management.control-keeps-standby",
         "Stays in Standby when control is taken",
@@ -231,7 +179,7 @@ CHECKS = (
         "Goes to Standby for its controller",
         "AS5710A Management, Ready (Controlled): Standby",
         "Standby of the controller leads from Ready to Standby; control is kept.",
-        (ready(A), send(A, Standby()), comes_to(STANDBY), controls(A)),
+        (ready(A), send(A, Standby()), comes_to(STANDBY), controlled_by(A, LOW)),
     ),
     Check(
         "management.resume-uncontrolled",
@@ -268,7 +216,13 @@ CHECKS = (
         "A Ready component without a controller would go on moving; it must go to Standby.",
         (ready(A), send(A, ReleaseControl()), may_hear(A, RejectControl), comes_to(STANDBY)),
     ),
-    timeout_ends_ready,
+    Check(
+        "management.timeout-ends-ready",
+        "Leaves Ready when control lapses",
+        "AS5710A Management, Controlled to NotControlled; AccessControl, Timedout",
+        "A Ready component whose controller fell silent must go to Standby.",
+        (timeout_in_reach(), ready(A), may_hear(A, RejectControl, 1.5), comes_to(STANDBY)),
+    ),
     Check(
         "management.reset",
         "Initialises anew for its controller in Ready",
@@ -285,7 +239,7 @@ CHECKS = (
             since_1_1("Management", "Management 1.0 resets in Ready only"),
             take(A, LOW),
             send(A, Reset()),
-            hears(A, RejectControl),
+            expect(A, RejectControl),
             comes_to(STANDBY),
             nobody_controls(),
         ),
@@ -302,14 +256,14 @@ CHECKS = (
         "Enters Emergency from Ready and lets go of its controller",
         "AS5710A Management, default_state: SetEmergency; RejectControl",
         "The controller is told RejectControl: 1 in v1.1, 0 in v1.0; nobody has control then.",
-        (ready(A), emergency(B), dismissed(A), nobody_controls(only_in_1_1=True)),
+        (ready(A), emergency(B), dismissed(A), only_in_1_1("Management", nobody_controls())),
     ),
     Check(
         "management.emergency-no-control",
         "Gives no control in Emergency",
         "AS5710A AccessControl, NotControlled: RequestControl, control unavailable",
         "RequestControl is answered with 1 (NOT_AVAILABLE).",
-        (emergency(B), access.request(A, LOW, ConfirmControl.ResponseCode.NOT_AVAILABLE)),
+        (emergency(B), request(A, LOW, ConfirmControl.ResponseCode.NOT_AVAILABLE)),
     ),
     Check(
         "management.emergency-release",
@@ -368,7 +322,13 @@ CHECKS = (
         "Standby too.",
         (emergency(B), send(B, CLEAR), comes_to(STANDBY)),
     ),
-    clear_after_ready,
+    Check(
+        "management.clear-after-ready",
+        "Does not come back to Ready from Emergency",
+        "AS5710A Management, Emergency: ClearEmergency; v1.0 pops to the state before",
+        "An emergency set in Ready ends in Standby (v1.1); v1.0 may come back to Ready.",
+        (ready(A), emergency(B), send(B, CLEAR), comes_to(STANDBY, in_1_0=READY)),
+    ),
     Check(
         "management.emergency-two-clients",
         "Stays in Emergency until everybody who set it has cleared it",

@@ -296,7 +296,7 @@ class Probe:
             if whole is None:
                 return
             payload = whole.payload
-        client.inbox.append(ReceivedMessage(arrival.time, packet, payload))
+        client.take(ReceivedMessage(arrival.time, packet, payload))
 
     def _acknowledge(self, packet: Packet) -> None:
         answer = Packet(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.live.peers.conformance.client import UNDO_ORDER
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
-from jausml.live.peers.discovery import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
@@ -128,6 +127,10 @@ class Session:
         """Our third client."""
         return self.probe.client(2)
 
+    def pause(self) -> None:
+        """Receives for the quiet time."""
+        self.probe.wait(lambda: False, self.probe.quiet)
+
     # ---- outcomes ---------------------------------------------------------------------------
 
     def note(self, text: str) -> None:
@@ -240,10 +243,6 @@ class Session:
         except CheckFailed:
             return True  # with nonsense, but it does
 
-    def require_answers(self, after: str) -> None:
-        """Ends the check as failed unless the target still answers."""
-        self.require(self.answers(), f"the target does not answer any more after {after}")
-
     # ---- control ----------------------------------------------------------------------------
 
     @property
@@ -280,11 +279,6 @@ class Session:
             self.note(note)
         return None
 
-    def controls(self, client: Client) -> bool:
-        """Whether a client of ours controls the target, as far as that is seen."""
-        report = self.seen_control()
-        return report is None or controller_of(report) == str(client.address)
-
     def take(self, index: int, level: Authority) -> None:
         """Lets a client take control; skips the check where it is not granted."""
         client, authority = self.client(index), self.authority(level)
@@ -311,7 +305,7 @@ class Session:
         for _ in range(3):
             if self.status() is status:
                 return True
-            self.probe.wait(lambda: False, self.probe.quiet)
+            self.pause()
         return False
 
     def make_ready(self, index: int) -> None:

@@ -1,18 +1,40 @@
-"""Kinds of steps that the checks of several services declare; see `step`."""
+"""The language of the checks: what is sent, what must come back within a time, and how it must be.
+
+What a step needs and depends on the target is a function of the session.
+"""
 
 from __future__ import annotations
 
-from jausml.live.peers.conformance.check import step
-from jausml.live.peers.conformance.session import Session
-from jausml.runtime.messages import RejectControl
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, TypeVar
 
-A, B = 0, 1
+from jausml.live.peers.conformance.check import Step, step
+from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.session import Session
+from jausml.runtime.transports.packets.packet import Priority
+from jausml.runtime.wire.message import Message
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+T = TypeVar("T")
+M = TypeVar("M", bound=Message)
+
+A, B, C = 0, 1, 2
 """Our clients."""
 
-needs = step(Session.authority)
+Judgement = Callable[[Session, T, str], None]
+"""Judges what came, which has a name; raises CheckFailed or notes what is not as it should be."""
+
 take = step(Session.take)
 ready = step(Session.make_ready)
-send = step(Session.send)
+needs = step(Session.authority)
+quiet = step(Session.pause)
+
+
+# -- what the target, or the run, must offer -------------------------------------------------------
 
 
 @step
@@ -22,10 +44,177 @@ def since_1_1(session: Session, service: str, reason: str) -> None:
 
 
 @step
-def rejected(session: Session, client: int, expected: int = 0) -> None:
-    """A client is told that it has no control, with a code."""
-    code = session.client(client).expect(RejectControl, session.latest).response_code
-    session.require(
-        code == expected,
-        f"{session.latest} is answered with RejectControl {code} instead of {expected}",
-    )
+def only_in_1_1(session: Session, service: str, further: Step) -> None:
+    """Takes a step unless a core service is older than AS5710A."""
+    if not session.is_v1_0(service):
+        further(session)
+
+
+@step
+def serves(session: Session, service: str) -> None:
+    """Skips the check where the target answers nothing of a core service."""
+    session.skip_unless(session.serves(service), f"the target answers nothing of {service}")
+
+
+@step
+def slow(session: Session, what: str) -> None:
+    """Skips the check unless slow ones are wanted."""
+    session.skip_unless(session.limits.slow, f"takes {what}; --slow waits for them")
+
+
+# -- how what came must be -------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class AnythingBut(Container[object]):
+    """All values but one."""
+
+    value: object
+
+    def __contains__(self, value: object) -> bool:
+        """Whether it is another one."""
+        return value != self.value
+
+
+def has(**fields: object) -> Judgement[object]:
+    """Fails unless the fields have these values, or one of a range or tuple."""
+
+    def judge(session: Session, found: object, what: str) -> None:
+        for difference in _differences(session, found, what, fields):
+            raise CheckFailed(difference)
+
+    return judge
+
+
+def usual(**fields: object) -> Judgement[object]:
+    """Like `has`, but what the standard leaves open is noted."""
+
+    def judge(session: Session, found: object, what: str) -> None:
+        for difference in _differences(session, found, what, fields):
+            session.note(difference)
+
+    return judge
+
+
+def _differences(
+    session: Session, found: object, what: str, fields: dict[str, object]
+) -> Iterator[str]:
+    for name, wanted in fields.items():
+        expected = wanted(session) if callable(wanted) else wanted
+        value = getattr(found, name)
+        choice = expected if isinstance(expected, (range, tuple, AnythingBut)) else (expected,)
+        if value not in choice:
+            yield f"{what} has {name} {value!r} instead of {_words(expected)}"
+
+
+def _words(expected: object) -> str:
+    match expected:
+        case range():
+            return f"{expected.start} to {expected.stop - 1}"
+        case tuple():
+            return " or ".join(map(str, expected))
+        case AnythingBut(value):
+            return f"anything but {value!r}"
+        case Enum():
+            return f"{expected.value} ({expected.name})"
+        case _:
+            return repr(expected)
+
+
+# -- messages --------------------------------------------------------------------------------------
+
+Sent = Message | Callable[[Session], Message]
+
+
+@step
+def send(
+    session: Session, client: int, message: Sent, priority: Priority = Priority.STANDARD
+) -> None:
+    """A client sends a message, which is the latest one from now on."""
+    session.send(client, message if isinstance(message, Message) else message(session), priority)
+
+
+@step
+def put(
+    session: Session, client: int, what: str, payload: bytes | Callable[[Session], bytes]
+) -> None:
+    """A client sends a payload as it is."""
+    found = session.client(client)
+    session.latest = f"{what} of {found.address}"
+    found.put(found.packet(payload if isinstance(payload, bytes) else payload(session)))
+
+
+@step
+def ask(
+    session: Session,
+    client: int,
+    query: Sent,
+    kind: type[M],
+    *judgements: Judgement[M],
+    optional: bool = False,
+) -> None:
+    """A query is answered with a report that is as it should be; an optional one may not come."""
+    message = query if isinstance(query, Message) else query(session)
+    report = session.client(client).asked(message, kind, attempts=1 if optional else 3)
+    if report is None:
+        session.require(optional, f"{message.NAME} is not answered with {kind.NAME}")
+        return
+    for judge in judgements:
+        judge(session, report, f"{kind.NAME} after {message.NAME}")
+
+
+@step
+def expect(
+    session: Session,
+    client: int,
+    kind: type[M],
+    *judgements: Judgement[M],
+    within: float | None = None,
+    unless: Callable[[Session], str] | None = None,
+) -> None:
+    """A client is sent a message that is as it should be; `unless` says why it need not come."""
+    found = session.client(client).find(kind, within=within)
+    excuse = "" if found is not None or unless is None else unless(session)
+    if excuse:
+        session.note(excuse)
+    elif found is None:
+        raise CheckFailed(f"no {kind.NAME} came after {session.latest}")
+    else:
+        for judge in judgements:
+            judge(session, found, f"{kind.NAME} after {session.latest}")
+
+
+@step
+def expect_none(
+    session: Session,
+    client: int,
+    kind: type[Message],
+    why: str,
+    *,
+    within: float | None = None,
+    tolerated: bool = False,
+) -> None:
+    """A client is sent no such message within the quiet time; one may be tolerated and noted."""
+    seconds = session.probe.quiet if within is None else within
+    if session.client(client).find(kind, within=seconds) is not None:
+        _deviates(session, f"{kind.NAME} came, but {why}", tolerated)
+
+
+@step
+def silence(session: Session, client: int, why: str, *, tolerated: bool = False) -> None:
+    """A client is sent nothing for the quiet time; an answer may be tolerated and noted."""
+    found = session.client(client)
+    if session.probe.wait(lambda: bool(found.inbox), session.probe.quiet):
+        _deviates(session, f"message {found.inbox[0].code:04X} came, but {why}", tolerated)
+
+
+def _deviates(session: Session, text: str, tolerated: bool) -> None:  # noqa: FBT001
+    session.require(tolerated, text)
+    session.note(text)
+
+
+@step
+def settle(session: Session, client: int) -> None:
+    """What comes to a client in the quiet time does not count."""
+    session.pause()
+    session.client(client).clear()

@@ -5,28 +5,31 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.acknowledgements import (
-    acknowledges,
-    acknowledges_empty,
-    acknowledges_flags,
-    acknowledges_sequence,
-    duplicate,
-    duplicate_acknowledged,
-    expect_answer,
-    no_acknowledgement,
-    ping_payload,
+from jausml.live.peers.conformance.check import Check, check
+from jausml.live.peers.conformance.packet_steps import (
+    UNKNOWN_CODE,
+    acknowledged,
+    again,
+    another,
+    answered,
+    cut_short,
+    datagram,
+    everybody,
+    fragments,
+    its_node,
+    query,
+    sequence_sent,
+    two_queries,
+    unacknowledged,
 )
-from jausml.live.peers.conformance.check import Check, check, step
 from jausml.live.peers.conformance.session import PINGS
-from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
-from jausml.runtime.transports.packets.packet import AckNak, DataFlags
+from jausml.live.peers.conformance.steps import A, has, serves, settle, silence, usual
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Priority
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
 
-UNKNOWN_CODE = b"\xb7\x7a"
-"""A message code (7AB7) that no published service set uses."""
+WANTED = AckNak.REQUESTED
 
 _TRUNCATED_QUERIES = (b"\x00\x2b", b"\x11\x20", b"\xf0\x21", b"\x03\x2b\x01")
 """QueryIdentification, QueryTime, QueryEvents and QueryServices without (all of) their bodies."""
@@ -37,225 +40,6 @@ def requires(session: Session) -> str:
     names = ", ".join(query.NAME for query, _ in PINGS)
     session.require(session.answers(), f"the target is there, but answers none of {names}")
     return ""
-
-
-@step
-def damaged(session: Session, what: str, bytes_at: dict[int, bytes]) -> None:
-    """A query is sent with other bytes at some offsets of its datagram."""
-    datagram = session.first.packet(ping_payload(session)).encode()
-    for offset, others in bytes_at.items():
-        datagram = datagram[:offset] + others + datagram[offset + len(others) :]
-    session.probe.put_raw(datagram, what)
-
-
-@step
-def dropped(session: Session, what: str, bytes_at: dict[int, bytes]) -> None:
-    """A query with other bytes at some offsets of its datagram is not answered."""
-    damaged(what, bytes_at)(session)
-    silence(f"{what} is to be dropped")(session)
-
-
-@step
-def payloads(session: Session, *each_payload: bytes) -> None:
-    """Payloads are sent as they are, each in a packet."""
-    for payload in each_payload:
-        session.first.put(session.first.packet(payload))
-
-
-@step
-def silence(session: Session, why: str) -> None:
-    """The target sends nothing for the quiet time."""
-    session.first.expect_silence(why)
-
-
-@step
-def fragments(session: Session, *order: int, first: int | None = None) -> None:
-    """Packets of a request in three that is answered and leaves nothing behind, in an order.
-
-    Its sequence numbers begin with `first`.
-    """
-    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
-    client = session.first
-    if first is not None:
-        client.skip_to(first)
-    payload = CreateEvent(
-        request_id=7,
-        event_type=CreateEvent.EventType.EVERY_CHANGE,
-        requested_periodic_rate=0.0,
-        query_message=UNKNOWN_CODE,
-    ).encode()
-    parts = (payload[:4], payload[4:8], payload[8:])
-    flags = (DataFlags.FIRST, DataFlags.MIDDLE, DataFlags.LAST)
-    packets = [
-        client.packet(part, data_flags=flag) for part, flag in zip(parts, flags, strict=True)
-    ]
-    for index in order:
-        client.put(packets[index])
-
-
-@step
-def request_answered(session: Session, what: str, *, tolerated: bool = False) -> None:
-    """The request for an event is confirmed or rejected; silence may be tolerated."""
-    codes = (RejectEventRequest.CODE, ConfirmEventRequest.CODE)
-    arrived = session.probe.wait(
-        lambda: any(each.code in codes for each in session.first.inbox), session.probe.timeout
-    )
-    if not arrived and tolerated:
-        session.note(f"{what} is not answered")
-        return
-    session.require(arrived, f"{what} is not answered")
-
-
-@check(
-    "transport.two-messages",
-    "Reads two messages in one datagram",
-    "AS5669A, JUDP: one version byte and one or more messages",
-)
-def two_messages(session: Session) -> None:
-    """Both queries are answered; some stacks read only the first, so one may be lost."""
-    client = session.first
-    packets = [client.packet(ping_payload(session)) for _ in range(2)]
-    session.probe.put_raw(
-        packets[0].encode() + packets[1].encode()[1:], "two queries in one datagram"
-    )
-    session.probe.wait(lambda: len(client.inbox) > 1, session.probe.timeout)
-    session.require(bool(client.inbox), "two queries in one datagram are not answered")
-    if len(client.inbox) == 1:
-        session.note("only the first message of a datagram is read")
-
-
-@check(
-    "transport.trailing-bytes",
-    "Reads a message that garbage follows",
-    "AS5669A, JUDP; practice: Junior ignores the rest",
-)
-def trailing_bytes(session: Session) -> None:
-    """The query before the garbage may be answered; the target goes on in any case."""
-    client = session.first
-    packet = client.packet(ping_payload(session))
-    session.probe.put_raw(packet.encode() + b"\xde\xad\xbe", "a query and three bytes of garbage")
-    if not session.probe.wait(lambda: bool(client.inbox), session.probe.timeout):
-        session.note("a message that garbage follows is dropped")
-
-
-@check(
-    "transport.size-too-large",
-    "Drops a message whose size exceeds the datagram",
-    "AS5669A, data size",
-    risky=True,
-)
-def size_too_large(session: Session) -> None:
-    """The data size says 200 bytes more than there are."""
-    size = len(session.first.packet(ping_payload(session)).encode()) + 199
-    what = "a query with a data size beyond the datagram"
-    dropped(what, {2: size.to_bytes(2, "little")})(session)
-
-
-@check(
-    "transport.short-datagrams",
-    "Survives datagrams that end too early",
-    "AS5669A, general transport header",
-    risky=True,
-)
-def short_datagrams(session: Session) -> None:
-    """A query cut after each of its bytes; the target goes on."""
-    datagram = session.first.packet(ping_payload(session)).encode()
-    for length in range(len(datagram)):
-        session.probe.put_raw(datagram[:length], f"{length} of {len(datagram)} bytes of a query")
-
-
-@check(
-    "transport.message-type",
-    "Ignores reserved message types",
-    "AS5669A, message type: 1 to 32 are reserved",
-)
-def message_type(session: Session) -> None:
-    """A query under message type 5 is no JAUS message."""
-    packet = session.first.packet(ping_payload(session))._replace(message_type=5)
-    session.first.put(packet)
-    if session.probe.wait(lambda: bool(session.first.inbox), session.probe.quiet):
-        session.note("a query under the reserved message type 5 is answered")
-
-
-@check(
-    "transport.wildcard-destination",
-    "Takes messages to wildcard destinations whatever their broadcast flag",
-    "AS5669A, destination; practice: node managers leave the flag 0",
-)
-def wildcard_destination(session: Session) -> None:
-    """Queries to all of the target's node and to everybody, with broadcast 0, are answered."""
-    target = session.probe.target
-    for destination in (JausAddress(target.subsystem, target.node, 255), BROADCAST):
-        session.first.clear()
-        session.first.put(session.first.packet(ping_payload(session), destination=destination))
-        expect_answer(session, session.first, f"a query to {destination} with broadcast flag 0")
-
-
-@check(
-    "transport.wildcard-ack",
-    "Acknowledges a message to a wildcard under its own id",
-    "AS5669A, acknowledgement: source",
-)
-def wildcard_acknowledged(session: Session) -> None:
-    """The acknowledgement comes from the concrete id, once."""
-    session.first.put(
-        session.first.packet(
-            ping_payload(session), destination=BROADCAST, acknowledge=AckNak.REQUESTED
-        )
-    )
-    arrived = session.probe.wait(
-        lambda: bool(session.first.acknowledgements), session.probe.timeout
-    )
-    session.require(arrived, "a message to everybody that asks for it is not acknowledged")
-
-
-@check(
-    "transport.multicast",
-    "Takes multicast messages to its own id",
-    "AS5669A, JUDP; practice: stacks multicast what they do not know the place of",
-)
-def multicast(session: Session) -> None:
-    """A query to the target's own id, sent to the multicast group, is acknowledged and answered."""
-    client = session.first
-    session.probe.put_to_group(client.packet(ping_payload(session), acknowledge=AckNak.REQUESTED))
-    arrived = session.probe.wait(
-        lambda: bool(client.acknowledgements and client.inbox), session.probe.timeout
-    )
-    if not arrived:
-        what = "acknowledged but not answered" if client.acknowledgements else "not acknowledged"
-        session.note(f"a multicast query to its id is {what}: multicast may not reach the target")
-
-
-@check(
-    "transport.other-destination",
-    "Ignores messages to others",
-    "AS5669A, destination",
-)
-def other_destination(session: Session) -> None:
-    """A query to another id is neither answered nor acknowledged by the target."""
-    target = session.probe.target
-    other = JausAddress(target.subsystem, target.node, target.component % 254 + 1)
-    session.first.put(
-        session.first.packet(ping_payload(session), destination=other, acknowledge=AckNak.REQUESTED)
-    )
-    session.first.expect_silence(f"it was sent to {other}")
-    session.require(
-        not session.first.acknowledgements, f"a message to {other} is acknowledged by the target"
-    )
-
-
-@check(
-    "transport.stray-acks",
-    "Ignores acknowledgements that it does not wait for",
-    "AS5669A, ack/nak flags",
-)
-def stray_acknowledgements(session: Session) -> None:
-    """A stray ACK, a NAK and an ACK with payload are not answered."""
-    client = session.first
-    client.put(client.packet(b"", acknowledge=AckNak.ACK))
-    client.put(client.packet(b"", acknowledge=AckNak.NAK))
-    client.put(client.packet(ping_payload(session), acknowledge=AckNak.ACK))
-    client.expect_silence("acknowledgements are not answered")
 
 
 @check(
@@ -295,47 +79,154 @@ def well_formed(session: Session) -> None:
 
 
 CHECKS = (
-    acknowledges,
-    acknowledges_empty,
-    acknowledges_sequence,
-    acknowledges_flags,
-    no_acknowledgement,
-    duplicate,
-    duplicate_acknowledged,
-    two_messages,
-    trailing_bytes,
+    Check(
+        "transport.ack",
+        "Acknowledges a message that asks for it, once",
+        "AS5669A, ack/nak flags",
+        "One acknowledgement from the target's own id comes for one message.",
+        (
+            query(A, acknowledge=WANTED),
+            acknowledged(A),
+            unacknowledged(A, "the message has been acknowledged before"),
+        ),
+    ),
+    Check(
+        "transport.ack-empty",
+        "Acknowledges without payload",
+        "AS5669A, acknowledgement: data size 14",
+        "An acknowledgement is a header and a sequence number, 14 bytes in all.",
+        (query(A, acknowledge=WANTED), acknowledged(A, has(payload=b""))),
+    ),
+    Check(
+        "transport.ack-sequence",
+        "Acknowledges under the sequence number of the message",
+        "AS5669A, acknowledgement: sequence number",
+        "The sender could not know otherwise which message has arrived.",
+        (query(A, acknowledge=WANTED), acknowledged(A, has(sequence=sequence_sent))),
+    ),
+    Check(
+        "transport.ack-flags",
+        "Acknowledges with the flags of an acknowledgement",
+        "AS5669A, flags of the general transport header",
+        "Ack/nak is 3, data flags are 0; broadcast 0 and the priority of the message are usual.",
+        (
+            query(A, acknowledge=WANTED),
+            acknowledged(
+                A,
+                has(acknowledge=AckNak.ACK, data_flags=DataFlags.SINGLE),
+                usual(broadcast=Broadcast.NONE, priority=Priority.STANDARD),
+            ),
+        ),
+    ),
+    Check(
+        "transport.no-ack",
+        "Acknowledges nothing that does not ask for it",
+        "AS5669A, ack/nak flags",
+        "A message with ack/nak 0 is answered, but not acknowledged.",
+        (query(A), answered(A), unacknowledged(A, "the message asks for none")),
+    ),
+    Check(
+        "transport.duplicate",
+        "Drops a message that comes twice",
+        "AS5669A, sequence numbers",
+        "The second datagram with the same source and sequence number is not answered.",
+        (query(A), answered(A), again(A), silence(A, "the datagram is a repeated one")),
+    ),
+    Check(
+        "transport.duplicate-ack",
+        "Acknowledges a message that comes twice again",
+        "AS5669A, retransmission",
+        "The first acknowledgement may be lost; without a second one the sender would give up.",
+        (
+            query(A, acknowledge=WANTED),
+            acknowledged(A),
+            settle(A),
+            again(A),
+            acknowledged(A, what="a repeated message"),
+        ),
+    ),
+    Check(
+        "transport.two-messages",
+        "Reads two messages in one datagram",
+        "AS5669A, JUDP: one version byte and one or more messages",
+        "Both queries are answered; some stacks read only the first, so one may be lost.",
+        (
+            two_queries(),
+            answered(A, "two queries in one datagram"),
+            answered(A, tolerated="only the first message of a datagram is read"),
+        ),
+    ),
+    Check(
+        "transport.trailing-bytes",
+        "Reads a message that garbage follows",
+        "AS5669A, JUDP; practice: Junior ignores the rest",
+        "The query before the garbage may be answered; the target goes on in any case.",
+        (
+            datagram("a query and three bytes of garbage", more=b"\xde\xad\xbe"),
+            answered(A, tolerated="a message that garbage follows is dropped"),
+        ),
+    ),
     Check(
         "transport.version",
         "Drops a datagram of another version",
         "AS5669A, JUDP: version 2",
         "A query under version 3 is not answered.",
-        (dropped("a query under version 3", {0: b"\x03"}),),
+        (datagram("a query under version 3", {0: b"\x03"}), silence(A, "it is to be dropped")),
     ),
-    size_too_large,
+    Check(
+        "transport.size-too-large",
+        "Drops a message whose size exceeds the datagram",
+        "AS5669A, data size",
+        "The data size says 1000 bytes, which are more than there are.",
+        (
+            datagram("a query with a data size beyond the datagram", {2: b"\xe8\x03"}),
+            silence(A, "it is to be dropped"),
+        ),
+        risky=True,
+    ),
     Check(
         "transport.size-too-small",
         "Drops a message whose size is below the header",
         "AS5669A, data size: at least 14",
         "The data size says 5.",
-        (dropped("a query with a data size of 5", {2: b"\x05\x00"}),),
+        (
+            datagram("a query with a data size of 5", {2: b"\x05\x00"}),
+            silence(A, "it is to be dropped"),
+        ),
         risky=True,
     ),
-    short_datagrams,
+    Check(
+        "transport.short-datagrams",
+        "Survives datagrams that end too early",
+        "AS5669A, general transport header",
+        "A query cut after each of its bytes; the target goes on.",
+        (cut_short(),),
+        risky=True,
+    ),
     Check(
         "transport.no-message-code",
         "Survives a message without a message code",
         "AS5669A, payload",
         "Payloads of no byte and of one byte; the target goes on.",
-        (payloads(b"", b"\x02"),),
+        (query(A, payload=b""), query(A, payload=b"\x02")),
         risky=True,
     ),
-    message_type,
+    Check(
+        "transport.message-type",
+        "Ignores reserved message types",
+        "AS5669A, message type: 1 to 32 are reserved",
+        "A query under message type 5 is no JAUS message.",
+        (
+            query(A, message_type=5),
+            silence(A, "the message type of the query is a reserved one", tolerated=True),
+        ),
+    ),
     Check(
         "transport.header-compression",
         "Survives header compression that it did not agree to",
         "AS5669A, header compression flags",
         "A message marked as compressed comes out of the blue; the target goes on.",
-        (damaged("a message marked as compressed", {1: b"\xc0"}),),
+        (datagram("a message marked as compressed", {1: b"\xc0"}),),
         risky=True,
     ),
     Check(
@@ -343,7 +234,7 @@ CHECKS = (
         "Puts a message of several packets together",
         "AS5669A, data flags",
         "A request in three packets is answered like one in a single packet.",
-        (fragments(0, 1, 2), request_answered("a request in three packets")),
+        (serves("Events"), fragments(0, 1, 2), answered(A, "a request in three packets")),
     ),
     Check(
         "transport.fragments-reversed",
@@ -351,8 +242,9 @@ CHECKS = (
         "AS5669A, data flags, sequence numbers; practice: Junior",
         "UDP does not keep the order; not every stack sorts.",
         (
+            serves("Events"),
             fragments(2, 1, 0),
-            request_answered("a request in three packets in reverse", tolerated=True),
+            answered(A, tolerated="a request in three packets in reverse is not answered"),
         ),
     ),
     Check(
@@ -361,8 +253,9 @@ CHECKS = (
         "AS5669A, sequence numbers: 65535 is followed by 0",
         "The three packets have the numbers 65535, 0 and 1.",
         (
+            serves("Events"),
             fragments(0, 1, 2, first=65535),
-            request_answered("a request with the numbers 65535, 0, 1"),
+            answered(A, "a request with the numbers 65535, 0, 1"),
         ),
     ),
     Check(
@@ -370,21 +263,74 @@ CHECKS = (
         "Survives a message whose packets do not all come",
         "AS5669A, data flags",
         "First and last packet come without the one between; nothing is answered.",
-        (fragments(0, 2), silence("a packet of the request is missing")),
+        (serves("Events"), fragments(0, 2), silence(A, "a packet of the request is missing")),
     ),
-    wildcard_destination,
-    wildcard_acknowledged,
-    multicast,
-    other_destination,
-    stray_acknowledgements,
+    Check(
+        "transport.wildcard-destination",
+        "Takes messages to wildcard destinations whatever their broadcast flag",
+        "AS5669A, destination; practice: node managers leave the flag 0",
+        "Queries to all of the target's node and to everybody, with broadcast 0, are answered.",
+        (
+            query(A, destination=its_node),
+            answered(A, "a query to its node with broadcast flag 0"),
+            query(A, destination=everybody),
+            answered(A, "a query to everybody with broadcast flag 0"),
+        ),
+    ),
+    Check(
+        "transport.wildcard-ack",
+        "Acknowledges a message to a wildcard under its own id",
+        "AS5669A, acknowledgement: source",
+        "The acknowledgement comes from the concrete id, once.",
+        (
+            query(A, destination=everybody, acknowledge=WANTED),
+            acknowledged(A, what="a message to everybody"),
+        ),
+    ),
+    Check(
+        "transport.multicast",
+        "Takes multicast messages to its own id",
+        "AS5669A, JUDP; practice: stacks multicast what they do not know the place of",
+        "A query to the target's own id, sent to the multicast group, is acknowledged and answered."
+        "\n\nMulticast may not reach the target.",
+        (
+            query(A, to_group=True, acknowledge=WANTED),
+            acknowledged(A, tolerated="a multicast query to its id is not acknowledged"),
+            answered(A, tolerated="a multicast query to its id is not answered"),
+        ),
+    ),
+    Check(
+        "transport.other-destination",
+        "Ignores messages to others",
+        "AS5669A, destination",
+        "A query to another id is neither answered nor acknowledged by the target.",
+        (
+            query(A, destination=another, acknowledge=WANTED),
+            silence(A, "the query was sent to another id"),
+            unacknowledged(A, "the query was sent to another id"),
+        ),
+    ),
+    Check(
+        "transport.stray-acks",
+        "Ignores acknowledgements that it does not wait for",
+        "AS5669A, ack/nak flags",
+        "A stray ACK, a NAK and an ACK with payload are not answered.",
+        (
+            query(A, payload=b"", acknowledge=AckNak.ACK),
+            query(A, payload=b"", acknowledge=AckNak.NAK),
+            query(A, acknowledge=AckNak.ACK),
+            silence(A, "acknowledgements are not answered"),
+        ),
+    ),
     Check(
         "transport.unknown-message",
         "Ignores unknown messages",
         "AS5710A, Transport; no transition for unknown messages",
         "A message code that no set uses is not answered, whatever follows it.",
         (
-            payloads(UNKNOWN_CODE, UNKNOWN_CODE + bytes(64)),
-            silence("no answer to an unknown message exists"),
+            query(A, payload=UNKNOWN_CODE),
+            query(A, payload=UNKNOWN_CODE + bytes(64)),
+            silence(A, "no answer to an unknown message exists"),
         ),
     ),
     Check(
@@ -392,7 +338,7 @@ CHECKS = (
         "Survives known messages without their bodies",
         "AS5684, encoding; AS5710A, core messages",
         "Queries whose body is missing; the target may ignore them and goes on.",
-        (payloads(*_TRUNCATED_QUERIES),),
+        tuple(query(A, payload=each) for each in _TRUNCATED_QUERIES),
         risky=True,
     ),
     sequence_numbers,
