@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import step
+from jausml.live.peers.conformance.check import Step, step
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
-from jausml.live.peers.conformance.steps import expect, has, send
+from jausml.live.peers.conformance.steps import A, expect, expect_none, has, send
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
@@ -139,6 +139,27 @@ def numbered(session: Session, client: int, count: int) -> None:
         all((after - before) & 0xFF == 1 for before, after in itertools.pairwise(numbers)),
         f"the sequence numbers of an event are {numbers[:20]}",
     )
+
+
+def confirmed(request: int) -> Step:
+    """A request for the event of our first client is confirmed under the id of the event."""
+    return expect(A, core.ConfirmEventRequest, has(request_id=request, event_id=event_id))
+
+
+def rejected(request: int, *codes: int) -> Step:
+    """A request of our first client is rejected, with one of the codes if any."""
+    some = {"response_code": (*codes, None)} if codes else {}
+    return expect(A, core.RejectEventRequest, has(request_id=request, **some))
+
+
+def unconfirmed(client: int) -> Step:
+    """What a client has asked for is rejected, or not answered."""
+    return expect_none(client, core.ConfirmEventRequest, "no such event can be served")
+
+
+def ended(client: int) -> Step:
+    """No report comes to a client any more."""
+    return expect_none(client, core.Event, "the event is no more", within=SOME_PERIODS)
 
 
 @step

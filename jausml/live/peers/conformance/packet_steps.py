@@ -111,6 +111,7 @@ def fragments(session: Session, *order: int, first: int | None = None) -> None:
 
     Its sequence numbers begin with `first`.
     """
+    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
     client = session.first
     if first is not None:
         client.skip_to(first)
@@ -140,7 +141,6 @@ def acknowledged(
     session: Session,
     client: int,
     *judgements: Judgement[Packet],
-    what: str = "a message",
     tolerated: str = "",
 ) -> None:
     """What asked for it is acknowledged as it should be; what silence means may be noted."""
@@ -150,7 +150,7 @@ def acknowledged(
         for judge in judgements:
             judge(session, packet, "the acknowledgement")
         return
-    session.require(bool(tolerated), f"{what} that asks for it is not acknowledged")
+    session.require(bool(tolerated), "a message that asks for it is not acknowledged")
     session.note(tolerated)
 
 

@@ -23,7 +23,7 @@ from jausml.live.peers.conformance.packet_steps import (
     unacknowledged,
 )
 from jausml.live.peers.conformance.session import PINGS
-from jausml.live.peers.conformance.steps import A, has, serves, settle, silence, usual
+from jausml.live.peers.conformance.steps import A, has, settle, silence, usual
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Priority
 
 if TYPE_CHECKING:
@@ -84,11 +84,7 @@ CHECKS = (
         "Acknowledges a message that asks for it, once",
         "AS5669A, ack/nak flags",
         "One acknowledgement from the target's own id comes for one message.",
-        (
-            query(A, acknowledge=WANTED),
-            acknowledged(A),
-            unacknowledged(A, "the message has been acknowledged before"),
-        ),
+        (query(A, acknowledge=WANTED), acknowledged(A), unacknowledged(A, "it has been before")),
     ),
     Check(
         "transport.ack-empty",
@@ -137,24 +133,14 @@ CHECKS = (
         "Acknowledges a message that comes twice again",
         "AS5669A, retransmission",
         "The first acknowledgement may be lost; without a second one the sender would give up.",
-        (
-            query(A, acknowledge=WANTED),
-            acknowledged(A),
-            settle(A),
-            again(A),
-            acknowledged(A, what="a repeated message"),
-        ),
+        (query(A, acknowledge=WANTED), acknowledged(A), settle(A), again(A), acknowledged(A)),
     ),
     Check(
         "transport.two-messages",
         "Reads two messages in one datagram",
         "AS5669A, JUDP: one version byte and one or more messages",
         "Both queries are answered; some stacks read only the first, so one may be lost.",
-        (
-            two_queries(),
-            answered(A, "two queries in one datagram"),
-            answered(A, tolerated="only the first message of a datagram is read"),
-        ),
+        (two_queries(), answered(A), answered(A, tolerated="only the first one is answered")),
     ),
     Check(
         "transport.trailing-bytes",
@@ -162,8 +148,8 @@ CHECKS = (
         "AS5669A, JUDP; practice: Junior ignores the rest",
         "The query before the garbage may be answered; the target goes on in any case.",
         (
-            datagram("a query and three bytes of garbage", more=b"\xde\xad\xbe"),
-            answered(A, tolerated="a message that garbage follows is dropped"),
+            datagram("a query and garbage", more=b"\xde\xad\xbe"),
+            answered(A, tolerated="it is dropped"),
         ),
     ),
     Check(
@@ -178,10 +164,7 @@ CHECKS = (
         "Drops a message whose size exceeds the datagram",
         "AS5669A, data size",
         "The data size says 1000 bytes, which are more than there are.",
-        (
-            datagram("a query with a data size beyond the datagram", {2: b"\xe8\x03"}),
-            silence(A, "it is to be dropped"),
-        ),
+        (datagram("a data size of 1000", {2: b"\xe8\x03"}), silence(A, "it is to be dropped")),
         risky=True,
     ),
     Check(
@@ -189,10 +172,7 @@ CHECKS = (
         "Drops a message whose size is below the header",
         "AS5669A, data size: at least 14",
         "The data size says 5.",
-        (
-            datagram("a query with a data size of 5", {2: b"\x05\x00"}),
-            silence(A, "it is to be dropped"),
-        ),
+        (datagram("a data size of 5", {2: b"\x05\x00"}), silence(A, "it is to be dropped")),
         risky=True,
     ),
     Check(
@@ -216,10 +196,7 @@ CHECKS = (
         "Ignores reserved message types",
         "AS5669A, message type: 1 to 32 are reserved",
         "A query under message type 5 is no JAUS message.",
-        (
-            query(A, message_type=5),
-            silence(A, "the message type of the query is a reserved one", tolerated=True),
-        ),
+        (query(A, message_type=5), silence(A, "type 5 is reserved", tolerated=True)),
     ),
     Check(
         "transport.header-compression",
@@ -234,36 +211,28 @@ CHECKS = (
         "Puts a message of several packets together",
         "AS5669A, data flags",
         "A request in three packets is answered like one in a single packet.",
-        (serves("Events"), fragments(0, 1, 2), answered(A, "a request in three packets")),
+        (fragments(0, 1, 2), answered(A, "a request in three packets")),
     ),
     Check(
         "transport.fragments-reversed",
         "Puts packets together that come in reverse order",
         "AS5669A, data flags, sequence numbers; practice: Junior",
         "UDP does not keep the order; not every stack sorts.",
-        (
-            serves("Events"),
-            fragments(2, 1, 0),
-            answered(A, tolerated="a request in three packets in reverse is not answered"),
-        ),
+        (fragments(2, 1, 0), answered(A, tolerated="packets in reverse are not answered")),
     ),
     Check(
         "transport.fragments-wrap",
         "Puts packets together over the wrap of sequence numbers",
         "AS5669A, sequence numbers: 65535 is followed by 0",
         "The three packets have the numbers 65535, 0 and 1.",
-        (
-            serves("Events"),
-            fragments(0, 1, 2, first=65535),
-            answered(A, "a request with the numbers 65535, 0, 1"),
-        ),
+        (fragments(0, 1, 2, first=65535), answered(A, "a request in three packets")),
     ),
     Check(
         "transport.fragment-missing",
         "Survives a message whose packets do not all come",
         "AS5669A, data flags",
         "First and last packet come without the one between; nothing is answered.",
-        (serves("Events"), fragments(0, 2), silence(A, "a packet of the request is missing")),
+        (fragments(0, 2), silence(A, "a packet of the request is missing")),
     ),
     Check(
         "transport.wildcard-destination",
@@ -272,9 +241,9 @@ CHECKS = (
         "Queries to all of the target's node and to everybody, with broadcast 0, are answered.",
         (
             query(A, destination=its_node),
-            answered(A, "a query to its node with broadcast flag 0"),
+            answered(A, "a query to its node"),
             query(A, destination=everybody),
-            answered(A, "a query to everybody with broadcast flag 0"),
+            answered(A, "a query to everybody"),
         ),
     ),
     Check(
@@ -282,10 +251,7 @@ CHECKS = (
         "Acknowledges a message to a wildcard under its own id",
         "AS5669A, acknowledgement: source",
         "The acknowledgement comes from the concrete id, once.",
-        (
-            query(A, destination=everybody, acknowledge=WANTED),
-            acknowledged(A, what="a message to everybody"),
-        ),
+        (query(A, destination=everybody, acknowledge=WANTED), acknowledged(A)),
     ),
     Check(
         "transport.multicast",
@@ -295,8 +261,8 @@ CHECKS = (
         "\n\nMulticast may not reach the target.",
         (
             query(A, to_group=True, acknowledge=WANTED),
-            acknowledged(A, tolerated="a multicast query to its id is not acknowledged"),
-            answered(A, tolerated="a multicast query to its id is not answered"),
+            acknowledged(A, tolerated="it is not acknowledged"),
+            answered(A, tolerated="it is not answered"),
         ),
     ),
     Check(
@@ -306,8 +272,8 @@ CHECKS = (
         "A query to another id is neither answered nor acknowledged by the target.",
         (
             query(A, destination=another, acknowledge=WANTED),
-            silence(A, "the query was sent to another id"),
-            unacknowledged(A, "the query was sent to another id"),
+            silence(A, "it is not for the target"),
+            unacknowledged(A, "the query is not for the target"),
         ),
     ),
     Check(
