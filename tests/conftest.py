@@ -16,6 +16,8 @@ from ports import MOST_WORKERS, worker
 from xdist.scheduler import LoadFileScheduling
 
 if TYPE_CHECKING:
+    from collections.abc import Generator
+
     from xdist.remote import Producer
     from xdist.scheduler import Scheduling
 
@@ -47,6 +49,16 @@ def _keep_bytecode() -> None:
     """Lets workers and programs under test find compiled what others have imported."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Leaves the garbage collector out: nothing of ten thousand tests can go."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)
