@@ -8,13 +8,18 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from click.testing import CliRunner
 from for_each import for_each
+from warm import programs
 
 from jausml.cli import main
 from jausml.generation.native import compiler
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 GUARDS = ("metamodels", "README.md", "docs")
 
@@ -40,16 +45,22 @@ NEED_A_COMPILER = {"compile-bridges"}
 WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A `jausml` that begins quickly; from nothing it begins in the stories of users."""
+    with programs(tmp_path_factory.mktemp("warm")) as folder:
+        yield folder
+
+
 @pytest.mark.live
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
-def test_commands_run(page: Path, tmp_path: Path) -> None:
+def test_commands_run(page: Path, tmp_path: Path, warm: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
     (tmp_path / "models").symlink_to(ROOT / "models")
-    programs = Path(sys.executable).parent
     environment = {
         **os.environ,
-        "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+        "PATH": os.pathsep.join([str(warm), str(Path(sys.executable).parent), os.environ["PATH"]]),
         "HOME": str(tmp_path),  # what readers put there is not put into that of who tests
     }
     bash = shutil.which("bash")
