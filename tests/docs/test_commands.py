@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from click.testing import CliRunner
@@ -17,9 +16,6 @@ from warm import programs
 
 from jausml.cli import main
 from jausml.generation.native import compiler
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 GUARDS = ("metamodels", "README.md", "docs")
 
@@ -45,22 +41,18 @@ NEED_A_COMPILER = {"compile-bridges"}
 WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
-@pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A `jausml` that begins quickly; from nothing it begins in the stories of users."""
-    with programs(tmp_path_factory.mktemp("warm")) as folder:
-        yield folder
-
-
 @pytest.mark.live
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
-def test_commands_run(page: Path, tmp_path: Path, warm: Path) -> None:
+def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
     (tmp_path / "models").symlink_to(ROOT / "models")
+    # A command that begins from nothing is that of the stories of users.
     environment = {
         **os.environ,
-        "PATH": os.pathsep.join([str(warm), str(Path(sys.executable).parent), os.environ["PATH"]]),
+        "PATH": os.pathsep.join(
+            [str(programs()), str(Path(sys.executable).parent), os.environ["PATH"]]
+        ),
         "HOME": str(tmp_path),  # what readers put there is not put into that of who tests
     }
     bash = shutil.which("bash")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+import warm
 from websockets.sync.client import ClientConnection, connect
 
 if TYPE_CHECKING:
@@ -120,10 +122,24 @@ def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
     )
 
 
+def begun(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
+    """Like `started`, of a process that has jausml imported; what it does is in another process."""
+    line = [*warm.command(), "studio", "--no-browser", *options, str(path)]
+    environment = {**os.environ, warm.PAGE: str(page)}
+    return subprocess.Popen(
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    )
+
+
 @contextmanager
-def serving(path: Path, page: Path, *options: str) -> Iterator[Server]:
+def serving(
+    path: Path,
+    page: Path,
+    *options: str,
+    start: Callable[..., subprocess.Popen[str]] = begun,
+) -> Iterator[Server]:
     """Serves a folder as long as the context lasts."""
-    process = started(path, page, *options)
+    process = start(path, page, *options)
     try:
         assert process.stdout is not None
         address = process.stdout.readline().strip().removeprefix("jausml studio: ")

@@ -1,54 +1,67 @@
 """A process that has jausml imported and its library read, of which each command is a fork.
 
-Most of what a command takes is its beginning. Where a test is about what commands do one after the
-other, and not about how they begin, `programs` is a folder for the PATH with a `jausml` that has
-them done so. Standard streams, folder, environment, signals and exit status are those of the
-command. What is read of the library, and the templates that are compiled, is what a second command
-of the same process would find.
+Most of what a command takes is its beginning. Where a test is about what commands do, and not about
+how they begin, `command()` begins the line of one that is done so, and `programs()` is a folder for
+the PATH with such a `jausml`. Standard streams, folder, environment, signals and exit status are
+those of the command, but the process that does it is another one. What is read of the library, and
+the templates that are compiled, is what a second command of the same process would find.
 """
 
 from __future__ import annotations
 
+import atexit
+import functools
 import gc
 import json
 import os
 import select
+import shlex
+import shutil
 import signal
 import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+import tempfile
+import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import Any
+from typing import Any
 
 CLIENT = Path(__file__).with_name("warm_client.py")
+PAGE = "JAUSML_PAGE"
+"""Names, in the environment of a command, the page of the studio of a test."""
 
 
-@contextmanager
-def programs(folder: Path) -> Iterator[Path]:
-    """Runs the process, and returns the folder with its `jausml`."""
-    address, found = folder / "socket", folder / "programs"
-    found.mkdir()
-    command = f'exec {sys.executable} -S {CLIENT} {address} "$@"'
-    (found / "jausml").write_text(f"#!/bin/sh\n{command}\n", encoding="utf-8")
-    (found / "jausml").chmod(0o755)
+@functools.cache
+def command() -> list[str]:
+    """Returns how a command line begins; starts the process, which ends with this one."""
+    address = _folder() / "socket"
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
         listener.bind(str(address))
         listener.listen()
+        line = [sys.executable, str(Path(__file__)), str(listener.fileno())]
+        # It ends at the end of its input, which is that of this process.
         server = subprocess.Popen(
-            [sys.executable, str(Path(__file__)), str(listener.fileno())],
-            pass_fds=[listener.fileno()],
-            stdin=subprocess.DEVNULL,
+            line, stdin=subprocess.PIPE, pass_fds=[listener.fileno()], start_new_session=True
         )
-    try:
-        yield found
-    finally:
-        server.terminate()
-        server.wait(30)
+    atexit.register(server.communicate)
+    return [sys.executable, "-S", str(CLIENT), str(address)]
+
+
+@functools.cache
+def _folder() -> Path:
+    found = tempfile.mkdtemp(prefix="warm-")
+    atexit.register(shutil.rmtree, found, ignore_errors=True)
+    return Path(found)
+
+
+@functools.cache
+def programs() -> Path:
+    """Returns a folder with a `jausml`."""
+    program = _folder() / "programs" / "jausml"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {shlex.join(command())} "$@"\n', encoding="utf-8")
+    program.chmod(0o755)
+    return program.parent
 
 
 def serve(listener: socket.socket) -> None:
@@ -57,7 +70,7 @@ def serve(listener: socket.socket) -> None:
     gc.collect()
     gc.freeze()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # no zombies: nobody waits for who watches
-    while True:
+    while listener in select.select([listener, sys.stdin], [], [])[0]:
         client, _ = listener.accept()
         if os.fork() == 0:
             listener.close()
@@ -115,6 +128,11 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
     os.environ.clear()
     os.environ.update(request["environment"])
     sys.argv = ["jausml", *request["arguments"]]
+    if page := os.environ.pop(PAGE, ""):
+        from jausml.authoring.studio import serving
+
+        serving.PAGE = Path(page)
+        warnings.simplefilter("error")
     program()
 
 

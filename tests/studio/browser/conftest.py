@@ -6,11 +6,11 @@ import os
 import re
 import signal
 import subprocess
-import sys
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+import warm
 from browsers import browser, build_page, missing
 from studio_client import Server
 
@@ -52,7 +52,7 @@ class Studio:
 
     def __init__(self, target: Path, log: Path) -> None:
         self.log = log
-        command = [sys.executable, "-m", "jausml", "studio", str(target), "--no-browser"]
+        command = [*warm.command(), "studio", str(target), "--no-browser"]
         with log.open("w") as errors:
             self.process = subprocess.Popen(
                 command,

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from studio_client import RefusedError, serving
+from studio_client import RefusedError, serving, started
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
@@ -22,6 +22,14 @@ if TYPE_CHECKING:
     from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
+
+
+@pytest.fixture
+def server(folder: Path, built: Path) -> Iterator[Server]:
+    """A process that tests hold and limit."""
+    with serving(folder / "catvehicle.xmi", built, start=started) as server:
+        yield server
+
 
 FILE = "boat.ros2jaus"
 TEXT = "component helm { address: 1.1.1 }\ncomponent winch { address: 1.1.2 }\n"
@@ -126,7 +134,7 @@ def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
 def test_two_studios_at_the_same_moment_lose_nothing(
     server: Server, folder: Path, built: Path
 ) -> None:
-    with serving(folder, built) as other, server.page() as one, other.page() as two:
+    with serving(folder, built, start=started) as other, server.page() as one, other.page() as two:
         begin(one, folder)
         two.await_told("changed")
         for turn in range(3):
