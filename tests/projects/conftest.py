@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 from click.testing import CliRunner
 
@@ -18,14 +20,36 @@ def jausml():
     return run
 
 
-@pytest.fixture
-def rover(tmp_path, monkeypatch, jausml):
-    """Makes a project in a notation, empty unless told, and works in it; returns its model."""
+@pytest.fixture(scope="session")
+def made_projects():
+    """What projects were made of, and the folders where they lie; each is made once."""
+    return {}
 
-    def make(notation, origin="empty"):
-        done = jausml("init", tmp_path / "rover", "--notation", notation, "--from", origin)
-        assert done.exit_code == 0, done.output
-        monkeypatch.chdir(tmp_path / "rover")
-        return tmp_path / "rover" / "models" / f"rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"
+
+@pytest.fixture
+def rover(tmp_path, tmp_path_factory, monkeypatch, jausml, made_projects):
+    """Makes a project in a notation, empty unless told, and works in it; returns its model.
+
+    Files may be added, by their paths, and verbs run in it; what others have made so is copied.
+    """
+
+    def make(notation, *verbs, origin="empty", files=()):
+        root, made_of = tmp_path / "rover", (notation, verbs, origin, files)
+        if made_of in made_projects:
+            shutil.copytree(made_projects[made_of], root)
+            monkeypatch.chdir(root)
+        else:
+            done = jausml("init", root, "--notation", notation, "--from", origin)
+            assert done.exit_code == 0, done.output
+            monkeypatch.chdir(root)
+            for path, text in files:
+                (root / path).parent.mkdir(parents=True, exist_ok=True)
+                (root / path).write_text(text, encoding="utf-8")
+            for words in verbs:
+                done = jausml(*words)
+                assert done.exit_code == 0, done.output
+            kept = tmp_path_factory.mktemp("made") / "rover"
+            made_projects[made_of] = shutil.copytree(root, kept)
+        return root / "models" / f"rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"
 
     return make

@@ -11,14 +11,12 @@ IDS = r' xmi:id="\w+"'
 
 
 @pytest.fixture
-def text_of_xmi(rover, jausml):
+def text_of_xmi(rover):
     """Makes a project whose XMI model became text; returns both."""
-    model = rover("xmi")
     words = "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes"
-    assert jausml(*words.split()).exit_code == 0
-    text = model.with_suffix(".ros2jaus")
-    assert jausml("convert", model, text).exit_code == 0
-    return model, text
+    convert = ("convert", "models/rover.xmi", "models/rover.ros2jaus")
+    model = rover("xmi", tuple(words.split()), convert)
+    return model, model.with_suffix(".ros2jaus")
 
 
 def test_xmi_that_became_text_is_the_same_when_it_comes_back(text_of_xmi, jausml):
@@ -114,7 +112,7 @@ def test_what_would_be_broken_is_not_written(jausml, tmp_path, monkeypatch):
 
 
 def test_what_cannot_be_read_is_not_converted(rover, jausml):
-    model = rover("xmi", "example")
+    model = rover("xmi", origin="example")
     text = model.read_text("utf-8").replace("../library/jaus/", "../gone/")
     model.write_text(text, encoding="utf-8")
     done = jausml("convert", model, "models/rover.ros2jaus")

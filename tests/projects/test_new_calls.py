@@ -21,19 +21,16 @@ TRIGGER, LAMP = ("drop_weight:std_srvs/Trigger", "DropWeight"), ("lamp:std_srvs/
 WAYPOINTS = "follow_waypoints:nav2_msgs/FollowWaypoints"
 
 
+ROBOT = (
+    ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"),
+    ("new", "service", "Dropper", *MESSAGES),
+)
+
+
 @pytest.fixture
-def robot(rover, jausml):
+def robot(rover):
     """Makes a project with a bridge and a service of its own; returns its model."""
-
-    def make(notation):
-        model = rover(notation)
-        done = jausml("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose")
-        assert done.exit_code == 0, done.output
-        done = jausml("new", "service", "Dropper", *MESSAGES)
-        assert done.exit_code == 0, done.output
-        return model
-
-    return make
+    return lambda notation: rover(notation, *ROBOT)
 
 
 def the_bridge(model):

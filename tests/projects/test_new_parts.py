@@ -122,7 +122,7 @@ def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
 
 def test_a_bridge_that_eclipse_put_into_a_file_of_its_own(rover, jausml):
     """Control... in the tree editor leaves an href in the system."""
-    model = rover("xmi", "example")
+    model = rover("xmi", origin="example")
     text = model.read_text("utf-8")
     start, end = text.index("  <bridges"), text.index("</system:System>")
     head = text[text.index(" xmi:version") : text.index(" xmi:id")]

@@ -16,34 +16,36 @@ MANIFEST = '<package format="3"><name>{}</name><version>1.0.0</version></package
 WINCH = Path(__file__).resolve().parents[1] / "importers" / "winch"
 
 
+FILES = (
+    ("src/abyss_msgs/msg/Tank.msg", TANK),
+    ("src/abyss_msgs/package.xml", MANIFEST.format("abyss_msgs")),
+)
+ABYSS = (
+    ("import", "ros", "src/abyss_msgs", "-o", "models/"),
+    ("new", "bridge", "main", "odom:nav_msgs/Odometry", "--yes"),
+)
+TANKS = (
+    ("new", "service", "Tanks", "--message", REPORT),
+    ("new", "map", "tanks", "ReportTanks", "abyss_msgs/Tank", "--yes"),
+    ("new", "connection", "tank:abyss_msgs/Tank", "--yes"),
+)
+
+
 @pytest.fixture(params=["xmi", "text"])
-def abyss(request, rover, jausml):
-    """A project with a bridge and an own package of messages, imported into its models."""
-    model = rover(request.param)
-    package = model.parents[2] / "src" / "abyss_msgs"
-    (package / "msg").mkdir(parents=True)
-    (package / "msg" / "Tank.msg").write_text(TANK, encoding="utf-8")
-    (package / "package.xml").write_text(MANIFEST.format("abyss_msgs"), encoding="utf-8")
-    for words in (
-        ("import", "ros", package, "-o", "models/"),
-        ("new", "bridge", "main", "odom:nav_msgs/Odometry", "--yes"),
-    ):
-        done = jausml(*words)
-        assert done.exit_code == 0, done.output
-    return model
+def notation(request):
+    return request.param
 
 
 @pytest.fixture
-def tanks(abyss, jausml):
+def abyss(notation, rover):
+    """A project with a bridge and an own package of messages, imported into its models."""
+    return rover(notation, *ABYSS, files=FILES)
+
+
+@pytest.fixture
+def tanks(notation, rover):
     """The project with a map of its own and a topic that it carries."""
-    for words in (
-        ("new", "service", "Tanks", "--message", REPORT),
-        ("new", "map", "tanks", "ReportTanks", "abyss_msgs/Tank", "--yes"),
-        ("new", "connection", "tank:abyss_msgs/Tank", "--yes"),
-    ):
-        done = jausml(*words)
-        assert done.exit_code == 0, done.output
-    return abyss
+    return rover(notation, *ABYSS, *TANKS, files=FILES)
 
 
 def test_a_type_of_an_imported_package_needs_no_import_by_hand(tanks, jausml):
