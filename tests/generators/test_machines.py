@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 from codec_support import ROOT
 from workspaces import packages_of, python_path
 
@@ -66,7 +67,7 @@ def run(*command: str, cwd: Path, workspace: Path) -> None:
 
 def jausml(*arguments: str | Path) -> str:
     done = subprocess.run(
-        [sys.executable, "-m", "jausml", *map(str, arguments)],
+        [*warm.command(), *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=60,

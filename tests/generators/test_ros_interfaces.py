@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 
 from jausml import generation
 from jausml.generation.errors import GenerationError
@@ -334,7 +335,7 @@ def test_a_value_of_another_type_is_an_error(line):
 
 def test_the_targets_make_the_same_again(model, tmp_path):
     assert render(model) == render(model)
-    command = [sys.executable, "-m", "jausml", "generate", str(tmp_path / "tug.xmi")]
+    command = [*warm.command(), "generate", str(tmp_path / "tug.xmi")]
     command += ["--target", "ros_interfaces", "--target", "declared_interfaces"]
     done = subprocess.run([*command, "-o", tmp_path / "out"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 from ports import free_port
 
 pytestmark = [pytest.mark.live, pytest.mark.timeout(180)]
@@ -39,7 +40,7 @@ def port(tmp_path):
 
 def jausml(*arguments):
     return subprocess.run(
-        [sys.executable, "-m", "jausml", *map(str, arguments)],
+        [*warm.command(), *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=120,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+import warm
 import yaml
 from ports import free_domain, free_port
 
@@ -39,7 +39,7 @@ def workspaces(tmp_path_factory):
     folder = tmp_path_factory.mktemp("deployed")
     for name in BRIDGES:
         model = EXAMPLES / name / f"{name}.ros2jaus"
-        command = [sys.executable, "-m", "jausml", "generate", str(model), "-o", str(folder / name)]
+        command = [*warm.command(), "generate", str(model), "-o", str(folder / name)]
         subprocess.run(command, check=True, capture_output=True, timeout=120)
     return folder
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+import warm
 from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
@@ -27,7 +27,7 @@ ADDRESSES = {"first": "100.1.10", "second": "100.1.20"}
 @pytest.fixture(scope="module")
 def fleet(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fleet")
-    command = [sys.executable, "-m", "jausml", "generate", str(FLEET / "fleet.ros2jaus")]
+    command = [*warm.command(), "generate", str(FLEET / "fleet.ros2jaus")]
     subprocess.run([*command, "-o", str(folder / "ws")], check=True, capture_output=True)
     port = str(free_port())
     with pytest.MonkeyPatch.context() as environment:
@@ -50,7 +50,7 @@ def fleet(tmp_path_factory):
 
 
 def ocu(port, *arguments):
-    command = [sys.executable, "-m", "jausml", "ocu", *arguments, "--port", port]
+    command = [*warm.command(), "ocu", *arguments, "--port", port]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -15,6 +15,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
+import warm
 from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
@@ -158,7 +159,7 @@ def workspace(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     (text,) = HERE_DOCUMENT.findall(PAGE.read_text(encoding="utf-8"))
     (folder / "rover.ros2jaus").write_text(text, encoding="utf-8")
-    command = [sys.executable, "-m", "jausml", "generate", "rover.ros2jaus", "-o", "rover-ws"]
+    command = [*warm.command(), "generate", "rover.ros2jaus", "-o", "rover-ws"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     return folder / "rover-ws"

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+import warm
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -32,7 +33,7 @@ def workspace(tmp_path: Path) -> Path:
     """Generates the example around its skeletons."""
     folder = tmp_path / "ws"
     shutil.copytree(EXAMPLE / "src", folder, ignore=shutil.ignore_patterns("__pycache__"))
-    command = [sys.executable, "-m", "jausml", "generate", str(EXAMPLE / "catvehicle.xmi")]
+    command = [*warm.command(), "generate", str(EXAMPLE / "catvehicle.xmi")]
     subprocess.run([*command, "-o", str(folder)], check=True, capture_output=True, timeout=60)
     return folder
 

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
 pytestmark = pytest.mark.live
@@ -50,7 +51,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Generates the example; returns the folders for the module path."""
     workspace = tmp_path_factory.mktemp("steering") / "ws"
     shutil.copytree(EXAMPLE / "src", workspace, ignore=shutil.ignore_patterns("__pycache__"))
-    command = [sys.executable, "-m", "jausml", "generate", str(EXAMPLE / "catvehicle.xmi")]
+    command = [*warm.command(), "generate", str(EXAMPLE / "catvehicle.xmi")]
     subprocess.run([*command, "-o", str(workspace)], check=True, capture_output=True, timeout=60)
     return [
         str(workspace / name) for name in ("jausml_runtime", "steering_controller", "catvehicle")

@@ -125,6 +125,7 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
     for each in request["ignored"]:
         signal.signal(each, signal.SIG_IGN)
     os.chdir(request["folder"])
+    sys.path[:0] = filter(None, request["environment"].get("PYTHONPATH", "").split(os.pathsep))
     os.environ.clear()
     os.environ.update(request["environment"])
     sys.argv = ["jausml", *request["arguments"]]
