@@ -28,9 +28,8 @@ def main(address: str) -> None:
         server.sendall(json.dumps(request).encode() + b"\n")
         answers = server.makefile("r")
         child = int(answers.readline())
-        for each in PASSED_ON:
-            if each not in ignored:
-                signal.signal(each, lambda number, _: os.kill(child, number))
+        for each in PASSED_ON:  # those too that are ignored until the command takes them
+            signal.signal(each, lambda number, _: os.kill(child, number))
         signal.pthread_sigmask(signal.SIG_UNBLOCK, PASSED_ON)
         status = os.waitstatus_to_exitcode(int(answers.readline()))
     if status < 0:
