@@ -1,5 +1,6 @@
 """Random models: what is written is read; what is damaged is reported and never raises."""
 
+import functools
 import math
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -53,23 +54,39 @@ def values(data_type):
     return st.floats(allow_nan=False, allow_infinity=False).map(lambda v: (repr(v), v))
 
 
-@st.composite
-def elements(draw, table, depth=4):
-    """Draws an element of a class: (class, {attribute: [(text, value)]}, {containment: [...]})."""
+@functools.cache
+def attribute(feature):
+    """Returns a strategy for the values of an attribute."""
+    least = feature.lower if feature.can_be_missing else 0
+    most = max(3 if feature.many else 1, least)
+    return st.lists(values(feature.data_type), min_size=least, max_size=most)
+
+
+@functools.cache
+def classes(table, depth):
+    """Returns a strategy for the classes that an element may be of."""
     concrete = sorted((each for each in table.subtypes if not each.abstract), key=repr)
     if depth <= 0:
         # Only classes that need no further elements end the recursion.
         leaves = [each for each in concrete if not needs_children(each)]
         concrete = leaves or concrete
-    table = draw(st.sampled_from(concrete))
+    return st.sampled_from(concrete)
+
+
+@functools.cache
+def elements(table, depth=4):
+    """Returns a strategy for elements of a class; each is made once, for that takes long."""
+    return element(table, depth)
+
+
+@st.composite
+def element(draw, table, depth):
+    """Draws an element: (class, {attribute: [(text, value)]}, {containment: [...]})."""
+    table = draw(classes(table, depth))
     attributes, contained = {}, {}
     for feature in table.features.values():
         if feature.kind is FeatureKind.ATTRIBUTE:
-            least = feature.lower if feature.can_be_missing else 0
-            most = 3 if feature.many else 1
-            attributes[feature.name] = draw(
-                st.lists(values(feature.data_type), min_size=least, max_size=max(most, least))
-            )
+            attributes[feature.name] = draw(attribute(feature))
         elif feature.kind is FeatureKind.CONTAINMENT:
             most = 0 if depth <= 0 else 2 if feature.many else 1
             number = draw(st.integers(feature.lower, max(most, feature.lower)))
