@@ -22,7 +22,6 @@ from jausml.runtime.transports.udp.shared_port import SharedPort
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
-    from types import TracebackType
 
     from jausml.live.peers.conformance.evidence import Trace
     from jausml.runtime.base.address import JausAddress
@@ -58,26 +57,9 @@ class RawEndpoint:
     """
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Open the sockets.
-
-        Raises:
-            OSError: The interface or the group cannot be used.
-        """
+        """Open the sockets; an OSError says that the interface or the group cannot be used."""
         self._port = SharedPort(settings)
         self._port.open()
-
-    def __enter__(self) -> RawEndpoint:
-        """Return the wire; it is closed when the block ends."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Close the sockets."""
-        self.close()
 
     def close(self) -> None:
         """Close the sockets."""
@@ -99,10 +81,9 @@ class RawEndpoint:
             self._port.unicast.sendto(datagram, endpoint)
 
     def receive(self, deadline: float) -> ReceivedDatagram | None:
-        """Return the next datagram of another process, or None when the time has come.
+        """Return the next datagram of another process, or None at a monotonic time in seconds.
 
-        Args:
-            deadline: Monotonic time in seconds; what has arrived by then is still returned.
+        What has arrived by then is still returned.
         """
         while True:
             wait = max(0.0, deadline - time.monotonic())

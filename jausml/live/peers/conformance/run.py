@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -57,7 +57,7 @@ def opened(
         TargetNotReached: Nothing came from the target.
     """
     trace = Trace(lambda payload: describe(payload, catalogue))
-    with RawEndpoint(network.settings) as wire:
+    with closing(RawEndpoint(network.settings)) as wire:
         probe = Probe(
             wire,
             target,
