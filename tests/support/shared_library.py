@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TESTS = Path(__file__).resolve().parents[1]
 OF_THE_READER = ("model", "editing/text")
 """Folders of tests that judge reading itself, or change what was read."""
-IN_THREADS = ("studio", "editor")
+IN_THREADS = ("studio/server", "studio/browser", "editor")
 """Folders of tests that read in several threads at once, which each need a cache."""
 
 _CACHE = pytest.StashKey[LibraryCache]()
