@@ -47,7 +47,6 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
     (tmp_path / "models").symlink_to(ROOT / "models")
-    # A command that begins from nothing is that of the stories of users.
     environment = {
         **os.environ,
         "PATH": os.pathsep.join(

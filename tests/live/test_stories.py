@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 from story import Step, Teller, read
 
 STORIES = Path(__file__).parent / "stories"
@@ -29,7 +30,7 @@ def test_a_story_goes_as_it_is_told(name, notation, tmp_path):
     folder.mkdir()
     words = {"NOTATION": notation, "SUFFIX": SUFFIXES[notation], "STORIES": str(STORIES)}
     text = (STORIES / f"{name}.story").read_text(encoding="utf-8")
-    programs = Path(INSTALLED or Path(sys.executable).parent)
+    programs = [Path(INSTALLED)] if INSTALLED else [warm.programs(), Path(sys.executable).parent]
     teller = Teller(folder, words, programs)
     teller.tell(text)
     assert teller.commands == sum(isinstance(each, Step) for each in read(text)) > 10

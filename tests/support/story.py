@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
 PATIENCE = 120
@@ -71,18 +71,18 @@ def read(text: str) -> Iterator[Step | File]:
 class Teller:
     """Runs a story in a folder."""
 
-    def __init__(self, folder: Path, words: Mapping[str, str], programs: Path) -> None:
+    def __init__(self, folder: Path, words: Mapping[str, str], programs: Sequence[Path]) -> None:
         """Begin.
 
         Args:
             words: What takes the place of words in capitals between braces, as {NOTATION}.
-            programs: The folder of the `jausml` and the `python` that the user has installed.
+            programs: The folders of the `jausml` and the `python` that the user has installed.
         """
         self._folder = folder
         self._words = words
         self._environment = {
             **os.environ,
-            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+            "PATH": os.pathsep.join([*map(str, programs), os.environ["PATH"]]),
             "HOME": str(folder),
             "PYTHONUNBUFFERED": "1",
         }

@@ -120,7 +120,8 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
         os.dup2(stream, number)
         os.close(stream)
     sys.stdin = sys.__stdin__ = os.fdopen(0, closefd=False)
-    sys.stdout = sys.__stdout__ = os.fdopen(1, "w", closefd=False)
+    by_line = 1 if request["environment"].get("PYTHONUNBUFFERED") else -1
+    sys.stdout = sys.__stdout__ = os.fdopen(1, "w", by_line, closefd=False)
     sys.stderr = sys.__stderr__ = os.fdopen(2, "w", 1, errors="backslashreplace", closefd=False)
     for each in request["ignored"]:
         signal.signal(each, signal.SIG_IGN)
