@@ -391,6 +391,26 @@ def test_nothing_passes_once_the_bridge_is_inactive(system):
         wait_for(lambda: system.alone("point_up") > 100, "messages of the core")
 
 
+def test_a_latency_that_is_wanted_is_measured_in_python(system):
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters
+
+    def pass_on(count):
+        for _ in range(count):
+            before = len(system.points)
+            system.peer.send(point(1.0))
+            wait_for(lambda before=before: len(system.points) > before, "point")
+        system.account("point_up")
+        return system.alone("point_up")
+
+    assert (pass_on(5) > 0) is system.is_compiled
+    value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
+    asked = SetParameters.Request(parameters=[Parameter(name="point_up.latency", value=value)])
+    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    alone = system.alone("point_up")
+    assert pass_on(5) == alone
+
+
 def numbered(packets):
     """The steps between the numbers of packets."""
     numbers = [each.sequence for each in packets]
