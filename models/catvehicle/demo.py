@@ -37,18 +37,18 @@ OPERATOR = "operator_control_unit"
 SHOWN = (OPERATOR, "error", "warning", "Traceback")
 
 
-def jausml(*arguments: str | Path) -> None:
+def jausml(*arguments: str | Path, is_needed: bool = True) -> None:
     """Runs a jausml command and shows it, without the list of files that it writes.
 
     Raises:
-        SystemExit: The command failed.
+        SystemExit: The command failed, and nothing goes on without it.
     """
     words = [str(argument) for argument in arguments]
     print("$ jausml", *words, flush=True)
     result = subprocess.run(
         [sys.executable, "-m", "jausml", *words], stdout=subprocess.DEVNULL, check=False
     )
-    if result.returncode:
+    if result.returncode and is_needed:
         sys.exit(result.returncode)
 
 
@@ -60,6 +60,7 @@ def prepare(folder: Path) -> Path:
     shutil.copytree(HERE / "src", workspace, ignore=ignored)
     jausml("validate", MODEL)
     jausml("generate", MODEL, "-o", workspace)
+    jausml("build", workspace, is_needed=False)  # before the time of the drive runs
     return workspace
 
 

@@ -14,6 +14,7 @@ pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
     "views/analysis/constants.py",
+    "generation/again.py",
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",

@@ -157,8 +157,8 @@ class AlikeMaps:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept at clock close compiled component connections core exchanges follow is_active list_driver
-    list_drivers loop note_guardian note_unasked now on_control_lost on_not_ready open parameters
+    accept at clock close compiled component connections core exchanges fast_subscriber
+    fast_translation follow is_active list_driver list_drivers loop note_guardian note_unasked now on_control_lost on_not_ready open parameters
     publisher report ros set_active settings simulation standing subscribe ward
     """
 )
