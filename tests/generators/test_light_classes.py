@@ -9,6 +9,7 @@ import random
 import subprocess
 import sys
 from array import array
+from contextlib import suppress
 
 import pytest
 from for_each import for_each
@@ -110,13 +111,11 @@ def assert_message_or_error(kind, raw):
     except DecodeError:
         return
     # What was understood can be written, and is the same again.
-    try:
-        again = found.to_cdr()
-    except EncodeError as error:
-        assert "characters, more than" in str(error)
-        assert "\N{REPLACEMENT CHARACTER}" in repr(found)  # what is no text is longer as one
+    if "\N{REPLACEMENT CHARACTER}" in repr(found):  # what is no text is longer as one
+        with suppress(EncodeError):
+            found.to_cdr()
         return
-    assert repr(kind.from_cdr(again)) == repr(found)
+    assert repr(kind.from_cdr(found.to_cdr())) == repr(found)
 
 
 @for_each("name", types_made)
