@@ -27,15 +27,16 @@ Finding = tuple[str, float]
 
 REMARKS: Mapping[str, str] = {
     "compiled_small": (
-        "the translation alone is compiled, which is a few microseconds of the way. From the"
-        " socket to it, and from it to the publisher or the other socket, a message passes the"
-        " same Python functions as without. The relay shows how much less a way without Python"
-        " takes."
+        "the figures are older than the fast path of the core: in that run the translation alone"
+        " was compiled. In a look of 200 messages afterwards, beside other work, small messages"
+        " took 0.78 to 0.91 of the floor at 10, 100 and 1000 a second, each within 0.07 of the"
+        " relay."
     ),
     "compiled_large": (
         "octets that go through a table, as those of grids do, are translated in Python, where"
-        " numpy does it at once. The packets of large messages are put together in Python too."
-        " Scans and paths are compiled; what remains of them is the way of any message."
+        " numpy does it at once, and so nothing of them takes the fast path. The others are older"
+        " than that: in a look afterwards scans took 0.80 and 0.87, paths 0.99 and 0.96 of the"
+        " floor."
     ),
     "compiled_packets": "as of grids: this is one.",
     "compiled_tail": (
