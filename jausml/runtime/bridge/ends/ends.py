@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -172,28 +172,20 @@ class FastSubscriber(Protocol):
         """Tells the core what Python has learnt when it took a message."""
 
 
-class Other(Protocol):
-    """A message that is not usual, which a core has taken."""
+class Other(NamedTuple):
+    """A message that is not usual, which a core has taken.
 
-    @property
-    def data(self) -> bytes:
-        """The message, serialized."""
+    Attributes:
+        number: That of its publisher; None where the middleware does not tell it.
+        received: When, in nanoseconds since 1970, as when it was published.
+        left: How many more wait.
+    """
 
-    @property
-    def number(self) -> int | None:
-        """That of its publisher; None where the middleware does not tell it."""
-
-    @property
-    def received(self) -> int:
-        """When it was received, in nanoseconds since 1970."""
-
-    @property
-    def published(self) -> int:
-        """When it was published, by the clock of its publisher."""
-
-    @property
-    def left(self) -> int:
-        """How many more wait."""
+    data: bytes
+    number: int | None
+    received: int
+    published: int
+    left: int
 
 
 class Feeder(Protocol):

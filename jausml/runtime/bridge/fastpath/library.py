@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import socket
 import struct
 import sys
 from typing import Any
@@ -203,10 +204,9 @@ def _address_of(function: Any) -> int:
 
 def packed_host(host: str) -> int:
     """Returns an address of IPv4 as a number."""
-    first, second, third, fourth = map(int, host.split("."))
-    return first << 24 | second << 16 | third << 8 | fourth
+    return int.from_bytes(socket.inet_aton(host), "big")
 
 
 def host_of(packed: int) -> str:
     """Returns an address of IPv4 as text."""
-    return ".".join(str(packed >> shift & 0xFF) for shift in (24, 16, 8, 0))
+    return socket.inet_ntoa(packed.to_bytes(4, "big"))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol
 
+from ..ends.ends import Other
 from .library import Destination, Subscription, packed_host
 
 if TYPE_CHECKING:
@@ -31,22 +32,6 @@ class Feed(Protocol):
     age_limit: int
     expected: int
     counts: TopicCounts
-
-
-class Other(NamedTuple):
-    """A message that is not usual.
-
-    Attributes:
-        number: That of its publisher; None where the middleware does not tell it.
-        received: When, in nanoseconds, as when it was published.
-        left: How many more wait.
-    """
-
-    data: bytes
-    number: int | None
-    received: int
-    published: int
-    left: int
 
 
 _NOT_TOLD = (1 << 64) - 1
