@@ -6,7 +6,7 @@ import random
 import socket
 import struct
 import threading
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -54,15 +54,21 @@ def path(tmp_path_factory):
     return found
 
 
-@pytest.fixture(params=[False, True], ids=["Python", "core"])
-def system(request, path, tmp_path, monkeypatch):
+@contextmanager
+def running(path, log, monkeypatch, compiled):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = System(path, tmp_path / "bridge.log", compiled=request.param)
+    made = System(path, log, compiled=compiled)
     try:
         yield made
     finally:
         made.close()
+
+
+@pytest.fixture(params=[False, True], ids=["Python", "core"])
+def system(request, path, tmp_path, monkeypatch):
+    with running(path, tmp_path / "bridge.log", monkeypatch, request.param) as made:
+        yield made
 
 
 def point(x, y=0.0, sec=5, nanosec=7):
@@ -268,19 +274,19 @@ def run(system, seed):
     return points, [repr(each) for each in speeds], acknowledged, accounts
 
 
-FOUND: dict[bool, dict[int, object]] = {False: {}, True: {}}
-
-
 @pytest.mark.parametrize("seed", [1, 2])
-def test_both_forms_do_the_same_with_whatever_comes(system, seed):
-    first = len(system.points)
-    FOUND[system.is_compiled][seed] = run(system, seed)
-    passed = len(system.points) - first
-    if system.is_compiled:
-        wait_for(lambda: system.alone("point_up") > passed / 3, "messages of the core")
-        assert FOUND[True][seed] == FOUND[False][seed]
-    else:
-        assert system.alone("point_up") == 0
+def test_both_forms_do_the_same_with_whatever_comes(path, tmp_path, monkeypatch, seed):
+    found = []
+    for is_compiled in (False, True):
+        with running(path, tmp_path / f"{is_compiled}.log", monkeypatch, is_compiled) as system:
+            first = len(system.points)
+            found.append(run(system, seed))
+            if is_compiled:
+                enough = (len(system.points) - first) / 3
+                wait_for(lambda: system.alone("point_up") > enough, "messages of the core")  # noqa: B023
+            else:
+                assert system.alone("point_up") == 0
+    assert found[0] == found[1]
 
 
 def packets_of_scan(peer, size):
