@@ -39,13 +39,15 @@ class Arrival:
         number: Its sequence number, by which later ones of its source can be told from earlier
             ones; None where the transport keeps the order, and for what goes to a wildcard.
         is_sure: Whether it asks for acknowledgement; its repetition rightly comes late.
+        origin: Where it came from, such as an endpoint; another process is heard from elsewhere.
     """
 
-    __slots__ = ("is_sure", "number")
+    __slots__ = ("is_sure", "number", "origin")
 
     def __init__(self) -> None:
         self.number: int | None = None
         self.is_sure = False
+        self.origin: object = None
 
 
 class PeerTraffic(NamedTuple):

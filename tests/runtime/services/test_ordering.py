@@ -19,8 +19,9 @@ class Line:
         self.arrival = Arrival()
         self.ordering = Ordering(self.arrival, lambda: self.time)
 
-    def is_late(self, number, sender=ONE, *, is_sure=False):
+    def is_late(self, number, sender=ONE, *, is_sure=False, origin=("127.0.0.1", 3794)):
         self.arrival.number, self.arrival.is_sure = number, is_sure
+        self.arrival.origin = origin
         return self.ordering.is_late(sender)
 
 
@@ -68,6 +69,13 @@ def test_a_source_that_begins_anew_is_believed_soon(line):
     line.time += LATEST
     assert not line.is_late(2)
     assert not line.is_late(3)
+
+
+def test_who_is_heard_from_elsewhere_is_a_new_process(line):
+    """An operator's next command comes at once, and its number may be just below the last one's."""
+    assert not line.is_late(500)
+    assert not line.is_late(499, origin=("127.0.0.1", 40_000))
+    assert line.is_late(498, origin=("127.0.0.1", 40_000))
 
 
 def test_a_number_far_behind_is_that_of_a_new_process(line):

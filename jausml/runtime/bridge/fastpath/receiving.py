@@ -268,6 +268,6 @@ def _tell(order: Any, path: FastPath) -> None:
     latest = None if path.latest is None else path.latest()
     order.has_latest = latest is not None
     if latest is not None:
-        order.latest, order.latest_at = latest
+        order.latest, order.latest_at, _ = latest
     if path.expected is not None:
         order.expected = path.expected() or 0

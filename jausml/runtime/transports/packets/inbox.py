@@ -207,6 +207,7 @@ class Inbox(Generic[Origin]):
         receivers = self.receivers_of(packet)
         if not receivers:
             return False
+        self.arrival.origin = origin
         if packet.acknowledge >= AckNak.NAK:
             self._on_acknowledgement(packet, receivers, origin, now)
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:

@@ -226,6 +226,7 @@ def reader(  # noqa: C901 - for `read`
                     continue
                 message = joined[0]
             arrival.number, arrival.is_sure = sequence, way.answers != 0
+            arrival.origin = origin
             try:
                 way.take(message, source)
             except Exception as error:  # one component must not silence the others
