@@ -152,12 +152,13 @@ class RosPeer:
 
     def __init__(self) -> None:
         import rclpy
-        from rclpy.executors import SingleThreadedExecutor
+
+        from jausml.runtime.bridge.ros.spin import EndableExecutor
 
         self.context = rclpy.Context()
         rclpy.init(context=self.context, args=[])
         self.node = rclpy.create_node("peer", context=self.context)
-        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor = EndableExecutor(self.context)
         self.executor.add_node(self.node)
         self.received: dict[str, list] = {}
         self._publishers: dict[str, object] = {}
@@ -199,8 +200,9 @@ class RosPeer:
 
     def close(self) -> None:
         """Leaves ROS."""
-        self.executor.shutdown()
+        self.executor.end()
         self._thread.join()
+        self.executor.shutdown()
         self.node.destroy_node()
         self.context.try_shutdown()
 

@@ -45,9 +45,27 @@ class Spun:
         return self.executor.counters.snapshot().get(FAILED, 0)
 
     def close(self):
-        self.executor.shutdown()
+        self.executor.end()
         self._thread.join()
+        self.executor.shutdown()
         self.node.destroy_node()
+
+
+def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
+    """What rclpy offers for it, `shutdown`, is not, just before it waits."""
+    from jausml.runtime.bridge.ros.spin import EndableExecutor
+
+    class AboutToWait(EndableExecutor):
+        def get_nodes(self):
+            self.end()
+            return super().get_nodes()
+
+    executor = AboutToWait(peer.context)
+    thread = threading.Thread(target=executor.spin, daemon=True)
+    thread.start()
+    thread.join(20)
+    assert not thread.is_alive()
+    executor.shutdown()
 
 
 @pytest.fixture

@@ -74,9 +74,9 @@ class QuietNode:
 
     def spin(self) -> None:
         """Lets callbacks come, on a thread that ends with `close`."""
-        from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
+        from jausml.runtime.bridge.ros.spin import EndableExecutor  # noqa: PLC0415
 
-        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor = EndableExecutor(self._context)
         self._executor.add_node(self.node)
         self._thread = Thread(target=self._spin, name=self._name, daemon=True)
         self._thread.start()
@@ -84,8 +84,9 @@ class QuietNode:
     def close(self) -> None:
         """Leaves ROS."""
         if self._thread is not None:
-            self._executor.shutdown()
+            self._executor.end()
             self._thread.join()
+            self._executor.shutdown()
             self._thread = None
         if self.node is not None:
             self.node.destroy_node()

@@ -73,7 +73,7 @@ def require_internals(node: Any) -> None:
         (QoSProfile, "QoSProfile", ("get_c_qos_profile",)),
         (Node, "Node", ("handle", "resolve_topic_name")),
         (node, "node", ("_parameter_overrides",)),
-        (SingleThreadedExecutor, "SingleThreadedExecutor", ("_make_handler",)),
+        (SingleThreadedExecutor, "SingleThreadedExecutor", ("_make_handler", "_spin_once_impl")),
     ]
     lacking = [
         f"{name}.{part}"

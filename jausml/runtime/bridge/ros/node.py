@@ -330,9 +330,10 @@ class RosNode:
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
         self._finish()
-        self._executor.shutdown()
+        self._executor.end()
         if self._thread is not None:
             self._thread.join()
+        self._executor.shutdown()
         self._give_back()
         self._node.destroy_node()
         try_shutdown(context=self._context)

@@ -35,7 +35,37 @@ FAILED = "ros.callback_failed"
 REFUSED = "ros.request_refused"
 
 
-class GuardedExecutor(SingleThreadedExecutor):
+class EndableExecutor(SingleThreadedExecutor):
+    """Runs the callbacks of nodes on one thread until another one ends it.
+
+    The `shutdown` of rclpy takes the condition that wakes `spin` away while that may prepare to
+    wait: it would wait for ever. It is for an executor that does not spin any more.
+    """
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context=context)
+        self._is_ended = False
+
+    def spin(self) -> None:
+        """Runs callbacks until `end`, or until ROS is shut down.
+
+        Raises:
+            ExternalShutdownException: ROS was shut down while it waited.
+        """
+        while self.context.ok() and not self._is_ended:
+            # By another condition it would forget what is ready, and serve the first ones alone.
+            self._spin_once_impl(None, self._has_ended)
+
+    def end(self) -> None:
+        """Lets `spin` return after the callback that it runs."""
+        self._is_ended = True
+        self.wake()
+
+    def _has_ended(self) -> bool:
+        return self._is_ended
+
+
+class GuardedExecutor(EndableExecutor):
     """Runs the callbacks of a node, and counts what they raise: no request may end a bridge.
 
     rclpy raises out of `spin` what a callback raises, be it of its own services: for a transition
@@ -44,7 +74,7 @@ class GuardedExecutor(SingleThreadedExecutor):
     """
 
     def __init__(self, context: Context) -> None:
-        super().__init__(context=context)
+        super().__init__(context)
         self.counters = Counters()
 
     def add_node(self, node: Any) -> bool:
