@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from for_each import for_each
+from scripts import run_script
 from warm import programs
 
 from jausml.cli import main
@@ -56,14 +57,8 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     }
     bash = shutil.which("bash")
     assert bash is not None
-    result = subprocess.run(
-        [bash, "-euo", "pipefail", "-c", script(page)],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=250,
-    )
+    line = [bash, "-euo", "pipefail", "-c", script(page)]
+    result = run_script(line, cwd=tmp_path, env=environment, timeout=250)
     assert result.returncode == 0, result.stdout + result.stderr
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 import shlex
 import struct
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from for_each import for_each
+from scripts import run_script
 
 GUARDS = ("docs",)
 
@@ -62,13 +62,8 @@ def test_the_snippets_of_jausml_run(tmp_path):
             continue
         script.append(code if kind == "python" else _run(code))
     script += ["operator.stop()", "vehicle.stop()"]
-    result = subprocess.run(
-        [sys.executable, "-c", "\n".join(script)],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    line = [sys.executable, "-c", "\n".join(script)]
+    result = run_script(line, cwd=tmp_path, timeout=120)
     assert result.returncode == 0, result.stdout + result.stderr
     said = result.stdout
     assert "'100.1.1': ('urn:jaus:jss:" in said
