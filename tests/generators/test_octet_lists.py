@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.generation.native import SOURCE, State, build, compiler
 from tests.generators.assignment_support import generated
 
 TEXT = """
@@ -31,12 +32,24 @@ scaled {
     value, /width -> . : expression("value - width") { outOfRange: clamp }
   } )
 }
+shares {
+  JAUS SetShares ( uint8 [<=3000] cells { lower: 0  upper: 100 } ) { code: 0xD114 }
+  ROS nav_msgs/OccupancyGrid
+  JAUS->ROS ( cells -> data { value -> . : square_root { outOfRange: clamp } } )
+}
 bridge octet_lists {
   address: 9.9.9
 CONNECTIONS
 }
 """
-WAYS = (("cells", "up"), ("cells", "down"), ("plain", "up"), ("plain", "down"), ("scaled", "up"))
+WAYS = (
+    ("cells", "up"),
+    ("cells", "down"),
+    ("plain", "up"),
+    ("plain", "down"),
+    ("scaled", "up"),
+    ("shares", "up"),
+)
 DIRECTIONS = {"up": "jausToRos", "down": "rosToJaus"}
 
 
@@ -99,6 +112,52 @@ def test_octets_of_ros_are_the_same_in_both_ways(bridge, cells, name):
     assert whole == listed
 
 
+@pytest.fixture(scope="module")
+def compiled(bridge):
+    """Returns the compiled translations by connection."""
+    if compiler() is None:
+        pytest.skip("there is no compiler of C++")
+    (built,) = build([bridge.folder / bridge.package / SOURCE], str(compiler()))
+    assert built.state is State.BUILT, built.reason
+    owner = bridge.bridge
+    library = owner.core.load()
+
+    def function(name):
+        form = getattr(owner, f"translate_{name}").compiled
+        return form.of(owner, library, getattr(owner, name).drop_field.unknown)
+
+    return {f"{name}_{way}": function(f"{name}_{way}") for name, way in WAYS}
+
+
+CODES = {"cells": b"\x11\xd1", "plain": b"\x12\xd1", "shares": b"\x14\xd1"}
+
+
+@given(cells=st.binary(max_size=300), name=st.sampled_from([*CODES]))
+def test_octets_of_jaus_are_the_same_compiled(bridge, compiled, cells, name):
+    data = CODES[name] + len(cells).to_bytes(2, "little") + cells
+    whole, _ = both_ways(bridge, name, "up", data)
+    found = compiled[f"{name}_up"](data)
+    # What is limited, or refused, is Python's.
+    assert found == whole or (found is None and is_unusual(cells, name))
+
+
+def is_unusual(cells, name):
+    return name == "plain" and any(each > 127 for each in cells)
+
+
+@given(
+    cells=st.lists(st.integers(-128, 127), max_size=300), name=st.sampled_from(["cells", "plain"])
+)
+def test_octets_of_ros_are_the_same_compiled(bridge, compiled, cells, name):
+    light = importlib.import_module(f"{bridge.package}.ros_types").OccupancyGrid
+    data = light(data=cells).to_cdr()
+    whole, _ = both_ways(bridge, name, "down", data)
+    found = compiled[f"{name}_down"](data)
+    limits = {"cells": range(-1, 101), "plain": range(128)}[name]
+    assert (found is None) == any(each not in limits for each in cells)
+    assert found is None or found == whole
+
+
 @given(cells=st.binary(max_size=50), width=st.integers(0, 255))
 def test_what_depends_on_more_than_the_octet_is_a_loop(bridge, cells, width):
     head = b"\x13\xd1" + bytes([width]) + len(cells).to_bytes(2, "little")
@@ -117,3 +176,10 @@ def test_short_and_long_lists_are_refused_alike(bridge, cells):
     data = b"\x11\xd1" + (len(cells) + 1).to_bytes(2, "little") + cells
     whole, listed = both_ways(bridge, "cells", "up", data)
     assert whole == listed == "DecodeError"
+
+
+def test_a_scaled_octet_is_a_value_and_no_number_of_a_table(bridge):
+    data = b"\x14\xd1" + b"\x02\x00" + b"\xff\x00"
+    source = bridge.messages.SetShares.decode(data)
+    made = bridge.bridge.translate_shares_up(source)
+    assert list(made.data) == [10, 0]  # 255 stands for 100

@@ -16,6 +16,7 @@ from jausml_generators.cpp.jaus_numbers import (
     read_number,
     unsigned,
     write_number,
+    write_octets,
 )
 from jausml_generators.cpp.types import (
     INTEGER,
@@ -173,11 +174,16 @@ class _Message:
         struct = self._declared(view.path)
         reading: list[str] = []
         writing: list[str] = []
+        is_octet = not self._is_bounded and _only_octet(view) is not None
         for each in view.members:
             name, kind = cpp_name(each.attribute), self._type(each.value)
+            if is_octet and isinstance(each.value, Fixed):
+                kind = Plain(INTEGER.cpp, NUMBERS[each.value.format])
             initial = "" if each.is_optional else self._initial(each.value)
             comment = self._comment(each.description)
-            struct.members[each.attribute] = Member(name, kind, each.is_optional, initial, comment)
+            struct.members[each.attribute] = Member(
+                name, kind, each.is_optional, initial, comment, is_octet
+            )
             reading += self._reading(each, name)
             writing += self._writing(each, name)
         if view.presence_size:
@@ -279,9 +285,18 @@ class _Message:
                 first = f"in.sized<{NUMBERS[value.count_format]}>({target}, {bounds});"
             case ArrayValue():
                 first = f"jausml::fit({target}, {value.count});"
+        if self._octet(value.element) is not None and isinstance(value, ListValue):
+            return [first, f"in.octets({again or target});"]
         inner = self._read_value(value.element, "item")
         loop = f"for (auto& item : {again or target}) {{"
         return [first, loop, *(f"{_INDENT}{line}" for line in inner), "}"]
+
+    def _octet(self, value: Value) -> Fixed | None:
+        """The only field of a record, if it is an octet that lies as on the wire."""
+        if self._is_bounded or not isinstance(value, PartValue):
+            return None
+        part = value.part
+        return _only_octet(part) if isinstance(part, ContainerClass) else None
 
     def _read_variant(self, value: VariantValue, target: str) -> list[str]:
         lines = [f"switch (in.bits<{NUMBERS[value.tag_format]}>()) {{"]
@@ -321,6 +336,9 @@ class _Message:
                 first = (
                     f"out.require({text}.size() == {value.count}, jausml::Status::count_not_legal);"
                 )
+        octet = self._octet(value.element)
+        if octet is not None and isinstance(value, ListValue):
+            return [first, write_octets(octet, given)]
         inner = self._write_value(value.element, "item")
         loop = [f"for (const auto& item : {given}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
         return [first, *loop]
@@ -333,6 +351,18 @@ class _Message:
             f"out.raw(static_cast<{number}>({text}.index()));",
             f"std::visit([&](const auto& option) {{ option.write(out); }}, {text.strip('()')});",
         ]
+
+
+def _only_octet(view: ContainerClass) -> Fixed | None:
+    """Returns the only field of a record, if it is an octet whose value is that on the wire."""
+    if view.presence_size or view.tag is not None or len(view.members) != 1:
+        return None
+    (member,) = view.members
+    value = member.value
+    if member.is_optional or not isinstance(value, Fixed) or isinstance(value, Bits):
+        return None
+    is_plain = value.python_type == "int" and not value.offset and value.scale is None
+    return value if is_plain and value.format in {"b", "B"} else None
 
 
 def _constants(view: Enumeration) -> list[str]:

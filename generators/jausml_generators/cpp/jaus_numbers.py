@@ -81,6 +81,12 @@ def write_number(value: Fixed, text: str, kind: Type) -> str:
     raise UnprintableError(f"the check {value.check}")
 
 
+def write_octets(value: Fixed, text: str) -> str:
+    """Returns the statement that writes records of one octet."""
+    number = NUMBERS[value.format]
+    return f"out.octets<{number}>({text}, {_ranges(value, Plain(number))});"
+
+
 def _scale(value: Fixed) -> tuple[str, str]:
     """Lower end and step, the step as the division that the standard says."""
     lower, upper = value.scale or (0.0, 0.0)

@@ -28,7 +28,7 @@ class Found:
 
     Attributes:
         is_optional: Whether it may not be there; the text is then that of the optional.
-        is_element: Whether it is an element of a list, which lies as on the wire.
+        is_element: Whether it lies as on the wire, as the elements of lists do.
     """
 
     text: str
@@ -116,7 +116,8 @@ class Places:
             raise UnprintableError(f"{step} of {kind.cpp}")
         member = kind.members[step]
         dot = "->" if found.is_optional else "."
-        return Found(f"{found.text}{dot}{member.name}", member.type, member.is_optional)
+        text = f"{found.text}{dot}{member.name}"
+        return Found(text, member.type, member.is_optional, is_element=member.is_octet)
 
     def holds(self, condition: Condition) -> str:
         """Returns the test that a condition holds."""

@@ -23,6 +23,7 @@ from jausml_generators.bridge.translation.steps import (
     Write,
 )
 from jausml_generators.bridge.translation.together import octet_limit
+from jausml_generators.cpp.jaus_numbers import NUMBERS
 from jausml_generators.cpp.places import Found
 from jausml_generators.cpp.types import (
     INTEGER,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
 _INDENT = "    "
 _MOST_UNKNOWN = 64
+_OCTETS = (NUMBERS["b"], NUMBERS["B"])
 
 
 @dataclass(frozen=True)
@@ -210,8 +212,8 @@ class _Printer(Values):
     # -- lists -----------------------------------------------------------------------------------
 
     def _each(self, step: Each) -> None:
-        if octet_limit(step) is not None:
-            raise UnprintableError("octets, which Python translates by a table")
+        if self._octets(step):
+            return
         items, kind = self._items(step.items)
         index, target = self.name("index"), self.at(step.place)
         if not isinstance(target.type, Elements):
@@ -239,6 +241,29 @@ class _Printer(Values):
             *_indented([f"{bound} = {items}[{index}];", *made, put]),
             "}",
         ]
+
+    def _octets(self, step: Each) -> bool:
+        """Prints elements that are octets by a table, if they lie as on the wire on both sides."""
+        limit = octet_limit(step)
+        items, target = self.type(step.items), self.at(step.place)
+        if limit is None or not isinstance(items, Elements):
+            return False
+        taken, made = _octet(items), _octet(target.type)
+        if not taken or not made:
+            return False
+        table, octet = self.name("table"), Local("octet")
+        self.claim(octet, INTEGER)
+        text = self.text(_of(limit, Place(octet)))
+        is_made = target.is_optional and step.is_fresh
+        into = f"{target.text}.emplace()" if is_made else target.value
+        self._lines += [
+            f"static const auto {table} = jausml::OctetTable::of<{taken}>(",
+            f"{_INDENT}[](jausml::Check& check, std::int64_t {self.locals[octet].text}) {{",
+            f"{_INDENT * 2}return {text};",
+            f"{_INDENT}}});",
+            f"{table}.translate(check, {self.text(step.items)}, {into});",
+        ]
+        return True
 
     def _items(self, value: Expression) -> tuple[str, Elements]:
         """The list that is gone through, as a text that may stand twice."""
@@ -271,6 +296,25 @@ class _Printer(Values):
         if kind.cpp == TRUTH.cpp:
             return f"{element} ? 1 : 0"
         return element if narrow == kind.cpp else f"jausml::narrowed<{narrow}>(check, {element})"
+
+
+def _octet(kind: Type) -> str:
+    """The type of elements that are an octet each; empty for others."""
+    if not isinstance(kind, Elements) or kind.count or kind.may_lack:
+        return ""
+    inner = kind.of
+    octet = inner.octet if isinstance(inner, Struct) else getattr(inner, "element", "")
+    return octet if octet in _OCTETS else ""
+
+
+def _of(value: Expression, place: Place) -> Expression:
+    """An expression of one value, of what stands at another place."""
+    match value:
+        case Limit() | values.Cast():
+            return replace(value, value=_of(value.value, place))
+        case values.Convert(inputs=(only,)):
+            return replace(value, inputs=(_of(only, place),))
+    return values.Read(place, values.INTEGER)
 
 
 def _any(tests: Sequence[str]) -> str:

@@ -140,6 +140,7 @@ class Member:
     Attributes:
         initial: What it is in a struct as it is made, in braces or empty.
         comment: Lines above it.
+        is_octet: Whether it lies as on the wire, and is all that there is in its struct.
     """
 
     name: str
@@ -147,11 +148,13 @@ class Member:
     is_optional: bool = False
     initial: str = ""
     comment: tuple[str, ...] = ()
+    is_octet: bool = False
 
     @property
     def line(self) -> str:
         """Its declaration."""
         kind = f"std::optional<{self.type.cpp}>" if self.is_optional else self.type.cpp
+        kind = getattr(self.type, "element", "") if self.is_octet else kind
         return f"{kind} {self.name}{self.initial};"
 
 
@@ -171,6 +174,16 @@ class Struct:
     def own_name(self) -> str:
         """Its name where it is declared."""
         return self.cpp.rpartition("::")[2]
+
+    @property
+    def octet(self) -> str:
+        """The type of its only member, if that is an octet."""
+        members = [*self.members.values()]
+        return (
+            getattr(members[0].type, "element", "")
+            if [e.is_octet for e in members] == [True]
+            else ""
+        )
 
 
 Type: TypeAlias = Plain | Elements | Choice | Struct

@@ -34,6 +34,7 @@ from jausml_generators.bridge.translation.steps import Alike, Choose, Each, Let,
 from jausml_generators.python.codec.classes import ContainerClass
 from jausml_generators.python.codec.compounds import PartValue
 from jausml_generators.python.codec.jaus_fields import JausStart
+from jausml_generators.python.codec.scalars import Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -115,13 +116,20 @@ def _code(start: Start) -> str:
 
 
 def _only_code(start: Start) -> str:
-    """The format character of the only number of an element; empty where there are more."""
+    """The format character of the only number of an element; empty where there are more.
+
+    Empty too where the number is not the one on the wire, as that of a scaled integer.
+    """
     if not isinstance(start, JausStart):
         return _code(start)
     part = start.value.part if isinstance(start.value, PartValue) else None
     if not isinstance(part, ContainerClass) or part.presence_size or len(part.members) != 1:
         return ""
-    return str(getattr(part.members[0].value, "format", ""))
+    (only,) = part.members
+    value = only.value
+    if not isinstance(value, Fixed) or value.scale is not None or value.offset:
+        return ""
+    return value.format
 
 
 # ------------------------------------------------------------------ what is done with them

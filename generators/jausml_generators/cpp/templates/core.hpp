@@ -372,6 +372,44 @@ Number narrowed(Check& check, std::int64_t value) {
     return given;
 }
 
+// What a conversion makes of each octet, found once.
+class OctetTable {
+public:
+    // The conversion is given a check and a number, and returns an integer.
+    template <class Octet, class Convert>
+    static OctetTable of(const Convert& convert) {
+        OctetTable table;
+        for (unsigned octet = 0; octet < 256; ++octet) {
+            Check check;
+            const auto given = static_cast<std::int64_t>(static_cast<Octet>(octet));
+            const auto made = static_cast<std::uint8_t>(convert(check, given));
+            table.made_[octet] = check.passed() ? made : ODD;
+        }
+        return table;
+    }
+
+    // Makes the elements of one list, an octet each, from those of another.
+    template <class Items, class Target>
+    void translate(Check& check, const Items& items, Target& into) const {
+        static_assert(sizeof items[0] == 1 && sizeof into[0] == 1, "they lie as on the wire");
+        const std::size_t size = items.size();
+        into.resize(size);
+        const auto* const from = reinterpret_cast<const std::uint8_t*>(items.data());
+        auto* const to = reinterpret_cast<std::uint8_t*>(into.data());
+        unsigned all = 0;
+        for (std::size_t at = 0; at < size; ++at) {
+            const std::uint16_t made = made_[from[at]];
+            to[at] = static_cast<std::uint8_t>(made);
+            all |= made;
+        }
+        check.require(all < ODD);
+    }
+
+private:
+    static constexpr std::uint16_t ODD = 0x100;  // where the conversion is not usual
+    std::array<std::uint16_t, 256> made_{};
+};
+
 // What a translation makes: bytes, and which fields were left out.
 //
 // The bytes stand where they are until the next call of the same thread.

@@ -322,6 +322,15 @@ public:
         take(into, count<Number>(most, 1));
     }
 
+    // The elements of a list that are an octet each, and have a place.
+    template <class Sized>
+    void octets(Sized& into) {
+        static_assert(sizeof(typename Sized::value_type) == 1, "they lie as on the wire");
+        if (!has(into.size()) || into.empty()) return;
+        std::memcpy(into.data(), data_ + at_, into.size());
+        at_ += into.size();
+    }
+
 private:
     template <class Number>
     std::size_t count(std::uint64_t most, std::size_t least_size) {
@@ -402,6 +411,22 @@ public:
     void counted(const Sized& value, std::uint64_t fewest, std::uint64_t most) {
         count<Number>(value, fewest, most);
         put_all(value);
+    }
+
+    // The elements of a list that are an octet each.
+    template <class Octet, class Sized>
+    void octets(const Sized& items, Ranges<std::int64_t> ranges) {
+        static_assert(sizeof(typename Sized::value_type) == 1, "they lie as on the wire");
+        const auto* const begin = reinterpret_cast<const Octet*>(items.data());
+        bool are_legal = true;
+        for (const auto& [low, high] : ranges) {
+            if (low <= std::numeric_limits<Octet>::min() && high >= std::numeric_limits<Octet>::max()) {
+                return put(items.data(), items.size());
+            }
+        }
+        for (std::size_t at = 0; at < items.size(); ++at) are_legal &= is_within(begin[at], ranges);
+        require(are_legal);
+        put(items.data(), items.size());
     }
 
     // Writes over what was put where bytes begin, as a presence vector when all fields are known.
