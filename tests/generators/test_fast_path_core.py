@@ -184,17 +184,33 @@ def test_another_thread_may_stop_it_at_any_time(tmp_path):
 
 
 def test_messages_of_ros_become_packets(program):
-    rng = random.Random(4)
-    sizes = [2, 3, 99, 100, 101, 200, 201, 4000, 4001, 20 * 4079, 1, 0]
-    sent = [
-        ("m", CODE[:size] + rng.randbytes(max(0, size - 2)), 50 + at)
-        for at, size in enumerate(sizes)
-    ]
-    sent.append(("m", CODE + b"G", 62))
+    sizes = [2, 3, 99, 100, 101, 200, 201, 1, 0]
+    sent = [("m", payload_of(size), 50 + at) for at, size in enumerate(sizes)]
+    sent.append(("m", CODE + b"G", 59))
     sent.append(("m", CODE + b"a", 99))  # one is missing before it
     found = answers(program, sent)
+    look_at_packets(sent[:7], found[:7])
+    assert [line[:3] for line in found[7:]] == [[str(OTHER), "0", size] for size in "1033"]
+
+
+@pytest.mark.parametrize(("size", "passes"), [(1000, True), (1001, False), (4001, False)])
+def test_more_packets_than_a_peer_takes_at_once_are_left_to_who_waits(program, size, passes):
+    sent = [("m", payload_of(size), 50)]
+    found = answers(program, sent)
+    if passes:
+        look_at_packets(sent, found)
+    else:
+        assert found == [[str(OTHER), "0", str(size)]]
+
+
+def payload_of(size):
+    return (CODE + random.Random(size).randbytes(max(0, size - 2)))[:size]
+
+
+def look_at_packets(sent, found):
+    """Checks the packets that messages became, at most 100 bytes in each."""
     number = 65530
-    for (_, data, _), line in zip(sent[:10], found, strict=False):
+    for (_, data, _), line in zip(sent, found, strict=True):
         assert line[:2] == [str(ENOUGH), "1"]
         packets = [
             packet
@@ -202,11 +218,10 @@ def test_messages_of_ros_become_packets(program):
             for packet in parse_datagram(bytes.fromhex(each), Counters())
         ]
         assert b"".join(each.payload for each in packets) == data
-        assert len(packets) == 1 or len(packets) <= 41
+        assert len(packets) <= 10
         for each in packets:
             assert each.sequence == number & 0xFFFF
             assert isinstance(each, Packet)
             number += 1
         flags = [int(each.data_flags) for each in packets]
         assert flags == ([0] if len(flags) == 1 else [1, *[2] * (len(flags) - 2), 3])
-    assert [line[:3] for line in found[10:]] == [[str(OTHER), "0", size] for size in "1033"]

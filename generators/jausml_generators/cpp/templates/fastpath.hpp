@@ -515,11 +515,27 @@ struct Pending {
     std::uint64_t left;
 };
 
+// Tells whether packets of one message can go to a component in one go, as Python's `Bursts` does.
+class Bursts {
+public:
+    bool fit(std::size_t count, double now) {
+        const double level = std::max(0.0, level_ - (now - since_) * PER_SECOND);
+        if (level + static_cast<double>(count) > MOST) return false;
+        level_ = level + static_cast<double>(count);
+        since_ = now;
+        return true;
+    }
+
+private:
+    static constexpr double MOST = 10.0, PER_SECOND = 8000.0;
+    double level_ = 0.0, since_ = 0.0;
+};
+
 // Takes the messages of a subscription.
 class Subscriber {
 public:
-    Subscriber(const Ros& ros, Subscription* shared)
-        : ros_(ros), shared_(shared), message_{nullptr, 0, 0, ros.allocator()} {}
+    Subscriber(const Ros& ros, Subscription* shared, Bursts& bursts)
+        : ros_(ros), shared_(shared), bursts_(bursts), message_{nullptr, 0, 0, ros.allocator()} {}
     Subscriber(const Subscriber&) = delete;
     Subscriber& operator=(const Subscriber&) = delete;
     ~Subscriber() {
@@ -568,10 +584,18 @@ private:
         Made made{nullptr, 0};
         const std::int64_t size = shared_->translation->run(message_.data, message_.size, made);
         if (size < static_cast<std::int64_t>(CODE)) return false;
+        const auto bytes = static_cast<std::size_t>(size);
+        if (bytes > shared_->to->longest && !bursts_.fit((bytes - 1) / step_of(bytes) + 1, now))
+            return false;  // it is to be acknowledged
         Sent& done = out.sent[out.sent_count++];
         done = {now, info.published, made.unknown, shared_->index, 0, 0};
-        send_all(made.data, static_cast<std::size_t>(size), done);
+        send_all(made.data, bytes, done);
         return true;
+    }
+
+    std::size_t step_of(std::size_t size) const {
+        const std::size_t needed = (size + MOST_PARTS - 1) / MOST_PARTS;
+        return std::max(shared_->to->longest, std::min(LARGEST_PART, needed));
     }
 
     void send_all(const std::uint8_t* data, std::size_t size, Sent& done) const {
@@ -579,8 +603,7 @@ private:
             send_part(data, size, shared_->to->flags, done);
             return;
         }
-        const std::size_t needed = (size + MOST_PARTS - 1) / MOST_PARTS;
-        const std::size_t step = std::max(shared_->to->longest, std::min(LARGEST_PART, needed));
+        const std::size_t step = step_of(size);
         for (std::size_t at = 0; at < size && done.error == 0; at += step) {
             const bool is_last = at + step >= size;
             const std::uint8_t place = at == 0 ? FIRST_PACKET : is_last ? LAST_PACKET : MIDDLE_PACKET;
@@ -612,6 +635,7 @@ private:
 
     Ros ros_;
     Subscription* shared_;
+    Bursts& bursts_;
     Serialized message_;
 };
 
@@ -634,6 +658,7 @@ public:
     void forget() {
         receiver.forget();
         subscribers_.clear();
+        if (bursts_.size() >= MOST_DESTINATIONS) bursts_.clear();
     }
 
     void listen(int sock, std::size_t most) {
@@ -643,20 +668,24 @@ public:
 
     Pending* subscribe(Subscription* shared) {
         auto& found = subscribers_[shared->descriptor];
-        found = std::make_unique<Subscriber>(ros_, shared);
+        Bursts& bursts = bursts_[shared->to->destination];
+        found = std::make_unique<Subscriber>(ros_, shared, bursts);
         return &found->pending;
     }
 
     // Waits for at most so many seconds, below 0 for ever; until something is left to Python.
     //
     // due: When the process must have stood still, by the steady clock: what waits then is old.
-    void wait(double seconds, double due, Waited& out) {
+    //
+    // Returns the descriptor that is ready, if all else is nothing; then nobody reads more memory.
+    std::int32_t wait(double seconds, double due, Waited& out) {
         out.taken_count = out.sent_count = out.ready_count = 0;
         receiver.begin();
         const double end = seconds < 0 ? 1e300 : monotonic() + seconds;
         for (bool goes_on = true; goes_on;) {
             epoll_event events[AT_ONCE];
-            const int found = epoll_wait(epoll_, events, AT_ONCE, milliseconds(end));
+            const bool has_passed = out.taken_count + out.sent_count != 0;
+            const int found = epoll_wait(epoll_, events, AT_ONCE, milliseconds(end, has_passed));
             const double now = monotonic();
             goes_on = found > 0 && now < end;
             const std::lock_guard<std::mutex> guard(passing_);
@@ -673,15 +702,26 @@ public:
         receiver.give_back();  // what is not whole when Python goes on is Python's
         out.left = receiver.left().data();
         out.left_count = receiver.left().size();
+        if (out.taken_count + out.sent_count + out.left_count != 0 || out.ready_count > 1)
+            return SEVERAL;
+        return out.ready_count == 1 ? out.ready[0] : NONE;
     }
+
+    static constexpr std::int32_t NONE = -1;
+    static constexpr std::int32_t SEVERAL = -2;
 
     Receiver receiver;
 
 private:
-    static int milliseconds(double end) {
-        if (end >= 1e300) return -1;
+    static constexpr std::size_t MOST_DESTINATIONS = 256;
+
+    // Python writes down what has passed when it is quiet, and not before what comes next.
+    static constexpr int QUIET = 3;
+
+    static int milliseconds(double end, bool has_passed) {
+        if (end >= 1e300) return has_passed ? QUIET : -1;
         const double left = std::ceil((end - monotonic()) * 1e3);
-        return left <= 0 ? 0 : static_cast<int>(std::min(left, 1e9));
+        return left <= 0 ? 0 : static_cast<int>(std::min(left, has_passed ? QUIET : 1e9));
     }
 
     Left pass(int descriptor, Waited& out) {
@@ -694,6 +734,7 @@ private:
     int epoll_;
     int sock_ = -1;
     std::unordered_map<int, std::unique_ptr<Subscriber>> subscribers_;
+    std::unordered_map<std::uint32_t, Bursts> bursts_;
     std::mutex passing_;
     bool is_open_ = false;
 };
@@ -736,12 +777,13 @@ JAUSML_EXPORT jausml::Pending* jausml_core_subscribe(jausml::Core* core,
     }
 }
 
-JAUSML_EXPORT void jausml_core_wait(jausml::Core* core, double seconds, double due,
-                                    jausml::Waited* out) {
+JAUSML_EXPORT std::int32_t jausml_core_wait(jausml::Core* core, double seconds, double due,
+                                            jausml::Waited* out) {
     try {
-        core->wait(seconds, due, *out);
+        return core->wait(seconds, due, *out);
     } catch (...) {
         out->left_count = 0;  // there is no memory for what waits
+        return jausml::Core::SEVERAL;
     }
 }
 

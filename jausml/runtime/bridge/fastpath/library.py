@@ -139,6 +139,9 @@ class Pending(ctypes.Structure):
     )
 
 
+NONE, SEVERAL = -1, -2
+"""What a wait returns in the place of the only descriptor that is ready."""
+
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
 _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "core": (_POINTER, (_POINTER, ctypes.c_int)),
@@ -151,7 +154,7 @@ _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "core_subscribe": (ctypes.POINTER(Pending), (_POINTER, _POINTER)),
     "next_number": (ctypes.c_uint64, (_POINTER,)),
 }
-_WAIT = ctypes.CFUNCTYPE(None, _POINTER, ctypes.c_double, ctypes.c_double, _POINTER)
+_WAIT = ctypes.CFUNCTYPE(ctypes.c_int32, _POINTER, ctypes.c_double, ctypes.c_double, _POINTER)
 _CLIENT_LIBRARY = {
     "publish": ("librcl.so", "rcl_publish_serialized_message"),
     "take": ("librcl.so", "rcl_take_serialized_message"),

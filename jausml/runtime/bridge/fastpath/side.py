@@ -9,7 +9,7 @@ from select import EPOLLIN
 from typing import TYPE_CHECKING
 
 from ...transports.udp.judp import JudpTransport
-from .library import SENT, Library, NoFastPathError, Waited
+from .library import NONE, SENT, SEVERAL, Library, NoFastPathError, Waited
 from .receiving import FastReceiver
 from .sending import FastSubscriber, SharedNumbers
 
@@ -47,6 +47,8 @@ class FastSide:
         self._transport = transport
         self._revision = -1
         self._waited = Waited()
+        self._place = ctypes.pointer(self._waited)
+        self._has_passed = False
         self._subscribers: list[FastSubscriber] = []
         self._receiver = FastReceiver(library, self._core, transport, component)
         transport.count_by(partial(SharedNumbers, library))
@@ -88,9 +90,9 @@ class FastSide:
 
     def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
         """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
-        library, waited, receiver = self._library, self._waited, self._receiver
+        library, receiver = self._library, self._receiver
+        self._has_passed = False
         if receiver.has_others:  # what comes behind them must not pass before them
-            waited.taken_count = waited.sent_count = waited.left_count = 0
             return [(receiver.descriptor, EPOLLIN)]
         library.core_start(self._core)
         if (number := self._loop.revision.number) != self._revision:
@@ -99,9 +101,11 @@ class FastSide:
             self._end_subscribers()
             self._revision = number
         due = self._loop.standstill.due
-        library.core_wait(
-            self._core, _FOREVER if seconds is None else seconds, due, ctypes.byref(waited)
-        )
+        wait = _FOREVER if seconds is None else seconds
+        only = library.core_wait(self._core, wait, due, self._place)
+        if only != SEVERAL:
+            return [] if only == NONE else [(only, EPOLLIN)]
+        self._has_passed, waited = True, self._waited
         ready = set(waited.ready[: waited.ready_count])
         if waited.left_count:
             ready.add(receiver.descriptor)
@@ -109,6 +113,8 @@ class FastSide:
 
     def _settle(self) -> None:
         """Writes down what has passed."""
+        if not self._has_passed:
+            return
         waited = self._waited
         if waited.taken_count or waited.left_count:
             self._receiver.settle(waited)
