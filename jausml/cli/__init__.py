@@ -53,6 +53,7 @@ VERBS = {
     "latency": ("live", "Measure the reports of a running system."),
     "top": ("live", "Watch a running system."),
     "conformance": ("live", "Check the conformance of a running component."),
+    "judge": ("live", "Let a running component take the tasks of a competition."),
     "doctor": ("live", "Show what this machine lacks, and how to fix it."),
     "rules": ("lookup", "List the rules."),
     "explain": ("lookup", "Explain a rule."),
@@ -69,6 +70,7 @@ LASTING = {
     "ocu",
     "top",
     "conformance",
+    "judge",
     "studio",
     "language-server",
 }

@@ -11,6 +11,7 @@ from jausml.cli.live.network import (
     identified_network,
     network_from,
     network_options,
+    target_of,
 )
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import open_catalogue
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
     from jausml.live.peers.conformance.groups import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.network import Network
-    from jausml.runtime.base.address import JausAddress
 
 _REMEDY = (
     "Use another port and say where the target is, which also holds for one behind a node manager: "
@@ -131,7 +130,7 @@ def command(
             identified_network(network, CLIENTS) as ours,
             opened(
                 ours,
-                _target(target, ours),
+                target_of(target, ours),
                 open_catalogue(models),
                 limits=limits,
                 timeout=timeout,
@@ -147,18 +146,6 @@ def command(
     _write(report, output_format, output, live=live)
     if report.interrupted or not report.passed:
         raise click.exceptions.Exit(PROBLEMS)
-
-
-def _target(target: str, network: Network) -> JausAddress:
-    from jausml.live.peers.network import component_address
-
-    try:
-        address = component_address(target)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
-    if (address.subsystem, address.node) == (network.own.subsystem, network.own.node):
-        raise click.UsageError(f"{target} is on the node of this tool; choose another --id")
-    return address
 
 
 def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> ConformanceReport:

@@ -110,6 +110,19 @@ def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
         yield ours
 
 
+def target_of(target: str, network: Network) -> JausAddress:
+    """Returns the component that is tested, which is not on our own node."""
+    from jausml.live.peers.network import component_address
+
+    try:
+        address = component_address(target)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    if (address.subsystem, address.node) == (network.own.subsystem, network.own.node):
+        raise click.UsageError(f"{target} is on the node of this tool; choose another --id")
+    return address
+
+
 def network_from(
     own_id: str | None,
     interface: str,

@@ -31,6 +31,9 @@ REPORT_FORMATS = ("text", "json", "junit", "sarif", "github")
 CONFORMANCE_FORMATS = ("text", "json", "junit")
 """`jausml.live.peers.conformance.formats`."""
 
+COMPETITIONS = ("igvc-jaus", "igvc-iop", "conformance")
+"""`jausml.live.peers.judging.competitions`."""
+
 QUESTIONS = ("heartbeat", "identification", "status", "control")
 """`jausml.live.peers.pinging`."""
 

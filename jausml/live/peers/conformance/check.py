@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Concatenate, ParamSpec
 from jausml.live.peers.conformance.evidence import Verdict
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from jausml.live.peers.conformance.evidence import TraceLine
     from jausml.live.peers.conformance.session import Session
 
@@ -80,7 +82,11 @@ def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Ste
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """The outcome of one check."""
+    """The outcome of one check.
+
+    Attributes:
+        begun: Time of day at which it began, by which a recording of the run is compared.
+    """
 
     check: Check
     verdict: Verdict
@@ -88,6 +94,7 @@ class CheckResult:
     evidence: tuple[TraceLine, ...] = ()
     seconds: float = 0.0
     left_silent: bool = False
+    begun: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,15 +65,18 @@ class TraceLine(NamedTuple):
 class Trace:
     """The exchange of one check."""
 
-    def __init__(self, describe: Callable[[bytes], str]) -> None:
+    def __init__(
+        self, describe: Callable[[bytes], str], now: Callable[[], float] = time.monotonic
+    ) -> None:
         """Starts an empty trace."""
         self._describe = describe
-        self._begin = time.monotonic()
+        self._now = now
+        self._begin = now()
         self._lines: list[TraceLine] = []
 
     def restart(self) -> None:
         """Forgets the lines and counts time from now on."""
-        self._begin = time.monotonic()
+        self._begin = self._now()
         self._lines.clear()
 
     @property
@@ -109,7 +112,7 @@ class Trace:
         shown = datagram[:MAX_HEX_BYTES].hex()
         if len(datagram) > MAX_HEX_BYTES:
             shown += f"... ({len(datagram)} bytes)"
-        self._lines.append(TraceLine(time.monotonic() - self._begin, direction, text, shown))
+        self._lines.append(TraceLine(self._now() - self._begin, direction, text, shown))
 
 
 def describe(payload: bytes, catalogue: Catalogue) -> str:

@@ -46,7 +46,7 @@ def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[s
     yield f"JAUS conformance of {target} at {endpoint}"
     if services:
         yield f"announces {len(services)} services:"
-        yield from (f"  {_printable(service)}" for service in services)
+        yield from (f"  {printable(service)}" for service in services)
     else:
         yield "announces no services; what answers is checked"
 
@@ -55,7 +55,7 @@ def result_lines(result: CheckResult) -> Iterator[str]:
     """Yields the line of a check, its messages, and the evidence of a failure."""
     yield f"  {_WORDS[result.verdict]}  {result.check.id:{_ID_WIDTH}} {result.check.title}"
     for message in result.messages:
-        yield f"          {_printable(message)}"
+        yield f"          {printable(message)}"
     if result.verdict is Verdict.FAIL:
         yield f"          source: {result.check.source}"
         yield from (f"          {line}" for line in evidence_lines(result))
@@ -64,7 +64,7 @@ def result_lines(result: CheckResult) -> Iterator[str]:
 def evidence_lines(result: CheckResult) -> Iterator[str]:
     """Yields what was sent (>>) and received (<<), each with its bytes."""
     for line in result.evidence:
-        yield f"{line.time:7.3f} {_MARKS[line.direction]} {_printable(line.text)}"
+        yield f"{line.time:7.3f} {_MARKS[line.direction]} {printable(line.text)}"
         if line.hex:
             yield f"           {line.hex}"
 
@@ -85,7 +85,8 @@ def summary(report: ConformanceReport) -> str:
     return f"{len(report.results)} checks: {counts}{end}"
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """Returns a text of a peer without what a terminal would obey."""
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
@@ -99,12 +100,13 @@ def render_json(report: ConformanceReport) -> str:
         "passed": report.passed,
         "interrupted": report.interrupted,
         "summary": {verdict.value: report.count(verdict) for verdict in Verdict},
-        "checks": [_result_json(each) for each in report.results],
+        "checks": [result_json(each) for each in report.results],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def _result_json(result: CheckResult) -> dict[str, Any]:
+def result_json(result: CheckResult) -> dict[str, Any]:
+    """Returns the outcome of a check as an object."""
     return {
         "id": result.check.id,
         "title": result.check.title,
@@ -112,6 +114,7 @@ def _result_json(result: CheckResult) -> dict[str, Any]:
         "explanation": result.check.explanation,
         "verdict": result.verdict.value,
         "messages": list(result.messages),
+        "begun": result.begun and result.begun.isoformat(timespec="milliseconds"),
         "seconds": round(result.seconds, 3),
         "evidence": [{**line._asdict(), "time": round(line.time, 4)} for line in result.evidence],
     }

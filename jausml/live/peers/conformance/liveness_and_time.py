@@ -51,7 +51,7 @@ def report(session: Session) -> None:
     except ValueError as error:
         session.require(holds=False, failure=f"ReportTime holds no date and time: {error}")
         return
-    if abs(theirs - datetime.now(timezone.utc)) > _LARGEST_DIFFERENCE:
+    if abs(theirs - session.probe.utc()) > _LARGEST_DIFFERENCE:
         session.note(f"its clock says {theirs:%Y-%m-%d %H:%M:%S} UTC, which is not ours")
 
 

@@ -144,7 +144,8 @@ def emergency_code_0(session: Session) -> None:
     comes_to(STANDBY)(session)
 
 
-def _is_down(session: Session) -> None:
+def is_down(session: Session) -> None:
+    """The target reports that it is shut down, or does not answer any more."""
     report = session.first.asked(QueryStatus(), ReportStatus, attempts=1)
     session.require(
         report is None or report.status == Status.SHUTDOWN,
@@ -358,7 +359,7 @@ CHECKS = (
         "AS5710A Management, Ready (Controlled): Shutdown",
         "The controller is told RejectControl: 1 in v1.1, 0 in v1.0.\n\n"
         "The target then reports 3 (SHUTDOWN) or does not answer any more.",
-        (ready(A), send(A, Shutdown()), dismissed(A), _is_down),
+        (ready(A), send(A, Shutdown()), dismissed(A), is_down),
         destructive=True,
     ),
 )

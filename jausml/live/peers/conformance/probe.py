@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import select
 import time
-from typing import TYPE_CHECKING, NamedTuple
+from datetime import datetime, timezone
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from jausml.live.peers.conformance.client import Client, ReceivedMessage
 from jausml.runtime import messages as core
@@ -49,6 +50,30 @@ class ReceivedDatagram(NamedTuple):
     data: bytes
 
 
+class Wire(Protocol):
+    """What carries datagrams, and the clock by which they come."""
+
+    @property
+    def group(self) -> Endpoint:
+        """The multicast group."""
+
+    @property
+    def well_known(self) -> Endpoint:
+        """Where a target is reached of which nothing is known."""
+
+    def put(self, datagram: bytes, endpoint: Endpoint) -> None:
+        """Sends one datagram."""
+
+    def receive(self, deadline: float) -> ReceivedDatagram | None:
+        """Returns the next datagram of another process, or None at a time in seconds."""
+
+    def now(self) -> float:
+        """Returns the time in seconds."""
+
+    def utc(self) -> datetime:
+        """Returns the time of day."""
+
+
 class RawEndpoint:
     """The sockets of a tool on the JUDP port, without any protocol (AS5669A).
 
@@ -74,6 +99,14 @@ class RawEndpoint:
     def well_known(self) -> Endpoint:
         """The JUDP port of our interface, where the first stack of this host is reached."""
         return self._port.well_known
+
+    def now(self) -> float:
+        """Return monotonic seconds."""
+        return time.monotonic()
+
+    def utc(self) -> datetime:
+        """Return the time of day of this host."""
+        return datetime.now(timezone.utc)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> None:
         """Send one datagram."""
@@ -123,7 +156,7 @@ class Probe:
 
     def __init__(
         self,
-        wire: RawEndpoint,
+        wire: Wire,
         target: JausAddress,
         own: JausAddress,
         trace: Trace,
@@ -232,9 +265,17 @@ class Probe:
 
     # ---- receiving --------------------------------------------------------------------------
 
+    def now(self) -> float:
+        """Returns the time in seconds, as the wire counts it."""
+        return self._wire.now()
+
+    def utc(self) -> datetime:
+        """Returns the time of day."""
+        return self._wire.utc()
+
     def wait(self, done: Callable[[], bool], seconds: float) -> bool:
         """Receives until a condition holds, and returns whether it does in time."""
-        deadline = time.monotonic() + seconds
+        deadline = self.now() + seconds
         while not done():
             arrival = self._wire.receive(deadline)
             if arrival is None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue
     from jausml.live.peers.conformance.groups import CheckGroup
+    from jausml.live.peers.conformance.probe import Wire
     from jausml.live.peers.network import Network
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
@@ -49,27 +49,30 @@ def opened(
     limits: Limits | None = None,
     timeout: float = 1.0,
     quiet: float = 0.3,
+    meet: Callable[[Session], bool] | None = None,
+    wire: Wire | None = None,
 ) -> Iterator[Session]:
     """Finds the target and yields the session with it; undoes what is left behind at the end.
+
+    Args:
+        meet: Takes the session before anything is sent, and says whether the target was heard; it
+            is looked for unless it was.
+        wire: What carries the datagrams; sockets by default.
 
     Raises:
         OSError: The network cannot be used as the settings say.
         TargetNotReached: Nothing came from the target.
     """
-    trace = Trace(lambda payload: describe(payload, catalogue))
-    with closing(RawEndpoint(network.settings)) as wire:
+    with ExitStack() as stack:
+        carrier = wire or stack.enter_context(closing(RawEndpoint(network.settings)))
+        trace = Trace(lambda payload: describe(payload, catalogue), carrier.now)
+        known = network.settings.address_book.get(target)
         probe = Probe(
-            wire,
-            target,
-            network.own,
-            trace,
-            timeout=timeout,
-            quiet=quiet,
-            known=network.settings.address_book.get(target),
+            carrier, target, network.own, trace, timeout=timeout, quiet=quiet, known=known
         )
-        if not probe.find_target():
-            raise TargetNotReached(f"{target} does not answer; {_why(probe, network)}")
         session = Session(probe, trace, limits or Limits(), catalogue)
+        if not (meet is not None and meet(session)) and not probe.find_target():
+            raise TargetNotReached(f"{target} does not answer; {_why(probe, network)}")
         session.services = _announced(session)
         session.ping = _answered_query(session)
         try:
@@ -200,8 +203,25 @@ def _obstacle(session: Session, group: CheckGroup, first: Check) -> tuple[str, C
 def _result(session: Session, check: Check, obstacle: str) -> CheckResult:
     if obstacle:
         return CheckResult(check, Verdict.SKIPPED, (obstacle,))
+    result = outcome(session, check)
+    if session.tidy() or check.destructive:
+        return result
+    if result.verdict is Verdict.FAIL:
+        return replace(result, left_silent=True)
+    gone = f"{_GONE} after this check"
+    return replace(
+        result,
+        verdict=Verdict.FAIL,
+        messages=(gone,),
+        evidence=session.trace.lines,
+        left_silent=True,
+    )
+
+
+def outcome(session: Session, check: Check) -> CheckResult:
+    """Runs a check, and leaves the target as it is then."""
     session.begin()
-    begin = time.monotonic()
+    begun, begin = session.probe.utc(), session.probe.now()
     try:
         check.run(session)
     except CheckFailed as failure:
@@ -211,19 +231,15 @@ def _result(session: Session, check: Check, obstacle: str) -> CheckResult:
     else:
         verdict = Verdict.NOTE if session.notes else Verdict.PASS
         messages = tuple(session.notes)
-    evidence = session.trace.lines
-    silent = not session.tidy() and not check.destructive
-    if silent and verdict is not Verdict.FAIL:
-        verdict, messages = Verdict.FAIL, (f"{_GONE} after this check",)
-        evidence = session.trace.lines
-    return CheckResult(check, verdict, messages, evidence, time.monotonic() - begin, silent)
+    seconds = session.probe.now() - begin
+    return CheckResult(check, verdict, messages, session.trace.lines, seconds, begun=begun)
 
 
 def _comes_back(session: Session, seconds: float) -> bool:
     """Whether the target answers after all; it may have been restarted."""
-    end = time.monotonic() + seconds
+    end = session.probe.now() + seconds
     while True:
         if session.probe.find_target() and session.answers():
             return True
-        if time.monotonic() >= end:
+        if session.probe.now() >= end:
             return False

@@ -1,0 +1,195 @@
+"""Competitions as data: tasks, what points are given for in each, and the score of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.conformance.check import Check, CheckResult
+from jausml.live.peers.conformance.evidence import Verdict
+from jausml.live.peers.conformance.run import outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from datetime import datetime
+
+    from jausml.live.peers.conformance.session import Session
+
+_GIVEN = (Verdict.PASS, Verdict.NOTE)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a task, and the points that it is worth.
+
+    Attributes:
+        needs: Names of parts of the same task without which nothing can be said of it.
+        is_last: Whether it comes after all tasks, since the target cannot go on afterwards.
+    """
+
+    check: Check
+    points: float
+    needs: tuple[str, ...] = ()
+    is_last: bool = False
+
+    @property
+    def name(self) -> str:
+        """The part of the id after the task."""
+        return self.check.id.rpartition(".")[2]
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A task, whose parts are taken one after the other without letting go of the target.
+
+    Attributes:
+        rule: What the rules say of it, in words of ours.
+        is_unasked: Whether it begins before the judge has sent anything.
+    """
+
+    name: str
+    title: str
+    rule: str
+    parts: tuple[Part, ...] = ()
+    is_unasked: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Competition:
+    """Tasks in their order.
+
+    Attributes:
+        source: Where the rules are published, and what of the points is ours.
+        not_covered: What the rules ask for and this judge does not look at, or that is not public.
+        skips_count: Whether points are lost for what could not be judged, e.g. without control.
+    """
+
+    name: str
+    title: str
+    source: str
+    tasks: tuple[Task, ...] = ()
+    not_covered: tuple[str, ...] = ()
+    skips_count: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What a part was worth."""
+
+    task: Task
+    part: Part
+    result: CheckResult
+
+    @property
+    def points(self) -> float:
+        """The points that were given."""
+        return self.part.points if self.result.verdict in _GIVEN else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """The score of a run.
+
+    Attributes:
+        begun: Time of day, in UTC.
+    """
+
+    competition: Competition
+    target: str
+    endpoint: str
+    begun: datetime
+    services: tuple[str, ...] = ()
+    scores: tuple[Score, ...] = field(default=())
+    interrupted: bool = False
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks that were judged, in the order of the rules."""
+        return tuple(dict.fromkeys(each.task for each in self.scores))
+
+    def of(self, task: Task) -> tuple[Score, ...]:
+        """Returns the scores of a task."""
+        return tuple(each for each in self.scores if each.task is task)
+
+    def counts(self, score: Score) -> bool:
+        """Whether the points of a part belong to what could be reached."""
+        return self.competition.skips_count or score.result.verdict is not Verdict.SKIPPED
+
+    def reached(self, task: Task | None = None) -> float:
+        """Returns the points that were given, of one task or in all."""
+        return sum(each.points for each in self._chosen(task))
+
+    def possible(self, task: Task | None = None) -> float:
+        """Returns the points that could be reached."""
+        return sum(each.part.points for each in self._chosen(task) if self.counts(each))
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there are full marks."""
+        return not self.interrupted and self.reached() == self.possible() > 0
+
+    def _chosen(self, task: Task | None) -> Sequence[Score]:
+        return self.scores if task is None else self.of(task)
+
+
+class Judge:
+    """Lets a target take the tasks of a competition."""
+
+    def __init__(self, tasks: Iterable[Task], on_score: Callable[[Score], None]) -> None:
+        """Prepares; nothing is sent."""
+        self._tasks = tuple(tasks)
+        self._on_score = on_score
+        self.scores: list[Score] = []
+        self.interrupted = False
+
+    def meet(self, session: Session) -> bool:
+        """Takes the tasks that begin without a word, and returns whether the target was heard."""
+        for task in self._tasks:
+            if task.is_unasked:
+                self._take(session, task, task.parts)
+        return any(each.result.verdict in _GIVEN for each in self.scores)
+
+    def run(self, session: Session) -> None:
+        """Takes all other tasks; those parts last after which the target cannot go on."""
+        try:
+            for task in self._tasks:
+                if not task.is_unasked:
+                    self._take(session, task, [each for each in task.parts if not each.is_last])
+                    session.tidy()
+            for task in self._tasks:
+                self._take(session, task, [each for each in task.parts if each.is_last])
+        except KeyboardInterrupt:
+            self.interrupted = True
+            session.tidy()
+
+    def in_order(self) -> tuple[Score, ...]:
+        """Returns the scores in the order of the rules."""
+        places = {part.check.id: at for at, part in enumerate(_parts(self._tasks))}
+        return tuple(sorted(self.scores, key=lambda each: places[each.part.check.id]))
+
+    def _take(self, session: Session, task: Task, parts: Sequence[Part]) -> None:
+        for part in parts:
+            obstacle = self._obstacle(task, part)
+            if obstacle:
+                result = CheckResult(part.check, Verdict.SKIPPED, (obstacle,))
+            else:
+                result = outcome(session, part.check)
+            self.note(Score(task, part, result))
+
+    def note(self, score: Score) -> None:
+        """Keeps a score and tells of it."""
+        self.scores.append(score)
+        self._on_score(score)
+
+    def _obstacle(self, task: Task, part: Part) -> str:
+        given = {each.part.name for each in self.scores if each.task is task and _is_given(each)}
+        lacking = [each for each in part.needs if each not in given]
+        return f"cannot be judged without {task.name}.{lacking[0]}" if lacking else ""
+
+
+def _is_given(score: Score) -> bool:
+    return score.result.verdict in _GIVEN
+
+
+def _parts(tasks: Iterable[Task]) -> Iterator[Part]:
+    return (part for task in tasks for part in task.parts)
