@@ -70,12 +70,12 @@ def _check(service: ServiceEntry, query: MessageEntry) -> Check:
         f"codecs.{service.name}.{query.name}",
         f"Answers {query.name} with a report that decodes",
         f"AS5684 encoding; {service.label}, message {query.code_text}",
-        inspect.getdoc(_answers) or "",
-        (partial(_answers, service=service, query=query),),
+        inspect.getdoc(answers) or "",
+        (partial(answers, service=service, query=query),),
     )
 
 
-def _answers(session: Session, service: ServiceEntry, query: MessageEntry) -> None:
+def answers(session: Session, service: ServiceEntry, query: MessageEntry) -> None:
     """Sends the query and decodes its report.
 
     The report must have no bytes left over, presence vectors without unknown bits, and legal

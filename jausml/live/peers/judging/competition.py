@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,9 +11,10 @@ from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from datetime import datetime
 
+    from jausml.live.peers.conformance.check import Step
     from jausml.live.peers.conformance.session import Session
 
 _GIVEN = (Verdict.PASS, Verdict.NOTE)
@@ -52,6 +54,31 @@ class Task:
     rule: str
     parts: tuple[Part, ...] = ()
     is_unasked: bool = False
+
+
+PartOf = Callable[[str, str], Part]
+"""Makes a part of a task by the name of that, with the source of it."""
+
+
+def part(
+    name: str,
+    points: float,
+    title: str,
+    *steps: Step,
+    needs: tuple[str, ...] = (),
+    is_last: bool = False,
+) -> PartOf:
+    """Declares a part of a task."""
+    return lambda task_name, source: Part(
+        Check(f"{task_name}.{name}", title, source, title, steps), points, needs, is_last
+    )
+
+
+def task(
+    name: str, title: str, rule: str, source: str, *parts: PartOf, is_unasked: bool = False
+) -> Task:
+    """Declares a task."""
+    return Task(name, title, rule, tuple(each(name, source) for each in parts), is_unasked)
 
 
 @dataclass(frozen=True, slots=True)

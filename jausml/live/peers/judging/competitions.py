@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.conformance import groups
 from jausml.live.peers.conformance.groups import CheckFilter
 from jausml.live.peers.conformance.run import opened, run
-from jausml.live.peers.judging import igvc
+from jausml.live.peers.judging import igvc, iop
 from jausml.live.peers.judging.competition import (
     Competition,
     Judge,
@@ -81,6 +81,7 @@ def _conformance(_: Course) -> Competition:
 
 _COMPETITIONS: dict[str, Callable[[Course], Competition]] = {
     "igvc-jaus": igvc.jaus_challenge,
+    "igvc-iop": iop.iop_challenge,
     CONFORMANCE: _conformance,
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import hypot
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from jausml.live.messages import MessageError
 from jausml.live.peers.conformance.evidence import CheckFailed
@@ -13,9 +13,15 @@ from jausml.runtime.messages import SetElement
 from jausml.runtime.services.element_list import chain
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from jausml.live.peers.conformance.check import Step
     from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
+
+T = TypeVar("T")
+Place: TypeAlias = tuple[float, float]
+"""x and y in metres."""
 
 DRIVER = "LocalWaypointListDriver"
 ACTIVE = Topic(DRIVER, "ActiveElement")
@@ -43,7 +49,7 @@ class Course:
         seconds: How long it may take from one to the next.
     """
 
-    waypoints: tuple[tuple[float, float], ...] = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0))
+    waypoints: tuple[Place, ...] = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0))
     seconds: float = 60.0
 
 
@@ -57,9 +63,9 @@ class Sample:
 
     time: float
     active: int | None = None
-    place: tuple[float, float] | None = None
+    place: Place | None = None
     speed: float | None = None
-    waypoint: tuple[float, float] | None = None
+    waypoint: Place | None = None
 
 
 @dataclass
@@ -105,16 +111,15 @@ class Drive:
         )
 
     def _is_over(self) -> bool:
-        """Whether no element is active any more, all are reached, or there is no time left."""
+        """Whether the list has ended, all is reached, or the next waypoint takes too long."""
         if not self.samples:
             return False
         latest = self.samples[-1]
-        arrivals = self.reached()
-        if latest.active == 0 and (latest.time > _PATIENCE or any(e.active for e in self.samples)):
-            return True
-        if all(each is not None and latest.time - each.time > _PATIENCE for each in arrivals):
-            return True
-        return latest.time > self.course.seconds * len(self.uids)
+        ended = any(each.active for each in self.samples) or latest.time > _PATIENCE
+        arrivals = [self.samples[at].time for at in self._arrivals() if at is not None]
+        quiet = latest.time - max(arrivals, default=0.0)
+        limit = _PATIENCE if len(arrivals) == len(self.uids) else self.course.seconds
+        return (latest.active == 0 and ended) or quiet > limit
 
     @property
     def _departure(self) -> int | None:
@@ -143,20 +148,24 @@ class Drive:
             _place(waypoint),
         )
 
-    def reached(self) -> list[Sample | None]:
-        """Returns when each waypoint was reached, after those before it that were."""
-        found: list[Sample | None] = []
+    def _arrivals(self) -> list[int | None]:
+        """Returns at which sample each waypoint was reached, after those before it."""
+        found: list[int | None] = []
         departure = self._departure
         since = len(self.samples) if departure is None else departure
         for goal in self.course.waypoints:
             rest = range(since, len(self.samples))
-            at = next((each for each in rest if self._is_near(self.samples[each], goal)), None)
-            found.append(None if at is None else self.samples[at])
+            at = next((at for at in rest if _is_near(self.samples[at].place, goal, RADIUS)), None)
+            found.append(at)
             since = since if at is None else at
         return found
 
-    def _is_near(self, sample: Sample, goal: tuple[float, float]) -> bool:
-        return sample.place is not None and _distance(sample.place, goal) <= RADIUS
+    def _leg(self, number: int) -> list[Sample]:
+        """Returns the samples on the way to a waypoint that was reached."""
+        arrivals = self._arrivals()
+        former = [at for at in arrivals[: number - 1] if at is not None]
+        end = arrivals[number - 1]
+        return self.samples[max(former, default=0) : None if end is None else end + 1]
 
     # ---- what is judged ---------------------------------------------------------------------
 
@@ -164,67 +173,61 @@ class Drive:
         """The target was at a waypoint, after those before it."""
 
         def judge(session: Session) -> None:
-            goal = self.course.waypoints[number - 1]
-            found = self.reached()[number - 1]
+            x, y = self.course.waypoints[number - 1]
+            at = self._arrivals()[number - 1]
             places = [each.place for each in self.samples if each.place is not None]
-            if found is None and not places:
-                raise CheckFailed("the target did not tell where it was")
-            if found is None:
-                nearest = min(_distance(each, goal) for each in places)
+            session.require(bool(places), "the target did not tell where it was")
+            if at is None:
+                nearest = min(_distance(each, (x, y)) for each in places)
                 raise CheckFailed(
-                    f"not within {RADIUS} m of {goal[0]:g}, {goal[1]:g} in its turn; "
-                    f"the nearest place of the drive was {nearest:.2f} m off"
+                    f"not within {RADIUS} m of {x:g}, {y:g} in its turn; the nearest place of the "
+                    f"drive was {nearest:.2f} m off"
                 )
-            session.trace.remark(f"at {goal[0]:g}, {goal[1]:g} after {found.time:.1f} s")
+            session.trace.remark(f"at {x:g}, {y:g} after {self.samples[at].time:.1f} s")
 
         return judge
 
-    def names_active(self, session: Session) -> None:
-        """The active elements were told in order, and none at the end."""
-        seen = [each.active for each in self.samples if each.active is not None]
-        session.require(bool(seen), "QueryActiveElement was not answered on the way")
-        order = [uid for uid, former in zip(seen, [0, *seen], strict=False) if uid != former]
-        if order != [*self.uids, 0]:
-            raise CheckFailed(f"active elements were {order} instead of {[*self.uids, 0]}")
+    def names_active(self, number: int) -> Step:
+        """The element was told to be the active one on the way to its waypoint."""
+        return self._told(number, ACTIVE, lambda each: each.active, lambda uid: uid == number)
 
-    def tells_speed(self, session: Session) -> None:
-        """The speed of ExecuteList was told while the list was executed."""
-        told_speeds = [each.speed for each in self._driving if each.speed is not None]
-        session.require(bool(told_speeds), "QueryTravelSpeed was not answered on the way")
-        wrong = [each for each in told_speeds if abs(each - TRAVEL_SPEED) > _CLOSE]
-        if wrong:
-            raise CheckFailed(f"ReportTravelSpeed said {wrong[0]:.3g} instead of {TRAVEL_SPEED}")
+    def tells_speed(self, number: int) -> Step:
+        """The speed of ExecuteList was told on the way to a waypoint."""
+        return self._told(
+            number,
+            SPEED,
+            lambda each: each.speed,
+            lambda speed: abs(speed - TRAVEL_SPEED) <= _CLOSE,
+        )
 
-    def tells_waypoint(self, session: Session) -> None:
-        """The waypoint that was told is that of the active element."""
-        known = [each for each in self._driving if each.waypoint is not None]
-        session.require(bool(known), "QueryLocalWaypoint was not answered on the way")
-        for each in known:
-            goals = self.course.waypoints if each.active is None else (self._goal(each.active),)
-            if each.waypoint and min(_distance(each.waypoint, goal) for goal in goals) > _CLOSE:
-                x, y = each.waypoint
+    def tells_waypoint(self, number: int) -> Step:
+        """A waypoint was told on the way to it."""
+        goal = self.course.waypoints[number - 1]
+        return self._told(
+            number,
+            WAYPOINT,
+            lambda each: each.waypoint,
+            lambda place: _is_near(place, goal, _CLOSE),
+        )
+
+    def _told(
+        self,
+        number: int,
+        topic: Topic,
+        value: Callable[[Sample], T | None],
+        is_right: Callable[[T], bool],
+    ) -> Step:
+        def judge(session: Session) -> None:
+            values = [found for each in self._leg(number) if (found := value(each)) is not None]
+            name = topic.name
+            session.require(bool(values), f"Query{name} was not answered on the way to {number}")
+            if not any(map(is_right, values)):
+                told_values = ", ".join(dict.fromkeys(map(_words, values)))
                 raise CheckFailed(
-                    f"ReportLocalWaypoint said {x:g}, {y:g} while element {each.active} at "
-                    f"{', '.join(f'{goal[0]:g}, {goal[1]:g}' for goal in goals)} was active"
+                    f"on the way to waypoint {number} Report{name} said {told_values}"
                 )
 
-    def _goal(self, uid: int) -> tuple[float, float]:
-        return self.course.waypoints[uid - 1]
-
-    @property
-    def _driving(self) -> list[Sample]:
-        """The samples while a waypoint was driven to.
-
-        Those between which the element changes tell the one or the other of two, and are left out.
-        """
-        steady = [
-            each
-            for before, each, after in zip(
-                self.samples, self.samples[1:], self.samples[2:], strict=False
-            )
-            if before.active == each.active == after.active
-        ]
-        return [each for each in steady if each.active is None or each.active in self.uids]
+        return judge
 
 
 def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:
@@ -239,9 +242,18 @@ def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:
     return {}
 
 
-def _place(report: dict[str, Any]) -> tuple[float, float] | None:
+def _place(report: dict[str, Any]) -> Place | None:
     return (report["X"], report["Y"]) if {"X", "Y"} <= report.keys() else None
 
 
-def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+def _is_near(place: Place | None, goal: Place, radius: float) -> bool:
+    return place is not None and _distance(place, goal) <= radius
+
+
+def _distance(one: Place, other: Place) -> float:
     return hypot(one[0] - other[0], one[1] - other[1])
+
+
+def _words(value: object) -> str:
+    parts = value if isinstance(value, tuple) else (value,)
+    return " ".join(f"{each:.4g}" for each in parts)

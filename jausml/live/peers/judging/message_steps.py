@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.messages.codec import PRESENCE
 from jausml.live.peers.conformance.check import Step, step
 from jausml.live.peers.conformance.evidence import CheckFailed
-from jausml.live.peers.conformance.steps import ask, send
+from jausml.live.peers.conformance.steps import ask
 from jausml.live.peers.entry_messages import EntryMessage, message_class
 
 if TYPE_CHECKING:
@@ -63,11 +63,6 @@ def asks(client: int, topic: Topic, *judgements: Judgement[EntryMessage]) -> Ste
         ask(client, topic.query, topic.report(session), *judgements)(session)
 
     return run
-
-
-def sends(client: int, service: str, name: str, **fields: Any) -> Step:
-    """A client sends a message of a service."""
-    return send(client, lambda session: made(session, service, name, **fields))
 
 
 def holds(*names: str) -> Judgement[EntryMessage]:

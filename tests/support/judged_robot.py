@@ -19,7 +19,10 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import parse_datagram
 
 ROBOT, JUDGE = JausAddress(155, 1, 1), JausAddress(42, 1, 1)
-CORE = ("Events", "AccessControl", "Management", "Liveness", "Discovery", "ListManager")
+CORE = (
+    *("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery"),
+    "ListManager",
+)
 MOBILITY = (
     *("VelocityStateSensor", "LocalPoseSensor", "LocalWaypointListDriver", "LocalWaypointDriver"),
     "PrimitiveDriver",
@@ -27,6 +30,8 @@ MOBILITY = (
 STEP = 0.05
 SPEED = 1.0
 REACHED = 0.15
+SHORTEST = 13
+ALL = 0xFFFF
 DRIVER = "LocalWaypointListDriver"
 
 
@@ -45,7 +50,8 @@ class VirtualWire:
         self.arrived.append(ReceivedDatagram(self.world.now(), sender, data))
 
     def put(self, datagram, endpoint):
-        self.transport.station.sendto(datagram, endpoint)
+        if len(datagram) >= SHORTEST:  # the virtual network counts by the ids in the header
+            self.transport.station.sendto(datagram, endpoint)
 
     def receive(self, deadline):
         try:
@@ -88,7 +94,7 @@ class Robot(JausComponent):
         super().__init__(
             transport,
             ROBOT,
-            name="robot",
+            name="<b>robot</b>",
             services=services,
             component_type=10001,
             settings=ComponentSettings(
@@ -122,7 +128,7 @@ class Robot(JausComponent):
 
         def take_rest(datagram, endpoint):
             packets = parse_datagram(datagram, Counters())
-            if any(each.source == JUDGE for each in packets):
+            if any(code(each) == core.ReportIdentification.CODE for each in packets):
                 self.is_answered = True
             if kind != "deaf" or all(code(each) != self._code(name) for each in packets):
                 take(datagram, endpoint)
@@ -140,7 +146,9 @@ class Robot(JausComponent):
             report = core.ReportServices.decode(payload)
             for node in report.node_list:
                 for each in node.component_list:
-                    each.service_list[:] = [s for s in each.service_list if not s.uri.endswith(name)]
+                    each.service_list[:] = [
+                        s for s in each.service_list if not s.uri.endswith(name)
+                    ]
             return report.encode()
         change = _CHANGES.get((self.fault, code))
         if change is None:
@@ -160,21 +168,28 @@ class Robot(JausComponent):
         return message_class(self.catalogue.message(name, service))
 
     def _provide_all(self):
-        self._answer("VelocityState", "VelocityStateSensor", self._velocity)
-        self._answer("LocalPose", "LocalPoseSensor", self._pose)
+        self._answer("VelocityState", "VelocityStateSensor", self._velocity, choosing=True)
+        self._answer("LocalPose", "LocalPoseSensor", self._pose, choosing=True)
+        self._answer("WrenchEffort", "PrimitiveDriver", dict)
         self._answer("ActiveElement", DRIVER, lambda: {"ElementUID": self._told_active()})
         self._answer("TravelSpeed", DRIVER, lambda: {"Speed": self._told_speed()})
         self._answer("LocalWaypoint", DRIVER, self._told_waypoint)
         self.handle(self._kind("SetLocalPose"), self._set_pose, when=Guard.CONTROLLED)
         self.handle(self._kind("ExecuteList", DRIVER), self._execute, when=Guard.READY)
 
-    def _answer(self, name, service, fields):
+    def _answer(self, name, service, fields, *, choosing=False):
         query = self._kind(f"Query{name}", service)
         report = self._kind(f"Report{name}", service)
 
-        def provider(_query, _sender):
+        def provider(asked, _sender):
             told = fields()
-            return None if told is None else report(report.ENTRY.completed(told))
+            if told is None:
+                return None
+            wanted = asked.fields.get(f"Query{name}Rec", {}).get("PresenceVector", ALL)
+            (record,) = report.ENTRY.record.members
+            members = [each.name for each in record.kind.members]
+            chosen = {k: v for k, v in told.items() if wanted >> members.index(k) & 1}
+            return report({record.name: chosen if choosing else told})
 
         self.provide(query, report, provider)
 
@@ -206,8 +221,7 @@ class Robot(JausComponent):
         if self.fault == "jumps" and self.active == 0:
             x += 30 * (self.clock.utc().second % 2)
         fields = {"X": x, "Y": y, "Yaw": self.yaw, "TimeStamp": self._stamp("pose")}
-        return self._without({("Z" if self.fault == "tells Z for X" and k == "X" else k): v
-                              for k, v in fields.items()})
+        return self._without(fields)
 
     def _set_pose(self, message, _sender):
         fields = message.fields["LocalPoseRec"]
@@ -222,8 +236,7 @@ class Robot(JausComponent):
         return True
 
     def on_not_ready(self):
-        if self.fault != "drives on without control":
-            self.pending, self.active = [], 0
+        self.pending, self.active = [], 0
 
     def _execute(self, message, _sender):
         fields = message.fields["ExecuteListRec"]
@@ -274,17 +287,16 @@ class Robot(JausComponent):
     def _told_waypoint(self):
         element = self.elements.get(self.active) or self.elements.first
         if element is None:
-            return None
+            return {"X": 0.0, "Y": 0.0}
         if self.fault == "tells the first waypoint always":
             element = self.elements.first
         x, y = self._goal(element)
         return {"X": y, "Y": x} if self.fault == "tells Y for X" else {"X": x, "Y": y}
 
 
-_SERVICE = {
-    each: DRIVER
-    for each in ("ExecuteList", "ReportActiveElement", "ReportTravelSpeed", "ReportLocalWaypoint")
-}
+_SERVICE = dict.fromkeys(
+    ("ExecuteList", "ReportActiveElement", "ReportTravelSpeed", "ReportLocalWaypoint"), DRIVER
+)
 
 
 def _one_more(message):
