@@ -22,7 +22,6 @@ from jausml.live.peers.judging.driving import Course
 from jausml.live.peers.network import make_network
 from jausml.runtime.virtual import VirtualWorld
 
-
 JAUS, IOP, CONFORMANCE = COMPETITIONS
 
 

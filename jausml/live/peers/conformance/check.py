@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import wraps
@@ -50,18 +49,6 @@ class Check:
         """Takes the steps; the first that raises CheckFailed or CheckSkipped ends the check."""
         for each in self.steps:
             each(session)
-
-
-def check(
-    check_id: str, title: str, source: str, *, risky: bool = False, destructive: bool = False
-) -> Callable[[Step], Check]:
-    """Makes a check of one function, for what no steps say; its docstring is the explanation."""
-
-    def make(body: Step) -> Check:
-        explanation = inspect.getdoc(body) or ""
-        return Check(check_id, title, source, explanation, (body,), destructive, risky)
-
-    return make
 
 
 def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Step]:

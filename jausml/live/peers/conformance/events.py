@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, check
+from jausml.live.peers.conformance.access import request
+from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.event_steps import (
     FREE_EVENT,
@@ -28,7 +29,6 @@ from jausml.live.peers.conformance.event_steps import (
     unconfirmed,
     updating,
 )
-from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.session import Authority
 from jausml.live.peers.conformance.steps import (
     A,
@@ -38,6 +38,7 @@ from jausml.live.peers.conformance.steps import (
     expect,
     expect_none,
     has,
+    provides,
     put,
     send,
     settle,
@@ -50,46 +51,36 @@ from jausml.runtime import messages as core
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.client import Client, ReceivedMessage
     from jausml.live.peers.conformance.session import Session
+    from jausml.runtime.wire.message import Message
 
 Confirm, Reject = core.ConfirmEventRequest, core.RejectEventRequest
 
 
-@check(
-    "events.confirm-first",
-    "Confirms an event before its first report",
-    "AS5710A Events, CreateEvent; practice: clients drop events that they do not know",
-)
-def confirm_first(session: Session) -> None:
-    """ConfirmEventRequest arrives before any Event."""
-    client = session.first
-    send(A, creating(RATE))(session)
-    codes = (core.ConfirmEventRequest.CODE, core.Event.CODE)
+@step
+def _comes_first(session: Session, client: int, first: type[Message], other: type[Message]) -> None:
+    """Two messages come to a client in this order."""
+    inbox, codes = session.client(client).inbox, (first.CODE, other.CODE)
     session.probe.wait(
-        lambda: {each.code for each in client.inbox} >= set(codes), 2 * session.probe.timeout
+        lambda: {each.code for each in inbox} >= set(codes), 2 * session.probe.timeout
     )
-    order = [each.code for each in client.inbox if each.code in codes]
+    order = [each.code for each in inbox if each.code in codes]
     session.require(
-        order[:1] == [core.ConfirmEventRequest.CODE],
-        "the first Event comes before its confirmation",
+        order[:1] == [first.CODE], f"the first {other.NAME} comes before its confirmation"
     )
 
 
-@check(
-    "events.rate",
-    "Sends periodic reports at the confirmed rate",
-    "AS5710A Events, ConfirmEventRequest: ConfirmedPeriodicRate",
-)
-def rate(session: Session) -> None:
-    """Ten intervals take between half and twice the time that the confirmed rate gives."""
-    created(A)(session)
-    period = 1 / max(session.first.event.confirmed_periodic_rate, 0.02)
+@step
+def _keeps_rate(session: Session, client: int, intervals: int) -> None:
+    """So many intervals take between half and twice the time of the confirmed rate."""
+    found = session.client(client)
+    period = 1 / max(found.event.confirmed_periodic_rate, 0.02)
     session.skip_unless(
-        10 * period <= session.limits.longest_wait, f"the confirmed period is {period:.1f} s"
+        intervals * period <= session.limits.longest_wait, f"the confirmed period is {period:.1f} s"
     )
-    client = session.first
-    arrived = session.probe.wait(lambda: len(_events(client)) > 11, 25 * period)
-    session.require(arrived, f"{len(_events(client))} of 12 reports came in 25 periods")
-    times = [each.time for each in _events(client)]
+    periods, count = 2.5 * intervals, intervals + 2
+    arrived = session.probe.wait(lambda: len(_events(found)) >= count, periods * period)
+    times = [each.time for each in _events(found)]
+    session.require(arrived, f"{len(times)} of {count} reports came in {periods:g} periods")
     mean = (times[-1] - times[1]) / (len(times) - 2)
     session.require(
         0.5 * period <= mean <= 2 * period,
@@ -97,61 +88,50 @@ def rate(session: Session) -> None:
     )
 
 
-@check(
-    "events.every-change",
-    "Reports every change",
-    "AS5710A Events, CreateEvent: EventType 1",
-)
-def every_change(session: Session) -> None:
-    """The event on QueryControl reports when control is taken and released, and not between."""
-    session.skip_unless(session.provides("AccessControl"), "needs AccessControl for a change")
-    client = session.first
-    query = core.QueryControl().encode()
-    client.send(core.CreateEvent(1, core.CreateEvent.EventType.EVERY_CHANGE, 0.0, query))
-    rejection = client.find(core.RejectEventRequest, within=session.probe.quiet)
-    if rejection is not None:
-        code = rejection.response_code
-        unsupported = core.RejectEventRequest.ResponseCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED
-        session.skip_unless(
-            code != unsupported, "the target supports no change-based events (code 2)"
-        )
-        raise CheckFailed(f"every-change event rejected with code {code}")
-    client.event = client.expect(core.ConfirmEventRequest, "CreateEvent")
+@step
+def _watches_control(session: Session, client: int) -> None:
+    """A client has an event on each change of control; skips where there are no such events."""
+    found = session.client(client)
+    change = core.CreateEvent.EventType.EVERY_CHANGE
+    session.send(client, core.CreateEvent(1, change, 0.0, core.QueryControl().encode()))
+    rejection = found.find(Reject, within=session.probe.quiet)
+    unsupported = Reject.ResponseCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED
+    code = None if rejection is None else rejection.response_code
+    session.skip_unless(code != unsupported, "the target supports no change-based events (code 2)")
+    session.require(code is None, f"every-change event rejected with code {code}")
+    found.event = found.expect(Confirm, "CreateEvent")
     # The present value, which some send at once.
-    client.find(core.Event, within=session.probe.quiet)
-    expect_none(A, core.Event, "nothing has changed")(session)
-    session.second.send(core.RequestControl(authority_code=session.authority(Authority.LOW)))
-    taken = _changed_control(client)
+    found.find(core.Event, within=session.probe.quiet)
+
+
+@step
+def _tells_controller(session: Session, client: int, controller: int | None) -> None:
+    """The event of a client names another one as the controller, or nobody."""
+    report = decoded(core.ReportControl, next_event(session.client(client)).report_message)
+    if controller is None:
+        session.require(report.component_id == 0, "the event still names a controller")
+        return
+    address = session.client(controller).address
     session.require(
-        taken.component_id == session.second.address.component,
-        f"the event does not name {session.second.address} as the controller",
+        report.component_id == address.component,
+        f"the event does not name {address} as the controller",
     )
-    session.second.send(core.ReleaseControl())
-    released = _changed_control(client)
-    session.require(released.component_id == 0, "the event still names a controller")
 
 
-@check(
-    "events.timeout",
-    "Ends an event that is not updated",
-    "AS5710A v1.1 Events, event timeout in minutes",
-)
-def timeout(session: Session) -> None:
-    """No report comes after the announced minutes; only with --slow."""
-    since_1_1("Events", "Events 1.0 has no timeout")(session)
-    minutes = session.first.ask(core.QueryEventTimeout(), core.ReportEventTimeout).timeout
+@step
+def _outlives(session: Session, client: int) -> None:
+    """The announced minutes pass, up to whose end the event of a client is alive."""
+    minutes = session.client(client).ask(core.QueryEventTimeout(), core.ReportEventTimeout).timeout
     session.skip_unless(minutes > 0, "the target announces that events never end")
     session.skip_unless(
         session.limits.slow and minutes <= 2, f"takes {minutes} minutes; --slow waits for two"
     )
-    client = session.first
-    periodic(A)(session)
+    periodic(client)(session)
     session.probe.wait(lambda: False, 60.0 * minutes - 5)
-    client.clear()
-    next_event(client)
+    session.client(client).clear()
+    next_event(session.client(client))
     session.probe.wait(lambda: False, 10.0)
-    client.clear()
-    ended(A)(session)
+    session.client(client).clear()
 
 
 def _at_the_rate(session: Session, confirmation: core.ConfirmEventRequest, what: str) -> None:
@@ -169,10 +149,6 @@ def _events(client: Client) -> list[ReceivedMessage]:
     return [each for each in client.inbox if each.code == core.Event.CODE]
 
 
-def _changed_control(client: Client) -> core.ReportControl:
-    return decoded(core.ReportControl, next_event(client).report_message)
-
-
 CHECKS = (
     Check(
         "events.create-periodic",
@@ -181,7 +157,13 @@ CHECKS = (
         "CreateEvent at 10 Hz is confirmed under its request id, with a rate above 0.",
         (created(A, has(confirmed_periodic_rate=AnythingBut(0)), _at_the_rate),),
     ),
-    confirm_first,
+    Check(
+        "events.confirm-first",
+        "Confirms an event before its first report",
+        "AS5710A Events, CreateEvent; practice: clients drop events that they do not know",
+        "ConfirmEventRequest arrives before any Event.",
+        (send(A, creating(RATE)), _comes_first(A, Confirm, core.Event)),
+    ),
     Check(
         "events.report",
         "Sends the report of the query in its events",
@@ -203,7 +185,13 @@ CHECKS = (
         "260 reports are awaited at the highest rate; only with --slow.",
         (slow("260 reports"), created(A, rate=100.0), numbered(A, 260)),
     ),
-    rate,
+    Check(
+        "events.rate",
+        "Sends periodic reports at the confirmed rate",
+        "AS5710A Events, ConfirmEventRequest: ConfirmedPeriodicRate",
+        "Ten intervals take between half and twice the time that the confirmed rate gives.",
+        (created(A), _keeps_rate(A, 10)),
+    ),
     Check(
         "events.two-clients",
         "Serves several clients",
@@ -288,7 +276,21 @@ CHECKS = (
             unconfirmed(A),
         ),
     ),
-    every_change,
+    Check(
+        "events.every-change",
+        "Reports every change",
+        "AS5710A Events, CreateEvent: EventType 1",
+        "The event on QueryControl reports when control is taken and released, and not between.",
+        (
+            provides("AccessControl", "needs AccessControl for a change"),
+            _watches_control(A),
+            expect_none(A, core.Event, "nothing has changed"),
+            request(B, Authority.LOW),
+            _tells_controller(A, B),
+            send(B, core.ReleaseControl()),
+            _tells_controller(A, None),
+        ),
+    ),
     Check(
         "events.query-all",
         "Lists its events",
@@ -334,7 +336,13 @@ CHECKS = (
             ask(A, core.QueryEventTimeout(), core.ReportEventTimeout),
         ),
     ),
-    timeout,
+    Check(
+        "events.timeout",
+        "Ends an event that is not updated",
+        "AS5710A v1.1 Events, event timeout in minutes",
+        "No report comes after the announced minutes; only with --slow.",
+        (since_1_1("Events", "Events 1.0 has no timeout"), _outlives(A), ended(A)),
+    ),
     Check(
         "events.command-event",
         "Answers CreateCommandEvent",

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.steps import (
     A,
     B,
+    ask,
     expect,
     expect_none,
     has,
@@ -42,15 +43,8 @@ _UID = 4711
 _USER_DEFINED = 1
 
 
-@check(
-    "list.count",
-    "Counts the elements that it lists",
-    "AS5710A ListManager, QueryElementCount, QueryElementList",
-)
-def count(session: Session) -> None:
-    """ReportElementCount is the length of ReportElementList; no UID is 0, 65535 or doubled."""
-    uids = _uids(session)
-    counted = session.first.ask(QueryElementCount(), ReportElementCount).element_count
+def _counts_listed(session: Session, report: ReportElementCount, _: str) -> None:
+    counted, uids = report.element_count, _uids(session)
     session.require(counted == len(uids), f"{counted} elements are counted, {len(uids)} are listed")
     session.require(
         len(set(uids)) == len(uids) and not {0, 65535} & set(uids),
@@ -58,20 +52,11 @@ def count(session: Session) -> None:
     )
 
 
-@check(
-    "list.elements",
-    "Reports its elements",
-    "AS5710A ListManager, QueryElement, ReportElement",
-)
-def elements(session: Session) -> None:
-    """Each listed element (of the first ten) is reported under its UID."""
+def _reports_listed(session: Session) -> None:
     uids = _uids(session)
     session.skip_unless(bool(uids), "the list is empty")
     for uid in uids[:10]:
-        report = session.first.ask(QueryElement(element_uid=uid), ReportElement)
-        session.require(
-            report.element_uid == uid, f"element {uid} is reported as {report.element_uid}"
-        )
+        ask(A, QueryElement(element_uid=uid), ReportElement, has(element_uid=uid))(session)
 
 
 @step
@@ -137,8 +122,20 @@ def _delete(request_id: int) -> DeleteElement:
 
 
 CHECKS = (
-    count,
-    elements,
+    Check(
+        "list.count",
+        "Counts the elements that it lists",
+        "AS5710A ListManager, QueryElementCount, QueryElementList",
+        "ReportElementCount is the length of ReportElementList; no UID is 0, 65535 or doubled.",
+        (ask(A, QueryElementCount(), ReportElementCount, _counts_listed),),
+    ),
+    Check(
+        "list.elements",
+        "Reports its elements",
+        "AS5710A ListManager, QueryElement, ReportElement",
+        "Each listed element (of the first ten) is reported under its UID.",
+        (_reports_listed,),
+    ),
     Check(
         "list.unknown-element",
         "Reports no element that does not exist",

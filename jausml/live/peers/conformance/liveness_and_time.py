@@ -8,8 +8,9 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, check
+from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.event_steps import carries, created
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.steps import A, AnythingBut, ask, serves, usual
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,
@@ -28,29 +29,18 @@ _FIRST_YEAR = 2000
 _LARGEST_DIFFERENCE = timedelta(seconds=5)
 
 
-@check("time.report", "Reports time and date", "AS5710A Time, QueryTime, ReportTime")
-def report(session: Session) -> None:
+def _is_a_time(session: Session, found: ReportTime, what: str) -> None:
     """The fields lie in their ranges; a clock far from ours is noted."""
-    answer = session.first.ask(QueryTime(presence_vector=TIME | DATE), ReportTime)
-    time, date = answer.time_stamp, answer.date_stamp
-    session.require(time is not None, "ReportTime holds no TimeStamp although it was asked for")
-    session.require(date is not None, "ReportTime holds no DateStamp although it was asked for")
+    time, date = found.time_stamp, found.date_stamp
     if time is None or date is None:
-        return
+        lacking = "TimeStamp" if time is None else "DateStamp"
+        raise CheckFailed(f"{what} holds no {lacking} although it was asked for")
+    day = (_FIRST_YEAR + date.year, date.month, date.day)
+    clock = (time.hour, time.minutes, time.seconds, 1000 * time.milliseconds)
     try:
-        theirs = datetime(
-            _FIRST_YEAR + date.year,
-            date.month,
-            date.day,
-            time.hour,
-            time.minutes,
-            time.seconds,
-            1000 * time.milliseconds,
-            tzinfo=timezone.utc,
-        )
+        theirs = datetime(*day, *clock, tzinfo=timezone.utc)
     except ValueError as error:
-        session.require(holds=False, failure=f"ReportTime holds no date and time: {error}")
-        return
+        raise CheckFailed(f"{what} holds no date and time: {error}") from error
     if abs(theirs - session.probe.utc()) > _LARGEST_DIFFERENCE:
         session.note(f"its clock says {theirs:%Y-%m-%d %H:%M:%S} UTC, which is not ours")
 
@@ -76,7 +66,13 @@ LIVENESS = (
     ),
 )
 TIME_CHECKS = (
-    report,
+    Check(
+        "time.report",
+        "Reports time and date",
+        "AS5710A Time, QueryTime, ReportTime",
+        "The fields lie in their ranges; a clock far from ours is noted.",
+        (ask(A, QueryTime(presence_vector=TIME | DATE), ReportTime, _is_a_time),),
+    ),
     Check(
         "time.subset",
         "Reports what was asked for",

@@ -17,7 +17,7 @@ from jausml.live.peers.conformance.access import (
     request,
     timeout_in_reach,
 )
-from jausml.live.peers.conformance.check import Check, check, step
+from jausml.live.peers.conformance.check import Check, Step, step
 from jausml.live.peers.conformance.session import Authority
 from jausml.live.peers.conformance.steps import (
     A,
@@ -26,6 +26,7 @@ from jausml.live.peers.conformance.steps import (
     expect,
     has,
     only_in_1_1,
+    put,
     ready,
     send,
     silence,
@@ -127,21 +128,22 @@ def emergency(session: Session, client: int) -> None:
     )
 
 
-@check(
-    "management.emergency-code-0",
-    "Takes emergency code 0 for STOP too",
-    "Practice: components of the JAUS Tool Set send 0; AS5710A lists 1 (STOP) alone",
-)
-def emergency_code_0(session: Session) -> None:
-    """A component that ignores code 0 conforms, but does not stop for such a peer."""
-    session.second.owe(ClearEmergency, _CLEAR_0)
-    session.second.put(session.second.packet(_SET_0, priority=Priority.SAFETY_CRITICAL))
+@step
+def _set_0(session: Session, client: int) -> None:
+    """A client sets an emergency of code 0, which it owes to clear."""
+    found = session.client(client)
+    found.owe(ClearEmergency, _CLEAR_0)
+    found.put(found.packet(_SET_0, priority=Priority.SAFETY_CRITICAL))
+
+
+@step
+def _entered(session: Session, note: str, *steps: Step) -> None:
+    """Takes steps in Emergency; notes where the target is not there."""
     if not session.reaches(EMERGENCY):
-        session.note("SetEmergency with code 0 is ignored; JAUS Tool Set peers send it")
+        session.note(note)
         return
-    session.second.put(session.second.packet(_CLEAR_0))
-    session.latest = "ClearEmergency with code 0"
-    comes_to(STANDBY)(session)
+    for each in steps:
+        each(session)
 
 
 def is_down(session: Session) -> None:
@@ -344,7 +346,20 @@ CHECKS = (
             comes_to(STANDBY),
         ),
     ),
-    emergency_code_0,
+    Check(
+        "management.emergency-code-0",
+        "Takes emergency code 0 for STOP too",
+        "Practice: components of the JAUS Tool Set send 0; AS5710A lists 1 (STOP) alone",
+        "A component that ignores code 0 conforms, but does not stop for such a peer.",
+        (
+            _set_0(B),
+            _entered(
+                "SetEmergency with code 0 is ignored; JAUS Tool Set peers send it",
+                put(B, "ClearEmergency with code 0", _CLEAR_0),
+                comes_to(STANDBY),
+            ),
+        ),
+    ),
     Check(
         "management.shutdown-by-other",
         "Ignores Shutdown of others than its controller",

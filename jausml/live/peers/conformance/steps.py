@@ -11,7 +11,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.live.peers.conformance.check import Step, step
-from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
 from jausml.live.peers.conformance.session import Session
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
@@ -57,9 +57,47 @@ def serves(session: Session, service: str) -> None:
 
 
 @step
+def provides(session: Session, service: str, reason: str) -> None:
+    """Skips the check where the target does not have a core service."""
+    session.skip_unless(session.provides(service), reason)
+
+
+@step
 def slow(session: Session, what: str) -> None:
     """Skips the check unless slow ones are wanted."""
     session.skip_unless(session.limits.slow, f"takes {what}; --slow waits for them")
+
+
+# -- how a check may end ---------------------------------------------------------------------------
+
+
+@step
+def skips(session: Session, why: str) -> None:
+    """Ends the check as skipped."""
+    session.skip_unless(holds=False, reason=why)
+
+
+@step
+def notes(session: Session, what: str) -> None:
+    """Notes what is not as it should be."""
+    session.note(what)
+
+
+def passes(_: Session) -> None:
+    """Takes it as it is."""
+
+
+@step
+def any_of(session: Session, why: str, *steps: Step) -> None:
+    """Takes steps of which some may be skipped; the check is, where all are."""
+    taken = 0
+    for each in steps:
+        try:
+            each(session)
+        except CheckSkipped:
+            continue
+        taken += 1
+    session.skip_unless(bool(taken), why)
 
 
 # -- how what came must be -------------------------------------------------------------------------
@@ -151,13 +189,18 @@ def ask(
     query: Sent,
     kind: type[M],
     *judgements: Judgement[M],
-    optional: bool = False,
+    unanswered: Step | None = None,
 ) -> None:
-    """A query is answered with a report that is as it should be; an optional one may not come."""
+    """A query is answered with a report that is as it should be; `unanswered` says if it may not.
+
+    A query that need not be answered is asked once.
+    """
     message = query if isinstance(query, Message) else query(session)
-    report = session.client(client).asked(message, kind, attempts=1 if optional else 3)
+    report = session.client(client).asked(message, kind, attempts=1 if unanswered else 3)
     if report is None:
-        session.require(optional, f"{message.NAME} is not answered with {kind.NAME}")
+        if unanswered is None:
+            raise CheckFailed(f"{message.NAME} is not answered with {kind.NAME}")
+        unanswered(session)
         return
     for judge in judgements:
         judge(session, report, f"{kind.NAME} after {message.NAME}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, check
+from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.packet_steps import (
     UNKNOWN_CODE,
     acknowledged,
@@ -42,17 +42,12 @@ def requires(session: Session) -> str:
     return ""
 
 
-@check(
-    "transport.sequence-numbers",
-    "Gives each message a new sequence number",
-    "AS5669A, sequence numbers: +1 for each packet of a source",
-)
-def sequence_numbers(session: Session) -> None:
-    """The numbers of five reports differ and rise; others may hear what lies between."""
-    client = session.first
-    query, report_class = session.ping
+@step
+def _numbers_rise(session: Session, reports: int) -> None:
+    """The numbers of reports differ and rise; others may hear what lies between."""
+    client, (query, report_class) = session.first, session.ping
     numbers = []
-    for _ in range(5):
+    for _ in range(reports):
         client.send(query)
         arrived = session.probe.wait(
             lambda: any(each.code == report_class.CODE for each in client.inbox),
@@ -67,13 +62,7 @@ def sequence_numbers(session: Session) -> None:
     )
 
 
-@check(
-    "transport.well-formed",
-    "Sends datagrams that can be read",
-    "AS5669A, general transport header",
-)
-def well_formed(session: Session) -> None:
-    """No datagram of the target so far was cut, of another version or followed by other bytes."""
+def _all_could_be_read(session: Session) -> None:
     malformed = session.probe.malformed
     session.require(not malformed, f"{len(malformed)} unreadable datagrams: {malformed[:3]}")
 
@@ -307,6 +296,18 @@ CHECKS = (
         tuple(query(A, payload=each) for each in _TRUNCATED_QUERIES),
         risky=True,
     ),
-    sequence_numbers,
-    well_formed,
+    Check(
+        "transport.sequence-numbers",
+        "Gives each message a new sequence number",
+        "AS5669A, sequence numbers: +1 for each packet of a source",
+        "The numbers of five reports differ and rise; others may hear what lies between.",
+        (_numbers_rise(5),),
+    ),
+    Check(
+        "transport.well-formed",
+        "Sends datagrams that can be read",
+        "AS5669A, general transport header",
+        "No datagram of the target so far was cut, of another version or followed by other bytes.",
+        (_all_could_be_read,),
+    ),
 )
