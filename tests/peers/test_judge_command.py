@@ -1,0 +1,70 @@
+"""`jausml judge` from the command line: sheets, choices, exit status."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+pytestmark = pytest.mark.ports
+
+QUICK = ("--timeout", "0.4", "--quiet-time", "0.06")
+
+
+def test_full_marks_exit_with_0_and_are_told_as_they_come(jausml, vehicle, tmp_path):
+    vehicle()
+    page = tmp_path / "sheet.html"
+    choice = ("--only", "management.standby", "--only", "velocity.report")
+    result = jausml("judge", "100.1.1", *choice, "-o", page, *QUICK)
+    # The vehicle has a velocity without yaw rate.
+    assert result.exit_code == 1, result.stderr
+    lines = result.stdout.splitlines()
+    assert lines[0] == "IGVC JAUS Challenge: 100.1.1"
+    assert "System management" in lines
+    assert any(line.split()[:2] == ["1/1", "management.standby"] for line in lines)
+    assert any(line.split()[:3] == ["0/4", "LOST", "velocity.report"] for line in lines)
+    assert any("lacks YawRate, TimeStamp" in line for line in lines)
+    assert any(">> 42.1.1 > 100.1.1" in line for line in lines)
+    assert any(line.split() == ["Sum", "7", "of", "11", "points"] for line in lines)
+    assert "score sheet of 100.1.1" in page.read_text(encoding="utf-8")
+
+    full = jausml("judge", "100.1.1", "--only", "management.standby", *QUICK)
+    assert full.exit_code == 0, full.stdout
+
+
+def test_json_alone_goes_to_stdout(jausml, vehicle):
+    vehicle()
+    options = ("--competition", "conformance", "--only", "liveness", "--format", "json")
+    result = jausml("judge", "100.1.1", *options, *QUICK)
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert (found["competition"], found["points"], found["of"]) == ("conformance", 2, 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        ((), "Missing argument 'TARGET_ID'"),
+        (("100.1",), "not a JAUS address"),
+        (("42.1.7",), "choose another --id"),
+        (("100.1.1", "--only", "velocty"), "did you mean velocity"),
+        (("100.1.1", "--only", "nothing"), "it has capabilities,"),
+        (("100.1.1", "--competition", "igvc"), "'igvc-jaus'"),
+        (("100.1.1", "--waypoint", "2"), "'2' is not X,Y in metres"),
+        (("100.1.1", "--waypoint", "nan,0"), "'nan,0' is more than 1000 m away"),
+        (("100.1.1", "--only", "velocity", *QUICK), "100.1.1 does not answer"),
+        (("100.1.1", "--interface", "192.0.2.1", *QUICK), "the network cannot be used"),
+    ],
+)
+def test_usage_and_environment_exit_with_2(arguments, error, jausml):
+    result = jausml("judge", *arguments)
+    assert result.exit_code == 2
+    assert error in result.stderr
+
+
+def test_a_sheet_that_cannot_be_written_is_told(jausml, vehicle, tmp_path):
+    vehicle()
+    place = tmp_path / "no" / "sheet.html"
+    result = jausml("judge", "100.1.1", "--only", "management.status", "-o", place, *QUICK)
+    assert result.exit_code == 2
+    assert "cannot write" in result.stderr
