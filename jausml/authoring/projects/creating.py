@@ -61,11 +61,13 @@ class Wish:
 
     Attributes:
         is_empty: Whether the system shall be empty, without an example.
+        profile: The template of the model, which is text; empty for the example.
     """
 
     name: str
     is_text: bool = False
     is_empty: bool = False
+    profile: str = ""
 
     @property
     def model(self) -> str:
@@ -126,14 +128,15 @@ def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
 
 
 def _contents(wish: Wish) -> dict[str, bytes]:
-    found = {wish.model: _model(wish)}
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("jausml.authoring.projects"),
         undefined=jinja2.StrictUndefined,
         keep_trailing_newline=True,
         autoescape=False,  # noqa: S701 - names are checked, and no file is HTML
     )
-    for path, template in TEMPLATES.items():
+    found = {} if wish.profile else {wish.model: _model(wish)}
+    made = {wish.model: f"{wish.profile}.ros2jaus.j2"} if wish.profile else {}
+    for path, template in (made | TEMPLATES).items():
         text = environment.get_template(template).render(wish=wish, version=__version__)
         found[path] = text.encode()
     for folder, copies in copies_for().items():

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.topics import Crossing
     from jausml.language.importers.jsidl import ImportResult
 
-_EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
+_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, _IGVC = "example", "empty", "topics", "jsidl", "igvc"
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 """A SOURCE for each way to begin that needs some."""
 
@@ -38,19 +38,18 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 @click.option(
     "--notation",
     type=click.Choice(["xmi", "text"]),
-    default="xmi",
-    show_default=True,
-    help="Notation of the model.",
+    help="Notation of the model; by default, xmi, and text of an igvc model.",
 )
 @click.option(
     "--from",
     "origin",
-    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL]),
+    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, _IGVC]),
     default=_EXAMPLE,
     show_default=True,
     help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
     "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
-    "component with the services of the SOURCEs, which are JSIDL files and folders.",
+    "component with the services of the SOURCEs, which are JSIDL files and folders; igvc: a robot "
+    "for the JAUS challenge, as `jausml judge` judges it.",
 )
 @click.option(
     "--copies",
@@ -62,7 +61,7 @@ def command(
     folder: Path,
     sources: tuple[str, ...],
     name: str | None,
-    notation: str,
+    notation: str | None,
     origin: str,
     copies: bool,
     side: str,
@@ -90,9 +89,13 @@ def command(
         if sources and all(":" in each for each in sources):
             what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
+    if origin == _IGVC and notation == "xmi":
+        raise click.UsageError("--from igvc uses ready maps, which are text; leave out --notation")
+    profile = origin if origin == _IGVC else ""
     chosen: Sequence[Crossing] = ()
     try:
-        wish = Wish(name or name_for(folder), notation == "text", origin == _EMPTY)
+        is_text = notation == "text" or bool(profile)
+        wish = Wish(name or name_for(folder), is_text, origin == _EMPTY, profile)
         if origin == _TOPICS:
             written, chosen = _from_topics(
                 folder, wish, sources, side=side, yes=yes, holds=holds, joints=joints

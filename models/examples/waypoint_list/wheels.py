@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """A simulated robot on two wheels: takes robot/cmd_vel (Twist), publishes robot/odom (Odometry).
 
-The wheels follow their speeds with a lag, and stop when no command came for half a second. The
-parameter `log` names a file to which the true state is written at each step.
+The wheels follow their speeds with a lag, and stop when no command came for half a second. What
+robot/set_pose (PoseWithCovarianceStamped) says is where the robot is from then on. The parameter
+`log` names a file to which the true state is written at each step.
 
 Usage: python wheels.py [--ros-args -p log:=FILE]
 """
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import TextIO
 
 import rclpy
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -91,6 +92,7 @@ class Wheels(Node):
         self._commanded = self._now
         self._odometry = self.create_publisher(Odometry, "odom", 10)
         self.create_subscription(Twist, "cmd_vel", self._on_command, 1)
+        self.create_subscription(PoseWithCovarianceStamped, "set_pose", self._on_pose, 1)
         self.create_timer(PERIOD, self._step)
 
     def _on_command(self, command: Twist) -> None:
@@ -98,6 +100,11 @@ class Wheels(Node):
         if math.isfinite(speed) and math.isfinite(yaw_rate):
             self._wanted = (speed, yaw_rate)
             self._commanded = time.monotonic()
+
+    def _on_pose(self, stated: PoseWithCovarianceStamped) -> None:
+        position, turn = stated.pose.pose.position, stated.pose.pose.orientation
+        self._robot.x, self._robot.y = position.x, position.y
+        self._robot.psi = 2 * math.atan2(turn.z, turn.w)
 
     def _step(self) -> None:
         now = time.monotonic()
