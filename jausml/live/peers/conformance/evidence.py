@@ -14,7 +14,7 @@ from jausml.runtime.transports.packets.packet import AckNak, DataFlags
 from jausml.runtime.wire.message import DecodeError, Message, read_code
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from jausml.live.messages import Catalogue
     from jausml.runtime.transports.packets.packet import Packet
@@ -83,6 +83,18 @@ class Trace:
     def lines(self) -> tuple[TraceLine, ...]:
         """The last lines."""
         return tuple(self._lines[-MAX_LINES:])
+
+    def since(self, count: int) -> tuple[TraceLine, ...]:
+        """Returns all lines after the first ones, at the times of the clock."""
+        return tuple(each._replace(time=each.time + self._begin) for each in self._lines[count:])
+
+    def quote(self, lines: Iterable[TraceLine]) -> None:
+        """Adds lines of an earlier exchange, whose times lie before the beginning of this one."""
+        self._lines += [each._replace(time=each.time - self._begin) for each in lines]
+
+    def __len__(self) -> int:
+        """Returns how many lines there are."""
+        return len(self._lines)
 
     def packet(self, direction: str, packet: Packet, datagram: bytes) -> None:
         """Adds a message."""

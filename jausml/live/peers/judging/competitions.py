@@ -124,7 +124,7 @@ def judged(
     with opened(
         network, target, catalogue, timeout=timeout, quiet=quiet, meet=judge.meet, wire=wire
     ) as session:
-        begun = session.probe.utc()
+        begun = next((each.result.begun for each in judge.scores), None) or session.probe.utc()
         judge.run(session)
         host, port = session.probe.endpoint or ("", 0)
         return Sheet(

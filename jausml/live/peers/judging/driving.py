@@ -13,10 +13,11 @@ from jausml.runtime.messages import SetElement
 from jausml.runtime.services.element_list import chain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from jausml.live.peers.conformance.check import Step
     from jausml.live.peers.conformance.client import Client
+    from jausml.live.peers.conformance.evidence import TraceLine
     from jausml.live.peers.conformance.session import Session
 
 T = TypeVar("T")
@@ -38,6 +39,7 @@ TRAVEL_SPEED = 1.0
 _PERIOD = 0.2
 _PATIENCE = 3.0
 _CLOSE = 0.01
+_QUOTED = 3
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class Sample:
 
     Attributes:
         time: Seconds since ExecuteList.
+        evidence: What was sent and seen.
     """
 
     time: float
@@ -66,6 +69,7 @@ class Sample:
     place: Place | None = None
     speed: float | None = None
     waypoint: Place | None = None
+    evidence: tuple[TraceLine, ...] = ()
 
 
 @dataclass
@@ -133,7 +137,7 @@ class Drive:
         return next(away, None)
 
     def _sample(self, session: Session, begun: float) -> Sample:
-        client = session.first
+        client, count = session.first, len(session.trace)
         for topic in (ACTIVE, POSE, SPEED, WAYPOINT):
             client.send(topic.query(session))
         session.probe.wait(lambda: False, _PERIOD)
@@ -146,6 +150,7 @@ class Drive:
             _place(pose),
             speed.get("Speed"),
             _place(waypoint),
+            session.trace.since(count),
         )
 
     def _arrivals(self) -> list[int | None]:
@@ -178,6 +183,7 @@ class Drive:
             places = [each.place for each in self.samples if each.place is not None]
             session.require(bool(places), "the target did not tell where it was")
             if at is None:
+                _quote(session, self.samples[-_QUOTED:], POSE.name)
                 nearest = min(_distance(each, (x, y)) for each in places)
                 raise CheckFailed(
                     f"not within {RADIUS} m of {x:g}, {y:g} in its turn; the nearest place of the "
@@ -218,8 +224,10 @@ class Drive:
         is_right: Callable[[T], bool],
     ) -> Step:
         def judge(session: Session) -> None:
-            values = [found for each in self._leg(number) if (found := value(each)) is not None]
-            name = topic.name
+            leg, name = self._leg(number), topic.name
+            values = [found for each in leg if (found := value(each)) is not None]
+            if not any(map(is_right, values)):
+                _quote(session, leg, name)
             session.require(bool(values), f"Query{name} was not answered on the way to {number}")
             if not any(map(is_right, values)):
                 told_values = ", ".join(dict.fromkeys(map(_words, values)))
@@ -228,6 +236,12 @@ class Drive:
                 )
 
         return judge
+
+
+def _quote(session: Session, samples: Sequence[Sample], name: str) -> None:
+    """Shows what some samples hold of a topic."""
+    for each in samples[:_QUOTED]:
+        session.trace.quote(line for line in each.evidence if name in line.text)
 
 
 def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:

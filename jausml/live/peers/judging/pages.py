@@ -88,25 +88,29 @@ def _points(given: float, of: float) -> str:
 
 
 def _task(sheet: Sheet, task: Task) -> Iterator[str]:
-    yield f"<h2>{escape(task.title)}</h2>\n<p>{escape(task.rule)}</p>\n<table>\n<tbody>"
+    yield f"<h2>{escape(task.title)}</h2>\n<p>{escape(task.rule)}</p>"
+    sources = list(dict.fromkeys(each.part.check.source for each in sheet.of(task)))
+    if len(sources) == 1:
+        yield f'<p class="soft">{escape(sources[0])}</p>'
+    yield "<table>\n<tbody>"
     for score in sheet.of(task):
         points = _points(score.points, score.part.points)
-        yield f"<tr><td>{''.join(_part(score))}</td>"
+        yield f"<tr><td>{''.join(_part(score, has_source=len(sources) > 1))}</td>"
         yield f'<td class="points">{points}</td></tr>'
     yield "</tbody>\n</table>"
 
 
-def _part(score: Score) -> Iterator[str]:
+def _part(score: Score, *, has_source: bool) -> Iterator[str]:
     check, result = score.part.check, score.result
     yield f"{escape(check.title)} <small>{escape(check.id)}</small>"
     kind = "soft" if score.points == score.part.points else "lost"
     for message in result.messages:
         yield f'<p class="why {kind}">{escape(message)}</p>'
-    yield f'<p class="why soft">{escape(check.source)}</p>'
+    if has_source:
+        yield f'<p class="why soft">{escape(check.source)}</p>'
     if result.evidence:
         is_open = " open" if result.verdict is Verdict.FAIL else ""
-        count = len(result.evidence)
-        yield f"<details{is_open}><summary>{count} lines of what was sent and seen</summary>"
+        yield f"<details{is_open}><summary>sent and seen</summary>"
         yield f"<pre>{escape(chr(10).join(_evidence(result)))}</pre></details>"
 
 

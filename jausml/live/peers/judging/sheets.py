@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the layout of JSON."""
 
-_ID_WIDTH = 34
+_ID_WIDTH = 36
 
 
 def task_lines(task: Task) -> Iterator[str]:
@@ -33,6 +33,8 @@ def score_lines(score: Score) -> Iterator[str]:
     yield f"  {points:>7} {mark:4} {check.id:{_ID_WIDTH}} {check.title}"
     for message in score.result.messages:
         yield f"               {printable(message)}"
+    remarks = (each.text for each in score.result.evidence if each.direction == "remark")
+    yield from (f"               {each}" for each in remarks)
     if verdict is Verdict.FAIL:
         yield f"               rule: {check.source}"
         yield from (f"               {line}" for line in evidence_lines(score.result))
