@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from for_each import for_each
 from scripts import run_script
+from type_support import CannotBuildError, built
 from warm import programs
 
 from jausml.cli import main
@@ -39,6 +40,8 @@ def script(page: Path) -> str:
 
 
 NEED_A_COMPILER = {"compile-bridges"}
+NEED_NAV2 = {"for-student-teams"}
+FOLLOW_WAYPOINTS = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
 WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
@@ -48,11 +51,18 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
     (tmp_path / "models").symlink_to(ROOT / "models")
+    further = {}
+    if page.stem in NEED_NAV2:
+        try:
+            further["PYTHONPATH"] = str(built("nav2_msgs", FOLLOW_WAYPOINTS))
+        except CannotBuildError as error:
+            pytest.skip(str(error))
     environment = {
         **os.environ,
         "PATH": os.pathsep.join(
             [str(programs()), str(Path(sys.executable).parent), os.environ["PATH"]]
         ),
+        **further,
         "HOME": str(tmp_path),  # what readers put there is not put into that of who tests
     }
     bash = shutil.which("bash")

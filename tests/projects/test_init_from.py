@@ -25,6 +25,27 @@ def test_it_validates_and_generates(tmp_path, monkeypatch, jausml, notation, ori
     assert done.exit_code == 0, done.output
 
 
+def test_a_robot_for_the_judge_leaves_safety_to_a_person(tmp_path, monkeypatch, jausml):
+    done = jausml("init", tmp_path / "rover", "--from", "igvc")
+    assert done.exit_code == 0, done.output
+    monkeypatch.chdir(tmp_path / "rover")
+    model = Path("models/rover.ros2jaus")
+    done = jausml("validate", "models")
+    assert done.exit_code == 1
+    assert done.output.count("error") == done.output.count("error: JML498 open in 'waypoints'") + 1
+    assert "say what stops a drive" in done.output
+    assert "say who may command" in done.output
+    assert jausml("generate", model, "-o", "src").exit_code == 1
+    assert jausml("format", "--check", "models").exit_code == 0
+
+    lines = model.read_text(encoding="utf-8").splitlines(keepends=True)
+    model.write_text(
+        "".join(each for each in lines if "openDecisions" not in each), encoding="utf-8"
+    )
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+
+
 @EMF
 def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
     assert jausml("init", tmp_path / "rover", *JSIDL).exit_code == 0
@@ -36,6 +57,8 @@ def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
     ("options", "status", "told"),
     [
         (("--from", "topics"), 2, "needs SOURCEs, such as odom:nav_msgs/Odometry"),
+        (("--from", "igvc", "--notation", "xmi"), 2, "leave out --notation"),
+        (("--from", "igvc", "a:geometry_msgs/Twist"), 2, "--from igvc takes no SOURCE"),
         (("a:geometry_msgs/Twist",), 2, "takes no SOURCE; did you mean --from topics?"),
         (("--from", "topics", "a:std_msgs/String"), 2, "no ready map carries std_msgs/String"),
         (("--from", "jsidl", WINCH / "Winch.jsidl"), 1, "nothing written"),
