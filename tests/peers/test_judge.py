@@ -219,15 +219,22 @@ def test_who_is_not_there_is_told():
         )
 
 
-def test_an_interrupted_run_keeps_what_it_has():
-    def interrupt(score):
-        if score.part.check.id == "velocity.report":
-            raise KeyboardInterrupt
-
-    sheet = judged(on_score=interrupt)
+def test_ctrl_c_stops_the_robot_and_keeps_what_was_judged():
+    catalogue = load_catalogue()
+    network = make_network("42.1.1", "127.0.0.1", 3794, "239.255.0.1", [])
+    rules = competitions.competition(JAUS)
+    with VirtualWorld() as world:
+        wire = VirtualWire(world)
+        robot = Robot(world, catalogue, wire)
+        robot.start()
+        wire.interrupted_at = 16.0
+        sheet = competitions.judged(network, ROBOT, catalogue, rules, wire=wire)
+        assert robot.x > 1.5  # it was on its way
+        assert (robot.controller, robot.pending, len(robot.elements)) == (None, [], 0)
     assert sheet.interrupted
     assert not sheet.is_full
-    assert sheet.scores[-1].part.check.id == "velocity.report"
+    assert sheet.scores[-1].part.check.id == "waypoints.list"
+    assert "(interrupted)" in sheets.summary(sheet)
 
 
 def test_the_same_run_gives_the_same_sheet():

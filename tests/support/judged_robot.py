@@ -36,10 +36,15 @@ DRIVER = "LocalWaypointListDriver"
 
 
 class VirtualWire:
-    """The network of a virtual world as the judge sees it: raw datagrams, and virtual time."""
+    """The network of a virtual world as the judge sees it: raw datagrams, and virtual time.
+
+    Attributes:
+        interrupted_at: When somebody presses Ctrl-C, in seconds.
+    """
 
     def __init__(self, world):
         self.world = world
+        self.interrupted_at = float("inf")
         self.transport = world.transport()
         self.transport.receive_datagram = self._take
         self.arrived = deque()
@@ -54,6 +59,9 @@ class VirtualWire:
             self.transport.station.sendto(datagram, endpoint)
 
     def receive(self, deadline):
+        if self.now() >= self.interrupted_at:
+            self.interrupted_at = float("inf")
+            raise KeyboardInterrupt
         try:
             self.world.run_until(lambda: self.arrived, max(0.0, deadline - self.now()))
         except TimeoutError:

@@ -12,10 +12,11 @@ from jausml.cli.live.network import (
     network_from,
     network_options,
     target_of,
+    waiting_options,
 )
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import open_catalogue
-from jausml.cli.shared.options import CONFORMANCE_FORMATS, FiniteRange, format_option
+from jausml.cli.shared.options import CONFORMANCE_FORMATS, format_option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,20 +68,7 @@ def _checks(
 @click.option("--list", "list_checks", is_flag=True, help="List the checks and exit.")
 @click.option("--slow", is_flag=True, help="Also wait for timeouts that take minutes.")
 @click.option("--destructive", is_flag=True, help="Also shut the target down at the end.")
-@click.option(
-    "--timeout",
-    type=FiniteRange(0.05, 60),
-    default=1.0,
-    show_default=True,
-    help="Seconds to wait for an answer.",
-)
-@click.option(
-    "--quiet-time",
-    type=FiniteRange(0.02, 60),
-    default=0.3,
-    show_default=True,
-    help="Seconds of silence that count as no answer.",
-)
+@waiting_options
 @network_options
 def command(
     target: str | None,

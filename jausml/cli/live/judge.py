@@ -12,6 +12,7 @@ from jausml.cli.live.network import (
     network_from,
     network_options,
     target_of,
+    waiting_options,
 )
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import open_catalogue
@@ -79,20 +80,7 @@ def _waypoints(
     show_default=True,
     help="Seconds in which the next waypoint must be reached.",
 )
-@click.option(
-    "--timeout",
-    type=FiniteRange(0.05, 60),
-    default=1.0,
-    show_default=True,
-    help="Seconds to wait for an answer.",
-)
-@click.option(
-    "--quiet-time",
-    type=FiniteRange(0.02, 60),
-    default=0.3,
-    show_default=True,
-    help="Seconds of silence that count as no answer.",
-)
+@waiting_options
 @network_options
 def command(
     target: str,

@@ -85,6 +85,25 @@ def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
+def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Adds the options that say how long a test waits for what comes and what does not."""
+    timeout = click.option(
+        "--timeout",
+        type=FiniteRange(0.05, 60),
+        default=1.0,
+        show_default=True,
+        help="Seconds to wait for an answer.",
+    )
+    quiet = click.option(
+        "--quiet-time",
+        type=FiniteRange(0.02, 60),
+        default=0.3,
+        show_default=True,
+        help="Seconds of silence that count as no answer.",
+    )
+    return timeout(quiet(function))
+
+
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
     """Lets SIGTERM end a block like Ctrl-C, so that what is held is released."""

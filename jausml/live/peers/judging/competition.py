@@ -11,7 +11,7 @@ from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
     from datetime import datetime
 
     from jausml.live.peers.conformance.check import Step
@@ -61,17 +61,16 @@ PartOf = Callable[[str, str], Part]
 
 
 def part(
-    name: str,
-    points: float,
-    title: str,
-    *steps: Step,
-    needs: tuple[str, ...] = (),
-    is_last: bool = False,
-) -> PartOf:
-    """Declares a part of a task."""
-    return lambda task_name, source: Part(
-        Check(f"{task_name}.{name}", title, source, title, steps), points, needs, is_last
-    )
+    name: str, points: float, title: str, *needs: str, is_last: bool = False
+) -> Callable[..., PartOf]:
+    """Declares a part of a task, and takes its steps."""
+
+    def of(*steps: Step) -> PartOf:
+        return lambda task_name, source: Part(
+            Check(f"{task_name}.{name}", title, source, title, steps), points, needs, is_last
+        )
+
+    return of
 
 
 def task(
@@ -190,9 +189,8 @@ class Judge:
             session.tidy()
 
     def in_order(self) -> tuple[Score, ...]:
-        """Returns the scores in the order of the rules."""
-        places = {part.check.id: at for at, part in enumerate(_parts(self._tasks))}
-        return tuple(sorted(self.scores, key=lambda each: places[each.part.check.id]))
+        """Returns the scores in the order of the tasks."""
+        return tuple(sorted(self.scores, key=lambda each: self._tasks.index(each.task)))
 
     def _take(self, session: Session, task: Task, parts: Sequence[Part]) -> None:
         for part in parts:
@@ -216,7 +214,3 @@ class Judge:
 
 def _is_given(score: Score) -> bool:
     return score.result.verdict in _GIVEN
-
-
-def _parts(tasks: Iterable[Task]) -> Iterator[Part]:
-    return (part for task in tasks for part in task.parts)

@@ -52,11 +52,6 @@ class ConformanceJudge(Judge):
         report = run(session, self._selection.groups(), self._note)
         self.interrupted = report.interrupted
 
-    def in_order(self) -> tuple[Score, ...]:
-        """Returns the scores by group."""
-        places = list(self._groups)
-        return tuple(sorted(self.scores, key=lambda each: places.index(each.task.name)))
-
     def _note(self, result: CheckResult) -> None:
         self.note(Score(self._groups[result.check.group], Part(result.check, 1), result))
 

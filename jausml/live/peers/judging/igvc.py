@@ -5,7 +5,6 @@ The rules give points for a whole task, and 2.5 for each waypoint; how a task is
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -25,7 +24,7 @@ from jausml.live.peers.conformance.steps import (
     usual,
 )
 from jausml.live.peers.discovery import services_of
-from jausml.live.peers.judging.competition import Competition, Task, part, task
+from jausml.live.peers.judging.competition import Competition, PartOf, Task, part, task
 from jausml.live.peers.judging.driving import DRIVER, RADIUS, TRAVEL_SPEED, Course, Drive
 from jausml.live.peers.judging.message_steps import Topic, asks, goes_on, holds, made, told
 from jausml.runtime import messages as core
@@ -33,6 +32,7 @@ from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.steps import Judgement
     from jausml.runtime.base.settings import Endpoint
 
 RULES = "IGVC 2011, JAUS Challenge"
@@ -45,6 +45,8 @@ _FASTEST = 5.0
 _NEAR = 0.25
 _SET_WITHIN = 2.0
 _WAYPOINT_TASK = 10.0
+_IDENTIFY = core.QueryIdentification(query_type=4)
+_NAMED: Judgement[core.ReportIdentification] = usual(identification=AnythingBut(""))
 _FAR = float("inf")
 _ONE_INTERVAL = INTERVAL + _LENIENCE
 
@@ -59,29 +61,24 @@ SERVICES = (
 """What the tasks need."""
 
 
-@dataclass
 class Handshake:
-    """The questions of an entry that introduces itself.
+    """The questions of an entry that introduces itself: when the last came, and from where."""
 
-    Attributes:
-        asked: When they came, in seconds.
-        place: Where they came from.
-    """
-
-    asked: list[float] = field(default_factory=list)
-    place: Endpoint | None = None
+    def __init__(self) -> None:
+        """Nothing was heard yet."""
+        self._heard = 0.0
+        self._place: Endpoint | None = None
 
     def hears(self, session: Session) -> None:
         """The entry asks for our identification without having been asked anything."""
-        received = self._next(session, _ONE_INTERVAL)
-        session.require(received, f"no QueryIdentification came in {_ONE_INTERVAL:g} s")
-        self.place = session.probe.endpoint
+        self._hear(session, f"no QueryIdentification came in {_ONE_INTERVAL:g} s")
+        self._place = session.probe.endpoint
 
     def hears_again(self, session: Session) -> None:
         """The entry asks again after the interval."""
-        came = self._next(session, INTERVAL + 2 * _LENIENCE)
-        session.require(came, "the question is not repeated although it was not answered")
-        pause = self.asked[-1] - self.asked[-2]
+        before = self._heard
+        self._hear(session, "the question is not repeated although it was not answered")
+        pause = self._heard - before
         session.require(
             abs(pause - INTERVAL) <= _LENIENCE,
             f"the question came again after {pause:.1f} s instead of {INTERVAL:g}",
@@ -91,19 +88,13 @@ class Handshake:
         """The entry answers from the address and port from which it asked."""
         place = session.probe.endpoint
         session.require(
-            self.place in (None, place), f"it asked from {self.place} and answers from {place}"
+            self._place in (None, place), f"it asked from {self._place} and answers from {place}"
         )
 
-    def _next(self, session: Session, seconds: float) -> bool:
-        client = session.first
-        arrived = session.probe.wait(
-            lambda: any(each.code == core.QueryIdentification.CODE for each in client.inbox),
-            seconds,
-        )
-        if arrived:
-            found = client.first_of((core.QueryIdentification.CODE,))
-            self.asked += [found.time] if found else []
-        return arrived
+    def _hear(self, session: Session, failure: str) -> None:
+        found = session.first.find(core.QueryIdentification, within=_ONE_INTERVAL)
+        session.require(found is not None, failure)
+        self._heard = session.probe.now()
 
 
 def jaus_challenge(course: Course) -> Competition:
@@ -138,33 +129,14 @@ def _transport_discovery() -> Task:
         "The entry asks the judge for its identification every 5 seconds until it is answered, and "
         "then answers the same question.",
         f"{RULES}; AS5710A Discovery, QueryIdentification, ReportIdentification",
-        part("greets", 4, "Asks for identification by itself", handshake.hears),
-        part(
-            "repeats",
-            2,
-            f"Asks every {INTERVAL:g} s until it is answered",
-            handshake.hears_again,
-            needs=("greets",),
-        ),
-        part(
-            "stops",
-            2,
-            "Asks no more once it is answered",
+        part("greets", 4, "Asks for identification by itself")(handshake.hears),
+        part("repeats", 2, "Asks every 5 s until it is answered", "greets")(handshake.hears_again),
+        part("stops", 2, "Asks no more once it is answered", "greets")(
             send(A, core.ReportIdentification(2, 10001, "jausml judge")),
             expect_none(A, core.QueryIdentification, "it was answered", within=_ONE_INTERVAL),
-            needs=("greets",),
         ),
-        part(
-            "identifies",
-            2,
-            "Identifies itself in return, from where it asked",
-            ask(
-                A,
-                core.QueryIdentification(query_type=4),
-                core.ReportIdentification,
-                has(query_type=4),
-                usual(identification=AnythingBut("")),
-            ),
+        part("identifies", 2, "Identifies itself in return, from where it asked")(
+            ask(A, _IDENTIFY, core.ReportIdentification, has(query_type=4), _NAMED),
             handshake.same_place,
         ),
         is_unasked=True,
@@ -178,11 +150,8 @@ def _capabilities_discovery() -> Task:
         "QueryServices is answered with ReportServices, which holds what the tasks need, all of it "
         "under the one id of the entry.",
         f"{RULES}; AS5710A Discovery, QueryServices, ReportServices",
-        part("services", 4, "Reports its services", own_services),
-        *(
-            part(name, 1, f"Lists {name}", lists_service(name), needs=("services",))
-            for name in SERVICES
-        ),
+        part("services", 4, "Reports its services")(own_services),
+        *(part(each, 1, f"Lists {each}", "services")(lists_service(each)) for each in SERVICES),
     )
 
 
@@ -209,39 +178,17 @@ def _system_management() -> Task:
         "Control is asked for and given, the status is told, and Resume, Standby and Shutdown are "
         "obeyed. Shutdown comes after all other tasks.",
         f"{RULES}; AS5710A AccessControl and Management, protocol behaviour",
-        part("control", 2, "Says who controls it", ask(A, core.QueryControl(), core.ReportControl)),
-        part("request", 2, "Gives control", request(A, LOW, ACCEPTED)),
-        part(
-            "status",
-            2,
-            "Reports its status",
-            ask(A, core.QueryStatus(), core.ReportStatus, has(status=(STANDBY, READY))),
+        part("control", 2, "Says who controls it")(ask(A, core.QueryControl(), core.ReportControl)),
+        part("request", 2, "Gives control")(request(A, LOW, ACCEPTED)),
+        part("status", 2, "Reports its status")(
+            ask(A, core.QueryStatus(), core.ReportStatus, has(status=(STANDBY, READY)))
         ),
-        part(
-            "resume",
-            2,
-            "Obeys Resume",
-            send(A, core.Resume()),
-            comes_to(READY),
-            needs=("request", "status"),
+        part("resume", 2, "Obeys Resume", "request", "status")(
+            send(A, core.Resume()), comes_to(READY)
         ),
-        part(
-            "standby",
-            1,
-            "Obeys Standby",
-            send(A, core.Standby()),
-            comes_to(STANDBY),
-            needs=("resume",),
-        ),
-        part(
-            "shutdown",
-            1,
-            "Obeys Shutdown",
-            ready(A),
-            send(A, core.Shutdown()),
-            is_down,
-            needs=("resume",),
-            is_last=True,
+        part("standby", 1, "Obeys Standby", "resume")(send(A, core.Standby()), comes_to(STANDBY)),
+        part("shutdown", 1, "Obeys Shutdown", "resume", is_last=True)(
+            ready(A), send(A, core.Shutdown()), is_down
         ),
     )
 
@@ -253,26 +200,13 @@ def _velocity() -> Task:
         "QueryVelocityState is answered. The rules name velocity X, yaw rate and time stamp, and "
         "the presence vector 320 (0140h), which leaves velocity X out; both are asked for.",
         f"{RULES}; AS6009 VelocityStateSensor, QueryVelocityState, ReportVelocityState",
-        part(
-            "report",
-            4,
-            "Reports yaw rate and time stamp (0140h)",
-            asks(A, VELOCITY, holds("YawRate", "TimeStamp")),
+        part("report", 4, "Reports yaw rate and time stamp (0140h)")(
+            asks(A, VELOCITY, holds("YawRate", "TimeStamp"))
         ),
-        part(
-            "forward",
-            3,
-            "Reports velocity X too (0141h)",
-            asks(A, VELOCITY_IN_WORDS, holds("Velocity_X", "YawRate", "TimeStamp")),
-            needs=("report",),
+        part("forward", 3, "Reports velocity X too (0141h)", "report")(
+            asks(A, VELOCITY_IN_WORDS, holds("Velocity_X", "YawRate", "TimeStamp"))
         ),
-        part(
-            "time",
-            3,
-            "Its time stamps go on",
-            goes_on(A, VELOCITY, 1.0, _FASTEST),
-            needs=("report",),
-        ),
+        part("time", 3, "Its time stamps go on", "report")(goes_on(A, VELOCITY, 1.0, _FASTEST)),
     )
 
 
@@ -283,27 +217,14 @@ def _position() -> Task:
         "SetLocalPose sets X, Y and yaw (0043h), and QueryLocalPose is answered with X, Y and time "
         "stamp (0103h), such that a vehicle can have moved so.",
         f"{RULES}; AS6009 LocalPoseSensor, SetLocalPose, QueryLocalPose, ReportLocalPose",
-        part(
-            "report",
-            4,
-            "Reports X, Y and time stamp (0103h)",
-            asks(A, POSE, holds("X", "Y", "TimeStamp")),
+        part("report", 4, "Reports X, Y and time stamp (0103h)")(
+            asks(A, POSE, holds("X", "Y", "TimeStamp"))
         ),
-        part(
-            "time",
-            3,
-            "Its time stamps go on, and its position does not jump",
-            goes_on(A, POSE, 1.0, _FASTEST),
-            needs=("report",),
+        part("time", 3, "Its time stamps go on, and its position does not jump", "report")(
+            goes_on(A, POSE, 1.0, _FASTEST)
         ),
-        part(
-            "set",
-            3,
-            "Obeys SetLocalPose",
-            ready(A),
-            _sets_pose(3.0, -2.0, 0.5),
-            _sets_pose(0.0, 0.0, 0.0),
-            needs=("report",),
+        part("set", 3, "Obeys SetLocalPose", "report")(
+            ready(A), _sets_pose(3.0, -2.0, 0.5), _sets_pose(0.0, 0.0, 0.0)
         ),
     )
 
@@ -331,21 +252,13 @@ def waypoint_navigation(course: Course, rules: str) -> Task:
     drive = Drive(course)
     count = len(drive.uids)
     share = _WAYPOINT_TASK / count
-    told_on_the_way = (
-        ("active", "Names element {} as the active one", drive.names_active),
-        ("speed", "Reports the travel speed on the way to {}", drive.tells_speed),
-        ("waypoint", "Reports waypoint {} on the way to it", drive.tells_waypoint),
-    )
     return task(
         "waypoints",
         "Waypoint navigation",
         f"A list of {count} waypoints is set, asked for, executed at {TRAVEL_SPEED:g} m/s, and "
         "driven in order. A list that was not taken as it was sent is not executed.",
         f"{rules}; AS6009 {DRIVER}, AS5710A ListManager",
-        part(
-            "list",
-            0,
-            "Takes the list: SetElement, QueryElementList, QueryElementCount",
+        part("list", 0, "Takes the list: SetElement, QueryElementList, QueryElementCount")(
             lists.empty(),
             ready(A),
             send(A, drive.list_of),
@@ -353,28 +266,25 @@ def waypoint_navigation(course: Course, rules: str) -> Task:
             lists.holds(*drive.uids),
             ask(A, core.QueryElementCount(), core.ReportElementCount, has(element_count=count)),
         ),
-        part("drive", 0, "Executes the list", drive.execute, needs=("list",)),
-        *(
-            each
-            for number in drive.uids
-            for each in (
-                part(
-                    f"reached-{number}",
-                    0.4 * share,
-                    f"Reaches waypoint {number} in its turn",
-                    drive.reaches(number),
-                    needs=("drive",),
-                ),
-                *(
-                    part(
-                        f"{name}-{number}",
-                        0.2 * share,
-                        title.format(number),
-                        judges(number),
-                        needs=("drive", f"reached-{number}"),
-                    )
-                    for name, title, judges in told_on_the_way
-                ),
-            )
+        part("drive", 0, "Executes the list", "list")(drive.execute),
+        *(each for number in drive.uids for each in _waypoint(drive, number, share)),
+    )
+
+
+def _waypoint(drive: Drive, number: int, points: float) -> tuple[PartOf, ...]:
+    """Returns what the points of a waypoint are given for: that, and what is told on the way."""
+    reached, further = f"reached-{number}", 0.2 * points
+    return (
+        part(reached, 0.4 * points, f"Reaches waypoint {number} in its turn", "drive")(
+            drive.reaches(number)
+        ),
+        part(f"active-{number}", further, f"Names element {number} as the active one", reached)(
+            drive.names_active(number)
+        ),
+        part(f"speed-{number}", further, f"Reports the travel speed to {number}", reached)(
+            drive.tells_speed(number)
+        ),
+        part(f"waypoint-{number}", further, f"Reports waypoint {number} on the way", reached)(
+            drive.tells_waypoint(number)
         ),
     )

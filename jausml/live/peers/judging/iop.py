@@ -71,7 +71,7 @@ def _platform() -> Task:
         "Platform management",
         "A component of the subsystem has the services of platform management.",
         f"{RULES}; AS5710A Discovery, QueryServices, ReportServices",
-        *(part(each, 1, f"A component lists {each}", _somebody_lists(each)) for each in PLATFORM),
+        *(part(each, 1, f"A component lists {each}")(_somebody_lists(each)) for each in PLATFORM),
     )
 
 
@@ -93,17 +93,14 @@ def _interfaces() -> Task:
         "The component has the services of navigation and reporting, and they do what their "
         "standards say.",
         f"{RULES}; AS5710A and AS6009, protocol behaviour",
-        part("services", 1, "Reports its services", own_services),
+        part("services", 1, "Reports its services")(own_services),
+        *(part(each, 1, f"Lists {each}", "services")(lists_service(each)) for each in REPORTING),
         *(
-            part(each, 1, f"Lists {each}", lists_service(each), needs=("services",))
-            for each in REPORTING
-        ),
-        *(
-            part(f"{service}-{query}", 1, f"Answers {query}", _answers(service, query))
+            part(f"{service}-{query}", 1, f"Answers {query}")(_answers(service, query))
             for service, query in _QUERIES
         ),
         *(
-            part(each.replace(".", "-"), 1, checks[each].title, *checks[each].steps, _let_go)
+            part(each.replace(".", "-"), 1, checks[each].title)(*checks[each].steps, _let_go)
             for each in _CHECKS
         ),
     )

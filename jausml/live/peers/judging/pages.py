@@ -38,7 +38,7 @@ footer { margin-top: 2.5rem; }
 .sign { display: flex; gap: 3rem; margin-top: 3rem; }
 .sign span { flex: 1; border-top: 1px solid var(--ink); padding-top: .2rem; color: var(--soft); }
 @media print { body { margin: 0; max-width: none; padding: 0; font-size: 11px; }
-  h2 { break-before: auto; } details { display: block; } summary { list-style: none; } }
+  details:not([open]) { display: none; } summary { list-style: none; } }
 """
 _ARROWS = {"sent": "→", "received": "←", "remark": "·"}
 
