@@ -204,10 +204,13 @@ def test_only_some_tasks_and_what_a_part_needs():
 
 
 def test_waypoints_of_ones_own_share_the_points():
-    sheet = judged(only=["waypoints"], course=Course(((3.0, 1.0), (-1.0, 1.0))))
+    two, three = ((3.0, 1.0), (-1.0, 1.0)), ((3.0, 1.0), (-1.0, 1.0), (0.0, 2.0))
+    sheet = judged(only=["waypoints"], course=Course(two))
     assert {each.part.points for each in sheet.scores} == {0, 2, 1}
-    assert sheet.possible() == 10
-    assert sheet.is_full
+    for course in (two, three):
+        sheet = judged(only=["waypoints"], course=Course(course))
+        assert sheet.reached() == sheet.possible() == 10
+        assert sheet.is_full
 
 
 def test_who_is_not_there_is_told():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import Check, CheckResult
@@ -125,7 +125,7 @@ class Sheet:
     endpoint: str
     begun: datetime
     services: tuple[str, ...] = ()
-    scores: tuple[Score, ...] = field(default=())
+    scores: tuple[Score, ...] = ()
     interrupted: bool = False
 
     @property
@@ -143,11 +143,12 @@ class Sheet:
 
     def reached(self, task: Task | None = None) -> float:
         """Returns the points that were given, of one task or in all."""
-        return sum(each.points for each in self._chosen(task))
+        return round(sum(each.points for each in self._chosen(task)), 2)
 
     def possible(self, task: Task | None = None) -> float:
         """Returns the points that could be reached."""
-        return sum(each.part.points for each in self._chosen(task) if self.counts(each))
+        chosen = (each.part.points for each in self._chosen(task) if self.counts(each))
+        return round(sum(chosen), 2)
 
     @property
     def is_full(self) -> bool:
