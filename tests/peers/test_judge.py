@@ -96,6 +96,7 @@ LOST = {
     "begins with the third": on_the_way(1, 2),
     "ends after two": on_the_way(3, 4),
     "control lapses": on_the_way(3, 4),
+    "falls silent on the way": {"management.shutdown", *on_the_way(3, 4)},
     "mute ReportActiveElement": on_the_way(1, 2, 3, 4, of=["active"]),
     "names the first element always": on_the_way(2, 3, 4, of=["active"]),
     "counts elements from 0": on_the_way(1, 2, 3, 4, of=["active"]),

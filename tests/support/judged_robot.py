@@ -91,7 +91,7 @@ class Robot(JausComponent):
         self.active = 0
         self.pending = []
         self.wished = 0.0
-        self.is_answered = False
+        self.is_answered = self.is_silent = False
         greets = fault not in ("greets nobody", "greets often", "greets on")
         transport = world.transport(
             settings=TransportSettings(address_book={JUDGE: judge.transport.endpoint})
@@ -129,6 +129,10 @@ class Robot(JausComponent):
 
         def send_rest(datagram, endpoint):
             (packet,) = parse_datagram(datagram, Counters())
+            if self.fault == "falls silent on the way":
+                self.is_silent = self.is_silent or self.active > 2
+            if self.is_silent:
+                return len(datagram)
             if kind == "mute" and code(packet) == self._code(name):
                 return len(datagram)
             changed = packet._replace(payload=self._changed(packet.payload))
