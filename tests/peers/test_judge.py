@@ -109,12 +109,12 @@ LOST = {
 """What each fault loses, part by part."""
 
 
-def judged(fault="", name=JAUS, *, only=(), course=None, on_score=lambda _: None):
+def judged(fault="", name=JAUS, *, only=(), course=None, on_score=lambda _: None, seed=1):
     """The sheet of a robot with one fault, or without."""
     catalogue = load_catalogue()
     network = make_network("42.1.1", "127.0.0.1", 3794, "239.255.0.1", [])
     rules = competitions.competition(name, course)
-    with VirtualWorld() as world:
+    with VirtualWorld(seed) as world:
         wire = VirtualWire(world)
         Robot(world, catalogue, wire, fault).start()
         return competitions.judged(
@@ -239,6 +239,15 @@ def test_ctrl_c_stops_the_robot_and_keeps_what_was_judged():
     assert not sheet.is_full
     assert sheet.scores[-1].part.check.id == "waypoints.list"
     assert "(interrupted)" in sheets.summary(sheet)
+
+
+@for_each("seed", range(12))
+def test_a_robot_that_babbles_gets_a_sheet(seed):
+    sheet = judged("babbles", COMPETITIONS[seed % 3], seed=seed)
+    assert sheet.reached() < sheet.possible()
+    Page(pages.render_html(sheet))
+    assert json.loads(sheets.render_json(sheet))["full"] is False
+    assert all(line.isprintable() for each in sheet.scores for line in sheets.score_lines(each))
 
 
 def test_the_same_run_gives_the_same_sheet():

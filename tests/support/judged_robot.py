@@ -154,6 +154,8 @@ class Robot(JausComponent):
     def _changed(self, payload):
         code = int.from_bytes(payload[:2], "little")
         kind, _, name = self.fault.partition(" ")
+        if kind == "babbles":
+            return self._babble(payload)
         if kind == "unlisted" and code == core.ReportServices.CODE:
             report = core.ReportServices.decode(payload)
             for node in report.node_list:
@@ -168,6 +170,17 @@ class Robot(JausComponent):
         message = _CLASSES[code].decode(payload)
         change(message)
         return message.encode()
+
+    def _babble(self, payload):
+        """Returns a payload with the right code that is cut, prolonged or random, or as it was."""
+        chance = self.world.random
+        choices = (
+            payload,
+            payload[: chance.randrange(len(payload) + 1)],
+            payload + chance.randbytes(chance.randrange(1, 40)),
+            payload[:2] + chance.randbytes(max(0, len(payload) - 2)),
+        )
+        return choices[chance.randrange(len(choices))]
 
     def _greet(self, pause):
         if self.fault == "greets on" or not self.is_answered:
