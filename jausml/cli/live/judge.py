@@ -99,7 +99,7 @@ def command(
     peers: tuple[str, ...],
     models: tuple[str, ...],
 ) -> None:
-    """Let the running component TARGET_ID, from any vendor, take the tasks of a competition.
+    """Let a running component, TARGET_ID, of any vendor take the tasks of a competition.
 
     Sends what the judges of the competition send, in their order, and gives points as the rules
     say. WITH igvc-jaus AND igvc-iop THE VEHICLE DRIVES along the waypoints, and is shut down at the
