@@ -126,6 +126,7 @@ def command(
             address = target_of(target, ours)
             if live:
                 click.echo(f"{rules.title}: {address}\n{rules.source}")
+                click.echo("Ctrl-C ends it, and releases control")
             sheet = competitions.judged(
                 ours,
                 address,

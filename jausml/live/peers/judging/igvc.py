@@ -40,6 +40,9 @@ RULES = "IGVC 2011, JAUS Challenge"
 INTERVAL = 5.0
 """Seconds between two questions of an entry that is not answered."""
 
+PATIENCE = 30.0
+"""Seconds in which an entry must begin to ask; it may just be starting."""
+
 _LENIENCE = 1.0
 _FASTEST = 5.0
 _NEAR = 0.25
@@ -71,13 +74,14 @@ class Handshake:
 
     def hears(self, session: Session) -> None:
         """The entry asks for our identification without having been asked anything."""
-        self._hear(session, f"no QueryIdentification came in {_ONE_INTERVAL:g} s")
+        self._hear(session, PATIENCE, f"no QueryIdentification came in {PATIENCE:g} s")
         self._place = session.probe.endpoint
 
     def hears_again(self, session: Session) -> None:
         """The entry asks again after the interval."""
         before = self._heard
-        self._hear(session, "the question is not repeated although it was not answered")
+        failure = "the question is not repeated although it was not answered"
+        self._hear(session, _ONE_INTERVAL, failure)
         pause = self._heard - before
         session.require(
             abs(pause - INTERVAL) <= _LENIENCE,
@@ -91,8 +95,8 @@ class Handshake:
             self._place in (None, place), f"it asked from {self._place} and answers from {place}"
         )
 
-    def _hear(self, session: Session, failure: str) -> None:
-        found = session.first.find(core.QueryIdentification, within=_ONE_INTERVAL)
+    def _hear(self, session: Session, seconds: float, failure: str) -> None:
+        found = session.first.find(core.QueryIdentification, within=seconds)
         session.require(found is not None, failure)
         self._heard = session.probe.now()
 
