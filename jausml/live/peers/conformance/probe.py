@@ -5,7 +5,7 @@ from __future__ import annotations
 import select
 import time
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.live.peers.conformance.client import Client, ReceivedMessage
 from jausml.runtime import messages as core
@@ -50,32 +50,8 @@ class ReceivedDatagram(NamedTuple):
     data: bytes
 
 
-class Wire(Protocol):
-    """What carries datagrams, and the clock by which they come."""
-
-    @property
-    def group(self) -> Endpoint:
-        """The multicast group."""
-
-    @property
-    def well_known(self) -> Endpoint:
-        """Where a target is reached of which nothing is known."""
-
-    def put(self, datagram: bytes, endpoint: Endpoint) -> None:
-        """Sends one datagram."""
-
-    def receive(self, deadline: float) -> ReceivedDatagram | None:
-        """Returns the next datagram of another process, or None at a time in seconds."""
-
-    def now(self) -> float:
-        """Returns the time in seconds."""
-
-    def utc(self) -> datetime:
-        """Returns the time of day."""
-
-
 class RawEndpoint:
-    """The sockets of a tool on the JUDP port, without any protocol (AS5669A).
+    """The sockets of a tool on the JUDP port, without any protocol (AS5669A), and its clock.
 
     Takes the well-known port when it is free; otherwise another one, which peers learn from our
     datagrams. Nothing is acknowledged, repeated or put together here.
@@ -156,7 +132,7 @@ class Probe:
 
     def __init__(
         self,
-        wire: Wire,
+        wire: RawEndpoint,
         target: JausAddress,
         own: JausAddress,
         trace: Trace,

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue
     from jausml.live.peers.conformance.groups import CheckGroup
-    from jausml.live.peers.conformance.probe import Wire
     from jausml.live.peers.network import Network
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
@@ -50,14 +49,14 @@ def opened(
     timeout: float = 1.0,
     quiet: float = 0.3,
     meet: Callable[[Session], bool] | None = None,
-    wire: Wire | None = None,
+    wire: RawEndpoint | None = None,
 ) -> Iterator[Session]:
     """Finds the target and yields the session with it; undoes what is left behind at the end.
 
     Args:
         meet: Takes the session before anything is sent, and says whether the target was heard; it
             is looked for unless it was.
-        wire: What carries the datagrams; sockets by default.
+        wire: What carries the datagrams and tells the time; sockets by default.
 
     Raises:
         OSError: The network cannot be used as the settings say.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue
     from jausml.live.peers.conformance.check import CheckResult
-    from jausml.live.peers.conformance.probe import Wire
+    from jausml.live.peers.conformance.probe import RawEndpoint
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
@@ -99,7 +99,7 @@ def judged(
     on_score: Callable[[Score], None] = lambda _: None,
     timeout: float = 1.0,
     quiet: float = 0.3,
-    wire: Wire | None = None,
+    wire: RawEndpoint | None = None,
 ) -> Sheet:
     """Lets a component take the tasks of a competition.
 
