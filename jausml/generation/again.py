@@ -16,7 +16,7 @@ from jausml.generation.rendering import render
 from jausml.language.model.cache import keep, kept
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.generation.target import Target
     from jausml.language.model.model import Model
@@ -42,10 +42,10 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     if own < LARGE or not packages <= set(_CODE):
         return render(model, targets)
     wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
-    named = _digest([str(model.documents[0].path), *wanted])
+    named = digest([str(model.documents[0].path), *wanted])
     name = f"artifacts-{named[:24]}"
     try:
-        state = _digest([reading, *wanted, *_documents(model), *_tool()])
+        state = digest([reading, *wanted, *_documents(model), *tool()])
     except (OSError, PackageNotFoundError):
         return render(model, targets)  # nobody knows what renders
     found = kept(name, state)
@@ -73,8 +73,12 @@ def _documents(model: Model) -> Iterator[str]:
         yield f"{each.path} {each.display} {each.given} {sha256(each.data).hexdigest()}"
 
 
-def _tool() -> Iterator[str]:
-    """Yields what says which program renders: versions, and all files of it, as in a checkout."""
+def tool() -> Iterator[str]:
+    """Yields what says which program renders: versions, and all files of it, as in a checkout.
+
+    Raises:
+        PackageNotFoundError: A library is not installed as a package.
+    """
     yield f"{__version__} {sys.version}"
     yield from map(version, _LIBRARIES)
     for package in _CODE:
@@ -84,7 +88,8 @@ def _tool() -> Iterator[str]:
                 yield f"{path.relative_to(folder)} {sha256(path.read_bytes()).hexdigest()}"
 
 
-def _digest(texts: Sequence[str]) -> str:
+def digest(texts: Iterable[str]) -> str:
+    """Returns the digest of some texts, which tells them apart however they are cut."""
     found = sha256()
     for each in texts:
         data = each.encode("utf-8", "surrogateescape")

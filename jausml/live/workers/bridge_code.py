@@ -10,6 +10,8 @@ from jausml.generation.checks import find_problems
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
 from jausml.language.metamodel.filling import link, new_object, set_value
+from jausml.language.model.model import made_model
+from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel import Metamodels
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Model
 
@@ -67,3 +70,42 @@ class Maker:
     def refer(self, owner: EObject, feature: str, element: EObject) -> None:
         """Lets an element refer to another."""
         self.own(owner, feature, element)
+
+
+def bridge_of_map(
+    metamodels: Metamodels,
+    used: bridge.AttributeMap,
+    name: str,
+    connections: Mapping[str, bool],
+) -> Model:
+    """Makes a system with a bridge that has connections by one map, whatever else its model holds.
+
+    Args:
+        connections: Whether they go to ROS, by name.
+    """
+    make = Maker(metamodels)
+    owner = make("bridge.Bridge", name=name, address="1.1.1")
+    made = []
+    for connection, to_ros in connections.items():
+        made.append(_connection(make, used, connection, to_ros=to_ros))
+        make.own(owner, "bridgeConnections", made[-1])
+    whole = make("system.System", name=f"{name}_system")
+    make.own(whole, "bridges", owner)
+    return made_model(metamodels, whole, owner, *made)
+
+
+def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> EObject:
+    made: EObject = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
+    make.own(made, "topics", make("bridge.Topic", name=name))
+    if to_ros:
+        for report in used.reportJoins:
+            source = make("bridge.ReportSource")
+            make.refer(source, "join", report)
+            make.own(made, "sources", source)
+    else:
+        for join in used.joins:
+            topic = make("bridge.Topic", name=str(join.name))
+            make.refer(topic, "join", join)
+            make.own(made, "topics", topic)
+    make.refer(made, "map", used)
+    return made

@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views import jaus_values
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.model import made_model
-from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml.language.semantics.paths.attributes import (
     BOOL,
     LIST,
@@ -32,7 +30,7 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
-from jausml.live.workers.bridge_code import Maker, bridge_code
+from jausml.live.workers.bridge_code import bridge_code, bridge_of_map
 from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
@@ -42,7 +40,6 @@ if TYPE_CHECKING:
 
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import Metamodels
-    from jausml.language.model import Model
     from jausml.language.semantics.paths.scopes import PathPlace, PathScope
     from jausml.live.workers.bridge_code import BridgeCode
 
@@ -56,8 +53,6 @@ _ELEMENT = "[0]"
 _WORDS = {NUMBER: "number", BOOL: "boolean", TEXT: "text"}
 
 BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
-
-_SYSTEM = "trial_system"
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,29 +289,5 @@ def _unit(place: PathPlace, path: str) -> str:
 
 def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
     """Returns the generated code of one direction of a map, whatever else its model holds."""
-    return bridge_code(_model(metamodels, used, to_ros=to_ros))
-
-
-def _model(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> Model:
-    """Makes a system with a bridge that has one connection, by the map."""
-    make = Maker(metamodels)
-    connection = make(
-        "bridge.Connection", name=CONNECTION_NAME, direction=TO_ROS if to_ros else TO_JAUS
-    )
-    make.own(connection, "topics", make("bridge.Topic", name=CONNECTION_NAME))
-    if to_ros:
-        for report in used.reportJoins:
-            source = make("bridge.ReportSource")
-            make.refer(source, "join", report)
-            make.own(connection, "sources", source)
-    else:
-        for join in used.joins:
-            topic = make("bridge.Topic", name=str(join.name))
-            make.refer(topic, "join", join)
-            make.own(connection, "topics", topic)
-    make.refer(connection, "map", used)
-    owner = make("bridge.Bridge", name=BRIDGE_NAME, address="1.1.1")
-    make.own(owner, "bridgeConnections", connection)
-    whole = make("system.System", name=_SYSTEM)
-    make.own(whole, "bridges", owner)
-    return made_model(metamodels, whole, owner, connection)
+    made = bridge_of_map(metamodels, used, BRIDGE_NAME, {CONNECTION_NAME: to_ros})
+    return bridge_code(made)
