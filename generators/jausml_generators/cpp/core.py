@@ -83,6 +83,7 @@ class Core:
 
     Attributes:
         functions: Their text, by name.
+        inputs: What each is printed of.
         left: Why translations are left to Python, by name of the map and direction.
     """
 
@@ -90,6 +91,7 @@ class Core:
     ros_classes: RosClasses
     uses: Surroundings
     functions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    inputs: dict[str, tuple[tuple[Step, ...], Ends]] = field(default_factory=dict)
     left: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -107,16 +109,16 @@ class Core:
         Args:
             name: What its function is called, where no other one is.
         """
+        steps = tuple(steps)
         try:
             source, target = self._structs(ends)
             joins = {each: self._struct(what) for each, what in ends.joins.items()}
-            self._used.classes = self._classes()
-            self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
-            found = printed(steps, source, target, joins, self._used)
+            found = self._printed(steps, ends)
         except UnprintableError as error:
             self.left.setdefault(name, str(error))
             return None
         function = self._function(name, found, ends, source, target, joins)
+        self.inputs.setdefault(function, (steps, ends))
         self._types |= dict.fromkeys(self._roots(ends))
         return Compiled(
             function,
@@ -127,7 +129,26 @@ class Core:
             found.unknown,
         )
 
+    def printed_of(self, function: str, steps: Iterable[Step]) -> tuple[str, ...]:
+        """Returns some of the steps of a function, in its names.
+
+        Raises:
+            UnprintableError: A step has no form in C++.
+        """
+        return self._printed(steps, self.inputs[function][1]).lines
+
+    def structs_of(self, function: str) -> tuple[Struct, Struct]:
+        """Returns what a function takes and what it makes."""
+        return self._structs(self.inputs[function][1])
+
     # -- parts -----------------------------------------------------------------------------------
+
+    def _printed(self, steps: Iterable[Step], ends: Ends) -> Printed:
+        source, target = self._structs(ends)
+        joins = {each: self._struct(what) for each, what in ends.joins.items()}
+        self._used.classes = self._classes()
+        self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
+        return printed(steps, source, target, joins, self._used)
 
     def _structs(self, ends: Ends) -> tuple[Struct, Struct]:
         both = self._struct(ends.message), self._struct(ends.type)

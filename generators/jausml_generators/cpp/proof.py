@@ -1,0 +1,302 @@
+"""Sweeps over the values of one number, without the rest of its message.
+
+Of a translation and its opposite only the steps are printed that the number goes through, by the
+printer that prints them all, so that billions of values take seconds. Numbers that go through lists
+or conditions, or that come back as more than themselves, have no such sweep: whole messages do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.generation import native
+from jausml.language.cdr import fields_of
+from jausml_generators.bridge.translation.places import Local, Place, There
+from jausml_generators.bridge.translation.steps import Choose, Let, Require, Write
+from jausml_generators.cpp.jaus_numbers import NUMBERS, read_number, write_number
+from jausml_generators.cpp.layout import laid_out
+from jausml_generators.cpp.places import Places
+from jausml_generators.cpp.types import Plain, UnprintableError, cpp_number
+from jausml_generators.python.codec.scalars import Bits, Fixed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from jausml.language.cdr import FieldLayout
+    from jausml.language.metamodel.classes import ros
+    from jausml_generators.bridge.translation.steps import Step
+    from jausml_generators.cpp.core import Compiled, Core
+    from jausml_generators.cpp.types import Struct
+    from jausml_generators.python.codec.members import Member as View
+
+PROOF = "proof.hpp"
+"""The header of sweeps."""
+
+_INDENT = "    "
+_SIZE = 4
+"""Bytes of numbers of which all values can be tried, but hardly in whole messages."""
+
+
+class _NoSweepError(Exception):
+    """A number goes a way of which steps alone do not tell enough."""
+
+
+def proof_program(
+    core: Core,
+    functions: Mapping[bool, Compiled],
+    settings: Mapping[str, float | str],
+    now: tuple[int, int],
+) -> tuple[str, list[str]]:
+    """Returns a program that puts values through translations, beside the core that has these.
+
+    Args:
+        functions: The translations, by whether they make messages of ROS.
+        settings: The values of the attributes of the bridge.
+        now: The time that translations are told.
+
+    Returns:
+        The program, and the paths of the numbers that it sweeps without the rest of the message.
+    """
+    sweeps = _sweeps(core, functions) if len(functions) == 2 else {}
+    runs = ["jausml::proof::in_messages", *(f"sweep_{at}" for at in range(len(sweeps)))]
+    lines = [
+        f'#include "{native.SOURCE.name}"',
+        f'#include "{PROOF}"',
+        *(line for each in sweeps.values() for line in ("", *each)),
+        "",
+        *(line for each in functions.values() for line in _live(each, settings, now)),
+        "int main() {",
+        f"{_INDENT}const jausml::proof::Way ways[2] = {{",
+        *(f"{2 * _INDENT}{_way(functions.get(each))}," for each in (True, False)),
+        f"{_INDENT}}};",
+        f"{_INDENT}return jausml::proof::serve(ways, {{{', '.join(runs)}}});",
+        "}",
+        "",
+    ]
+    return "\n".join(lines), list(sweeps)
+
+
+def _way(compiled: Compiled | None) -> str:
+    return "{}" if compiled is None else f"{{{compiled.function}, &live_{compiled.function}}}"
+
+
+def _live(
+    compiled: Compiled, settings: Mapping[str, float | str], now: tuple[int, int]
+) -> Iterator[str]:
+    """Yields the values that a translation is given; no joined message is there."""
+    lists = (
+        (
+            "double",
+            "quantities",
+            [cpp_number(float(settings[each])) for each in compiled.quantities],
+        ),
+        ("jausml::Bytes", "texts", [_bytes(str(settings[each])) for each in compiled.texts]),
+        ("jausml::Bytes", "joins", ["{}" for _ in compiled.joins]),
+    )
+    names = []
+    for kind, what, items in lists:
+        names.append(f"{what}_{compiled.function}")
+        # An array has an element at least.
+        yield f"const {kind} {names[-1]}[] = {{{', '.join([*items, '{}'])}}};"
+    parts = ", ".join([*names, *map(str, now)])
+    yield f"const jausml::Live live_{compiled.function} = {{{parts}}};"
+
+
+def _bytes(text: str) -> str:
+    # Text of the model: no character of it means anything in C++.
+    literal = "".join(f"\\{each:03o}" for each in text.encode())
+    return f'{{reinterpret_cast<const std::uint8_t*>("{literal}"), sizeof "{literal}" - 1}}'
+
+
+def _sweeps(core: Core, functions: Mapping[bool, Compiled]) -> dict[str, tuple[str, ...]]:
+    """The functions that sweep numbers of the JAUS message alone, by their paths."""
+    found: dict[str, tuple[str, ...]] = {}
+    to_ros, to_jaus = functions[True].function, functions[False].function
+    for path, member in core.inputs[to_ros][1].message.body.by_jaus_name.items():
+        value = member.value
+        if not isinstance(value, Fixed) or isinstance(value, Bits) or value.size != _SIZE:
+            continue
+        try:
+            made = _lines(core, f"sweep_{len(found)}", to_ros, to_jaus, member)
+            found[path] = tuple(laid_out(made))
+        except (_NoSweepError, UnprintableError):
+            continue
+    return found
+
+
+def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list[str]:
+    value, place = view.value, Place("source", (view.attribute,))
+    if not isinstance(value, Fixed) or value.python_type == "str":
+        raise _NoSweepError
+    there, between = _slice(core.inputs[to_ros][0], {place})
+    sources = {replace(each, root="source") for each in between}
+    back, reached = _slice(core.inputs[to_jaus][0], sources)
+    if reached != {replace(place, root="target")}:
+        raise _NoSweepError
+    message, type_ = core.structs_of(to_ros)
+    member = message.members[str(place.steps[0])]
+    read, written = (
+        f"(*{each}.{member.name})" if member.is_optional else f"{each}.{member.name}"
+        for each in ("source", "returned")
+    )
+    guard = (
+        [f"if (!returned.{member.name}.has_value()) return false;"] if member.is_optional else []
+    )
+    steps = core.printed_of(to_ros, there), core.printed_of(to_jaus, back)
+    return [
+        f"void {name}(const jausml::proof::Sweep& sweep, std::uint64_t from, std::uint64_t to,",
+        f"{_INDENT}std::size_t most, jausml::proof::Tally& tally) {{",
+        f"{_INDENT}using Jaus = {message.cpp};",
+        f"{_INDENT}using Ros = {type_.cpp};",
+        f"{_INDENT}jausml::proof::alone<Jaus, Ros>(sweep, from, to, most, tally,",
+        *_lambda("jausml::JausInput& in, Jaus& source", [read_number(value, read)]),
+        *_lambda(
+            "const Jaus& source, Ros& target, const jausml::Live* live, jausml::Check& check",
+            ["(void)source, (void)live, (void)check;", *steps[0]],
+        ),
+        *_lambda(
+            "jausml::proof::Cell cell, Ros& target",
+            list(_passed(core, to_ros, type_, sorted(between, key=str))),
+        ),
+        *_lambda(
+            "const Ros& source, Jaus& target, const jausml::Live* live, jausml::Check& check",
+            ["(void)source, (void)live, (void)check;", *steps[1]],
+        ),
+        *_lambda(
+            "jausml::JausOutput& out, const Jaus& returned",
+            [*guard, write_number(value, written, Plain(member.type.cpp)), "return true;"],
+            end=");",
+        ),
+        "}",
+    ]
+
+
+def _lambda(parameters: str, body: Iterable[str], end: str = ",") -> list[str]:
+    inner = (f"{3 * _INDENT}{line}" for line in body)
+    return [f"{2 * _INDENT}[&]({parameters}) {{", *inner, f"{2 * _INDENT}}}{end}"]
+
+
+# -- slices --------------------------------------------------------------------------------------
+
+
+def _slice(steps: Iterable[Step], tainted: set[Place]) -> tuple[list[Step], set[Place]]:
+    """Returns the steps that values of places go through, and the places that they reach."""
+    known: set[Place | Local] = set(tainted)
+    reached: set[Place] = set()
+    kept = _kept(tuple(steps), known, reached)
+    return _with_needed(tuple(steps), kept), reached
+
+
+def _kept(
+    steps: tuple[Step, ...], known: set[Place | Local], reached: set[Place]
+) -> dict[int, Step]:
+    """The steps that depend on what is known to be swept, by their number."""
+    found: dict[int, Step] = {}
+    for at, step in enumerate(steps):
+        match step:
+            case Let(locals=locals_, value=value) if _depends(value, known):
+                known.update(locals_)
+                found[at] = step
+            case Write(place=place, value=value) if _depends(value, known):
+                known.add(place)
+                reached.add(place)
+                found[at] = step
+            case Choose(conditions=alternatives, steps=inner):
+                kept = _kept(inner, known, reached)
+                tests = [each for one in alternatives for each in one]
+                if any(_decides(each, known) for each in tests):
+                    raise _NoSweepError
+                if kept:
+                    found[at] = replace(step, steps=tuple(_with_needed(inner, kept)))
+            case Require(condition=condition) if _decides(condition, known):
+                raise _NoSweepError
+            case Let() | Write() | Require():
+                continue
+            case _ if _depends(step, known):
+                raise _NoSweepError
+    return found
+
+
+def _with_needed(steps: tuple[Step, ...], kept: dict[int, Step]) -> list[Step]:
+    """Adds the variables that kept steps use."""
+    found = dict(kept)
+    for at in range(len(steps) - 1, -1, -1):
+        step = steps[at]
+        used = {each for one in found.values() for each in _locals(one)}
+        if at not in found and isinstance(step, Let) and used & set(step.locals):
+            found[at] = step
+    return [found[at] for at in sorted(found)]
+
+
+def _decides(condition: object, known: set[Place | Local]) -> bool:
+    """Whether a condition asks for the value that is swept, and not only if it is there."""
+    return not isinstance(condition, There) and _depends(condition, known)
+
+
+def _depends(value: object, known: set[Place | Local]) -> bool:
+    for each in _places(value):
+        if each.root in known:
+            return True
+        if any(
+            isinstance(one, Place) and (each.is_within(one) or one.is_within(each)) for one in known
+        ):
+            return True
+    return False
+
+
+def _places(value: object) -> Iterator[Place]:
+    if isinstance(value, Place):
+        yield value
+    elif isinstance(value, tuple):
+        for each in value:
+            yield from _places(each)
+    elif is_dataclass(value) and not isinstance(value, Local):
+        for each in fields(value):
+            yield from _places(getattr(value, each.name))
+
+
+def _locals(step: Step) -> Iterator[Local]:
+    yield from (each.root for each in _places(step) if isinstance(each.root, Local))
+
+
+# -- between both ways ---------------------------------------------------------------------------
+
+
+def _passed(core: Core, to_ros: str, struct: Struct, places: Iterable[Place]) -> Iterator[str]:
+    """Yields the statements that take numbers to the bytes of ROS and back."""
+    type_ = core.inputs[to_ros][1].type
+    names = Places({}, {"target": struct}, {})
+    for place in places:
+        found = names.at(place)
+        if found.is_element:
+            continue  # it lies as on the wire
+        layout = _layout(type_, place)
+        if layout.message is not None:
+            inner = (
+                replace(place, steps=(*place.steps, each.name))
+                for each in fields_of(layout.message)
+            )
+            yield from _passed(core, to_ros, struct, inner)
+        elif layout.primitive is None or layout.primitive.code == "?" or not layout.is_single:
+            raise _NoSweepError
+        else:
+            how = "real" if layout.primitive.code in "fd" else "integer"
+            number = NUMBERS[layout.primitive.code]
+            yield f"{found.text} = cell.{how}<{number}>({found.text});"
+
+
+def _layout(type_: ros.MessageType, place: Place) -> FieldLayout:
+    found: FieldLayout | None = None
+    for step in place.steps:
+        if isinstance(step, int):
+            continue
+        inside = type_ if found is None else found.message
+        if inside is None:
+            raise _NoSweepError
+        found = next((each for each in fields_of(inside) if each.name == step), None)
+        if found is None:
+            raise _NoSweepError
+    if found is None:
+        raise _NoSweepError
+    return found
