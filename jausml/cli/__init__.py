@@ -31,6 +31,7 @@ VERBS = {
     "init": ("authoring", "Make a project of models."),
     "new": ("authoring", "Add an element to a model: a bridge, a component, a node."),
     "validate": ("models", "Check models."),
+    "prove": ("models", "Prove what becomes of every value that goes through a map."),
     "generate": ("models", "Generate a workspace from the system in a model."),
     "build": ("live", "Compile the translations of a generated workspace."),
     "run": ("live", "Start the processes of a generated workspace."),

@@ -1,0 +1,1 @@
+"""Proofs of translations: every value of the wire, through the code that bridges run."""

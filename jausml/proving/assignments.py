@@ -1,0 +1,48 @@
+"""Which assignment of a map gives a number its value."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.proving.layout import JAUS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+
+def assignment_of(used: bridge.AttributeMap, side: str, path: str) -> bridge.FieldAssignment | None:
+    """Returns the assignment that gives a number of a side its value when it comes back."""
+    assignments = used.toJaus if side == JAUS else used.toRos
+    for each in _all(assignments):
+        targets = (one.strip() for one in str(each.target).split(","))
+        if any(_is_at(path, target) for target in targets):
+            return each
+    return None
+
+
+def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
+    """Whether an assignment gives one number the value of one source.
+
+    What shares an assignment, as the parts of an orientation do, may rightly be lost in it.
+    """
+    if assignment is None or "," in assignment.source:
+        return False
+    return path.endswith(str(assignment.target).strip())
+
+
+def _all(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
+    for each in assignments:
+        if isinstance(each, bridge.FieldAssignment):
+            yield each
+        elif isinstance(each, bridge.ListAssignment):
+            yield from _all(each.assignments)
+
+
+def _is_at(path: str, target: str) -> bool:
+    """Whether the path of a number is that of a target, or of something in it."""
+    if path == target or path.startswith(f"{target}."):
+        return True
+    plain = re.sub(r"\[\d+\]", "", path)
+    return "[" in path and "[" not in target and plain.endswith(f".{target.lstrip('/')}")

@@ -1,0 +1,106 @@
+"""What of a proof falls short: findings at the elements of the model, with rules."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.model.rules import RuleInfo
+from jausml.proving.assignments import assignment_of
+from jausml.proving.text import unit_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.model import Model
+    from jausml.language.validation.report import Report
+    from jausml.proving.results import FieldResult, MapResult
+
+_PRECISION, _UNSTABLE, _MADE_UP, _FAULT, _FORMS = (f"JML{number}" for number in range(921, 926))
+
+PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
+    {
+        _PRECISION: RuleInfo(
+            "proof: error larger than the precision",
+            "A value that went through a map and back differs by more than the `precision` of the "
+            "assignment allows. Bad: `precision: 1e-7` for a float32 member of ROS that carries "
+            "velocities in steps of 1.5e-7 m/s. Good: a float64 member, or the precision that is "
+            "enough.",
+        ),
+        _UNSTABLE: RuleInfo(
+            "proof: value that changes with each trip",
+            "A value that has gone through a map and back once is changed again, by more than "
+            "rounding explains, when it goes once more: the two directions differ, for example in "
+            "a sign, a factor or an offset. Good: directions that undo each other.",
+        ),
+        _MADE_UP: RuleInfo(
+            "proof: value that does not come back",
+            "A field goes into the other message, and always the same comes back, whatever it was. "
+            "The two directions read and write different members. Good: the other direction takes "
+            "the value from where this one puts it.",
+        ),
+        _FAULT: RuleInfo(
+            "proof: value that breaks a translation",
+            "A translation ends with an error that no policy of the map foresees.",
+        ),
+        _FORMS: RuleInfo(
+            "proof: forms of a translation that differ",
+            "The compiled form of a translation and the one in Python make different messages of "
+            "a value. Report this: both are made of the same steps.",
+        ),
+    }
+)
+
+
+def with_proofs(
+    report: Report, maps: Sequence[bridge.AttributeMap], results: Sequence[MapResult]
+) -> Report:
+    """Returns the report of a model with what falls short in proofs of its maps.
+
+    Args:
+        results: The result of each map.
+    """
+    pairs = zip(maps, results, strict=True)
+    found = [each for used, one in pairs for each in _findings(report.model, used, one)]
+    diagnostics = sorted((*report.diagnostics, *found), key=lambda each: each.sort_key)
+    return replace(report, diagnostics=tuple(diagnostics), rules=PROOF_RULES)
+
+
+def by_map(report: Report) -> dict[str, list[str]]:
+    """Returns what falls short in proofs, by name of the map."""
+    found: dict[str, list[str]] = {}
+    for each in report.diagnostics:
+        if each.rule in PROOF_RULES:
+            found.setdefault(each.element, []).append(f"{each.rule} {each.message}")
+    return found
+
+
+def _findings(model: Model, used: bridge.AttributeMap, result: MapResult) -> Iterator[Diagnostic]:
+    for each in result.fields:
+        place = assignment_of(used, each.side, each.path) or used
+        for rule, text in _faults(each):
+            name = f"{used.name}: {each.side} {each.path}"
+            location = model.location(place)
+            yield Diagnostic(
+                rule, Severity.ERROR, location, f"{name} {text}", element=str(used.name)
+            )
+
+
+def _faults(each: FieldResult) -> Iterator[tuple[str, str]]:
+    unit = unit_of(each)
+    if each.largest is not None and 0 < each.precision < each.largest.error:
+        text = f"comes back with an error of up to {each.largest.error:.6g}{unit}"
+        text += f" (at {each.largest.value:.9g}), more than {each.precision:g}"
+        yield _PRECISION, text
+    if each.is_constant:
+        yield _MADE_UP, "goes there, and always the same value comes back"
+    elif 0 < each.tolerance < each.largest_drift[0]:
+        drift, at = each.largest_drift
+        yield _UNSTABLE, f"is changed by {drift:.6g}{unit} by a second trip (at {at:.9g}{unit})"
+    for error, count in each.faults.items():
+        yield _FAULT, f"ends with {error} ({count} values)"
+    if each.differing:
+        yield _FORMS, f"differs in its two forms with {each.differing} of {each.compared} values"

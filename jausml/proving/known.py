@@ -1,0 +1,47 @@
+"""What was proved before, in the cache of the user: of the same code, by the same program."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError
+from typing import TYPE_CHECKING
+
+from jausml.generation.again import digest, tool
+from jausml.language import wire
+from jausml.language.model.cache import keep, kept
+from jausml.proving.layout import jaus_layout, ros_layout
+from jausml.proving.results import map_result
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes import bridge
+    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.results import MapResult
+
+
+class Known:
+    """The place of the result of a map."""
+
+    def __init__(self, code: ProofCode, used: bridge.AttributeMap) -> None:
+        self._name = (
+            f"proof-{digest([str(used.name), code.core, code.program, code.python.digest])[:24]}"
+        )
+        try:
+            self._state = digest(
+                [
+                    *tool(),
+                    repr(jaus_layout(wire.resolve(used.message))),
+                    repr(ros_layout(used.type)),
+                    repr([getattr(each, "precision", 0) for each in (*used.toRos, *used.toJaus)]),
+                ]
+            )
+        except (OSError, PackageNotFoundError, ValueError):
+            self._state = ""  # nobody knows what proves
+
+    def load(self) -> MapResult | None:
+        """Returns what was found; None where nothing is known."""
+        found = kept(self._name, self._state) if self._state else None
+        return None if found is None else map_result(found)
+
+    def store(self, result: MapResult) -> None:
+        """Keeps what was found."""
+        if self._state:
+            keep(self._name, self._state, result.to_json())

@@ -1,0 +1,272 @@
+"""What is to be proved of a map: which numbers go through it, in which message, which values.
+
+Which number reaches which is found by trying: a number counts as carried where another value of it
+makes another message.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from jausml.language import wire
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import outer_scope
+from jausml.proving.compiled_form import Sweep
+from jausml.proving.layout import (
+    JAUS,
+    ROS,
+    SHARES,
+    USUAL,
+    LayoutError,
+    Usual,
+    jaus_layout,
+    ros_layout,
+)
+from jausml.proving.values import directed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.semantics.paths.scopes import PathScope
+    from jausml.proving.compiled_form import CompiledForm
+    from jausml.proving.layout import Layout, Number
+    from jausml.proving.proof_bridge import ProofCode
+
+_WATCHED = 8
+"""Of how many numbers of the other message it is followed how they go with one."""
+
+_PROBES = 48
+_OPTIONS = 16
+_ANGLES = {"radian", "rad"}
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number whose values go through a map.
+
+    Attributes:
+        side: Where its values come from: `JAUS` or `ROS`.
+        sweep: Its values in whole messages.
+        shortcut: Number of the function that does without the rest of the message; 0 for none.
+        partners: The numbers that share a number of the other message with it.
+    """
+
+    side: str
+    path: str
+    units: str
+    sweep: Sweep
+    shortcut: int
+    partners: Sequence[Number] = ()
+
+    @property
+    def number(self) -> Number:
+        """The number."""
+        return self.sweep.number
+
+    @property
+    def watched(self) -> Sequence[Number]:
+        """The numbers of the other message that depend on it."""
+        return self.sweep.watched
+
+
+@dataclass
+class Plan:
+    """What is to be proved of a map.
+
+    Attributes:
+        not_carried: Paths, behind their side, of numbers that go nowhere.
+        remarks: What is not proved, and why.
+    """
+
+    fields: list[Field] = field(default_factory=list)
+    not_carried: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Side:
+    """A message with the translation that takes it, and whether there is one that makes it.
+
+    Attributes:
+        layout: Makes a message of usual values, or finds the numbers in one.
+        other: Does the same with messages of the other side.
+        shortcuts: The functions that sweep single numbers, by path.
+        units: Returns the unit that the model knows of a path.
+    """
+
+    name: str
+    layout: Callable[[bytes | None, Usual], Layout]
+    other: Callable[[bytes | None, Usual], Layout]
+    to_ros: bool
+    has_back: bool
+    shortcuts: Mapping[str, int]
+    units: Callable[[str], str]
+
+
+def plan(code: ProofCode, form: CompiledForm, used: bridge.AttributeMap) -> Plan:
+    """Returns what is to be proved of a map."""
+    message = wire.resolve(used.message)
+
+    jaus = functools.partial(jaus_layout, message)
+    ros = functools.partial(ros_layout, used.type)
+    made = Plan(remarks=[f"left to Python: {each}" for each in code.reasons])
+    for to_ros, name, own, other in ((True, JAUS, jaus, ros), (False, ROS, ros, jaus)):
+        if to_ros in code.directions:
+            shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
+            units = functools.partial(_units, outer_scope(used, to_ros=to_ros, indexed=True))
+            has_back = (not to_ros) in code.directions
+            side = _Side(name, own, other, to_ros, has_back, shortcuts, units)
+            _Planner(made, form, side).run()
+    return made
+
+
+def _units(scope: PathScope, path: str) -> str:
+    place = scope.find_source(path)
+    found = place.attribute().units if isinstance(place, JausPlace | RosPlace) else ""
+    return found or ""
+
+
+class _Planner:
+    """Plans the values of one side of a map."""
+
+    def __init__(self, made: Plan, form: CompiledForm, side: _Side) -> None:
+        self._plan = made
+        self._form = form
+        self._side = side
+
+    def run(self) -> None:
+        """Adds the numbers of the side."""
+        try:
+            first, settled, fullest = self._messages()
+        except LayoutError as error:
+            self._plan.remarks.append(f"{self._side.name}: {error}")
+            return
+        if first is None or fullest is None:
+            self._plan.remarks.append(f"{self._side.name}: no message of usual values passes")
+            return
+        if settled is None and self._side.has_back:
+            self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
+        before, known = len(self._plan.fields), set[str]()
+        for layout, has_back in ((settled, True), (first, False), (fullest, False)):
+            for each in layout.numbers if layout is not None else ():
+                if layout is not None and each.path not in known:
+                    self._add(layout.data, each, has_back=has_back)
+                    known.add(each.path)
+        own = self._plan.fields[before:]
+        self._plan.fields[before:] = [replace(each, partners=_partners(each, own)) for each in own]
+
+    def _messages(self) -> tuple[Layout | None, Layout | None, Layout | None]:
+        """A message of usual values that is translated, what of it comes back, and the fullest one.
+
+        Of several, it is the one of which most comes back, or at least of which most is made.
+        """
+        best: tuple[int, int] = (-1, -1)
+        found: tuple[Layout | None, Layout | None] = (None, None)
+        fullest: Layout | None = None
+        for candidates in self._candidates():
+            for first in candidates:
+                between = self._there(first.data)
+                if between is None:
+                    continue
+                settled = self._settled(first)
+                if fullest is None or len(first.numbers) > len(fullest.numbers):
+                    fullest = first
+                worth = len(settled.numbers) if settled is not None else 0, len(between)
+                if worth > best:
+                    best, found = worth, (first, settled)
+                if settled is not None or not self._side.has_back:
+                    break
+        return *found, fullest
+
+    def _candidates(self) -> Iterator[Iterator[Layout]]:
+        """Yields messages of usual values by the options that they choose.
+
+        Those that the other side makes are the most usual ones of ROS.
+        """
+        side = self._side
+        if side.has_back:
+            given = (side.other(None, Usual(share)).data for share in SHARES)
+            made = (self._form.translate(each, to_ros=not side.to_ros) for each in given)
+            yield (side.layout(each, USUAL) for each in made if each is not None)
+        before = b""
+        for option in range(_OPTIONS):
+            if side.layout(None, Usual(option=option)).data == before:
+                break
+            before = side.layout(None, Usual(option=option)).data
+            yield (side.layout(None, Usual(share, option)) for share in SHARES)
+
+    def _settled(self, first: Layout) -> Layout | None:
+        """A message that comes back with all that it has; as it is, if the map lets it be."""
+        found = self._around(first.data)
+        again = self._around(found) if found is not None else None
+        if found is None or again is None:
+            return None
+        is_stable = self._around(again) == again
+        return self._side.layout(again if is_stable else found, USUAL)
+
+    def _there(self, data: bytes) -> bytes | None:
+        return self._form.translate(data, to_ros=self._side.to_ros)
+
+    def _around(self, data: bytes) -> bytes | None:
+        between = self._there(data)
+        if between is None or not self._side.has_back:
+            return None
+        return self._form.translate(between, to_ros=not self._side.to_ros)
+
+    def _add(self, message: bytes, number: Number, *, has_back: bool) -> None:
+        """Adds a number if anything depends on it."""
+        between, side = self._there(message), self._side
+        if between is None:
+            return
+        reached = self._reached(message, number, between)
+        if reached is None:
+            self._plan.not_carried.append(f"{side.name} {number.path}")
+            return
+        sweep = Sweep(
+            side.to_ros, has_back, message, number, _turn(number), len(between), reached[:_WATCHED]
+        )
+        shortcut = side.shortcuts.get(number.path, 0) if has_back else 0
+        units = number.units or side.units(number.path)
+        self._plan.fields.append(Field(side.name, number.path, units, sweep, shortcut))
+
+    def _reached(self, message: bytes, number: Number, between: bytes) -> list[Number] | None:
+        """The numbers of the other message that depend on one; None where nothing does."""
+        try:
+            others = self._side.other(between, USUAL).numbers
+        except LayoutError:
+            others = []
+        found: dict[Number, None] = {}
+        is_reached = False
+        for index in directed(number, _PROBES)[:: max(1, (1 << min(number.bits, 10)) // _PROBES)]:
+            made = self._there(number.put(message, number.raw(index)))
+            is_reached = is_reached or made != between
+            if made is not None and len(made) == len(between) and made != between:
+                found |= {each: None for each in others if each.read(made) != each.read(between)}
+        return list(found) if is_reached else None
+
+
+def _partners(planned: Field, others: Sequence[Field]) -> list[Number]:
+    """The numbers with a scale that share a number of the other message with one."""
+    if not planned.sweep.has_back or not planned.number.is_scaled:
+        return []
+    return [
+        each.number
+        for each in others
+        if each.sweep.message is planned.sweep.message
+        and each.number is not planned.number
+        and each.number.is_scaled
+        and {e.path for e in each.watched} & {e.path for e in planned.watched}
+    ]
+
+
+def _turn(number: Number) -> float:
+    """What an angle goes around by, so that both its ends mean the same; 0 of other numbers."""
+    if not number.is_scaled or number.units not in _ANGLES:
+        return 0.0
+    low, high = number.ends
+    return high - low if math.isclose(high - low, 2 * math.pi, rel_tol=1e-3) else 0.0

@@ -1,0 +1,212 @@
+"""What is told of the values of a number: counts of both forms, extremes, and what they go to."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.proving.assignments import assignment_of, is_alone
+from jausml.proving.layout import FLOAT, JAUS
+from jausml.proving.results import Extreme, FieldResult, Mixed, Reached
+from jausml.proving.values import directed
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.proving.compiled_form import CompiledForm, Tally
+    from jausml.proving.layout import Number
+    from jausml.proving.plan import Field
+    from jausml.proving.python_form import PythonForm, Trip
+
+_COMPARED = 300
+"""How many values go through both forms, besides those that Python alone treats."""
+
+EXAMPLES = 64
+"""Of how many values of wide numbers the Python form tells what it does with them."""
+
+_STEPS = 1.5
+_SINGLE = 2.0**-23
+"""Part of a number by which its neighbour in single precision differs."""
+
+_CLAMP = "clamp "
+
+
+@dataclass(frozen=True)
+class Swept:
+    """What becomes of the values of a number by its compiled form.
+
+    Attributes:
+        wide: What becomes of all values, where the time was enough for more than those above.
+        needs: Seconds that these would take, where it was not.
+        mixed: What becomes of the values while others that share a member with them are random.
+    """
+
+    tally: Tally
+    wide: Tally | None = None
+    needs: float = 0.0
+    mixed: Tally | None = None
+
+
+def summed_up(
+    used: bridge.AttributeMap,
+    planned: Field,
+    found: Swept,
+    python: PythonForm,
+    form: CompiledForm,
+) -> FieldResult:
+    """Returns what becomes of the values of a number of a map."""
+    number, tally = planned.number, found.wide or found.tally
+    assignment = assignment_of(used, planned.side, planned.path)
+    is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)
+    made = FieldResult(
+        side=planned.side,
+        path=planned.path,
+        units=planned.units,
+        bits=number.bits,
+        step=0.0 if number.kind == FLOAT else number.step,
+        ends=number.ends,
+        total=1 << number.bits,
+        tried=tally.count,
+        has_way_back=planned.sweep.has_back,
+        unchanged=tally.unchanged,
+        changed=tally.changed,
+        largest=_largest(planned, tally, form),
+        drifting=tally.drifting,
+        largest_drift=(tally.largest_drift, number.value(number.raw(tally.drift_at))),
+        tolerance=_tolerance(planned),
+        others=tally.others,
+        is_monotonic=not (tally.result.rises and tally.result.falls),
+        is_constant=is_constant and is_alone(assignment, planned.path),
+        reached=_reached(planned, found.tally),
+        left_out=tally.left_out,
+        left=tally.left,
+        bins=tally.bins if tally.largest else [],
+        needs=found.needs,
+        mixed=None if found.mixed is None else _mixed(number, found.mixed),
+    )
+    if assignment is not None and planned.side == JAUS:
+        made.precision = float(assignment.precision)
+    _classify(made, planned, tally.examples, python)
+    _compare(made, planned, python, form)
+    return made
+
+
+def _largest(planned: Field, tally: Tally, form: CompiledForm) -> Extreme | None:
+    if not tally.largest:
+        return None
+    number, sweep = planned.number, planned.sweep
+    raw = number.raw(tally.largest_at)
+    between = form.translate(number.put(sweep.message, raw), to_ros=sweep.to_ros) or b""
+    is_alike = len(between) == sweep.between
+    values = {each.path: each.value(each.read(between)) for each in sweep.watched if is_alike}
+    back = number.value(tally.largest_back)
+    return Extreme(tally.largest, raw, number.value(raw), values, back)
+
+
+def _tolerance(planned: Field) -> float:
+    """The resolution of a number, or that of single precision if it goes through that."""
+    number = planned.number
+    if number.kind == FLOAT:
+        return 0.0
+    coarse = max(map(abs, number.ends)) * _SINGLE
+    is_single = any(each.kind == FLOAT and each.size == 4 for each in planned.watched)
+    return max(_STEPS * number.step, coarse if is_single else 0.0)
+
+
+def _mixed(number: Number, tally: Tally) -> Mixed:
+    value, back = number.value(number.raw(tally.largest_at)), number.value(tally.largest_back)
+    counts = tally.count, tally.unchanged, tally.changed, tally.left
+    return Mixed(*counts, tally.largest, value, back)
+
+
+def _reached(planned: Field, tally: Tally) -> list[Reached]:
+    found = []
+    for number, course in zip(planned.watched, tally.watched, strict=False):
+        is_monotonic = not (course.rises and course.falls)
+        distinct = course.rises + course.falls + 1 if is_monotonic and course.seen else 0
+        ends = course.least, course.greatest
+        found.append(Reached(number.path, *ends, is_monotonic, distinct))
+    return found
+
+
+def _messages(planned: Field, indices: Sequence[int]) -> list[bytes]:
+    number, message = planned.number, planned.sweep.message
+    return [number.put(message, number.raw(each)) for each in indices]
+
+
+def _trips(planned: Field, indices: Sequence[int], python: PythonForm) -> list[Trip]:
+    sweep, messages = planned.sweep, _messages(planned, indices)
+    return python.trips(messages, to_ros=sweep.to_ros, has_back=sweep.has_back)
+
+
+def _classify(
+    made: FieldResult, planned: Field, indices: Sequence[int], python: PythonForm
+) -> None:
+    """Tells by the Python form what becomes of values that the compiled one leaves to it."""
+    faults: Counter[str] = Counter()
+    reasons: Counter[str] = Counter()
+    for index, each in zip(indices, _trips(planned, indices, python), strict=True):
+        made_last = each.back if made.has_way_back else each.between
+        if each.error and not each.is_refused:
+            faults[each.error] += 1
+        elif each.error or made_last is None:
+            made.refused += 1
+            reasons[each.error.partition(":")[0] or "dropped"] += 1
+        elif any(note.startswith(_CLAMP) for note in each.notes):
+            made.limited += 1
+            reasons[each.notes[0]] += 1
+        elif each.notes:
+            made.left_out += 1
+            reasons[each.notes[0]] += 1
+        else:
+            _count(made, planned, index, made_last)
+    made.faults, made.reasons = dict(faults), dict(reasons)
+    made.sampled = len(indices) if len(indices) < made.left else 0
+
+
+def _count(made: FieldResult, planned: Field, index: int, last: bytes) -> None:
+    """Counts a value that Python takes around as it is."""
+    made.computed += 1
+    number = planned.number
+    raw = number.raw(index)
+    if not made.has_way_back:
+        made.unchanged += 1
+    elif len(last) != len(planned.sweep.message):
+        made.left_out += 1
+    else:
+        back = number.read(last)
+        error = _distance(planned, raw, back)
+        made.unchanged += not error
+        made.changed += bool(error)
+        if error > (0.0 if made.largest is None else made.largest.error):
+            made.largest = Extreme(error, raw, number.value(raw), {}, number.value(back))
+
+
+def _distance(planned: Field, raw: int, back: int) -> float:
+    """How far two values are apart, as the program has it."""
+    first, second = planned.number.value(raw), planned.number.value(back)
+    if first == second or (math.isnan(first) and math.isnan(second)):
+        return 0.0
+    found, turn = abs(first - second), planned.sweep.turn
+    if math.isnan(found):
+        return math.inf
+    return min(found, abs(turn - found)) if turn else found
+
+
+def _compare(made: FieldResult, planned: Field, python: PythonForm, form: CompiledForm) -> None:
+    """Puts some values through both forms."""
+    sweep = planned.sweep
+    total = directed(planned.number, _COMPARED)
+    indices = total[:: max(1, len(total) // _COMPARED)]
+    messages = _messages(planned, indices)
+    for message, trip in zip(messages, _trips(planned, indices, python), strict=True):
+        between = form.translate(message, to_ros=sweep.to_ros)
+        if between is None:
+            continue
+        back = form.translate(between, to_ros=not sweep.to_ros) if sweep.has_back else None
+        made.compared += 1
+        is_alike = between == trip.between and back in (None, trip.back)
+        made.differing += not is_alike

@@ -1,0 +1,165 @@
+"""`jausml prove`: what it prints, what it keeps, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from jausml.generation.native import compiler
+
+needs_compiler = pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+
+MODEL = """
+service_set small {
+  service Small {
+    urn: "urn:example:Small"
+    inputs: new message_def SetSmall {
+      code: "0xD301"
+      body: new record SmallRec {
+        fixed_field Speed { type: uint8 units: "meter per second" scale: { lower: 0 upper: 25.5 } }
+        fixed_field Gear { type: uint8 }
+      }
+    }
+  }
+}
+
+sound {
+  JAUS SetSmall
+  ROS geometry_msgs/Twist
+  JAUS->ROS ( Speed -> linear.x  Gear -> angular.x )
+  ROS->JAUS ( linear.x -> Speed  angular.x -> Gear )
+}
+"""
+FAULTY = """
+faulty {
+  JAUS SetSmall
+  ROS geometry_msgs/Twist
+  JAUS->ROS ( Speed -> linear.x : scale(1.5) )
+  ROS->JAUS ( linear.x -> Speed )
+}
+"""
+
+
+@pytest.fixture
+def model(tmp_path, monkeypatch):
+    """A model with a sound and a faulty map; nothing is known of earlier proofs."""
+    for name in ("XDG_CACHE_HOME", "XDG_STATE_HOME"):
+        monkeypatch.setenv(name, str(tmp_path / name))
+    path = tmp_path / "model.ros2jaus"
+    path.write_text(MODEL + FAULTY, encoding="utf-8")
+    return path
+
+
+@needs_compiler
+def test_a_map_that_is_sound(jausml, model):
+    result = jausml("prove", model, "--only", "sound", "--jobs", "1")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith(
+        "sound: SetSmall <-> Twist\n"
+        "  JAUS Speed: all 256 values; unchanged\n"
+        "  JAUS Gear: all 256 values; unchanged\n"
+        "  ROS linear.x: 65,536 directed values of 2^64; "
+    )
+    assert "faulty" not in result.output
+
+
+@needs_compiler
+def test_findings_pages_and_what_is_kept(jausml, model, tmp_path, monkeypatch):
+    pages = tmp_path / "pages"
+    result = jausml("prove", model, "--jobs", "1", "-o", pages, "--format", "json")
+    assert result.exit_code == 1, result.output
+    assert "JML922 faulty: JAUS Speed is changed by" in result.stderr
+    maps = {each["name"]: each for each in json.loads(result.stdout)["maps"]}
+    speed = maps["faulty"]["fields"][0]
+    assert (speed["path"], speed["total"], speed["tried"]) == ("Speed", 256, 256)
+    assert speed["changed"] + speed["unchanged"] + speed["limited"] == 256
+    assert speed["largest"]["between"]["linear.x"] == pytest.approx(1.5 * speed["largest"]["value"])
+    assert sorted(each.name for each in pages.iterdir()) == [
+        "faulty.html",
+        "index.html",
+        "sound.html",
+    ]
+    assert "JML922" in (pages / "faulty.html").read_text(encoding="utf-8")
+    assert "<svg" in (pages / "faulty.html").read_text(encoding="utf-8")
+    # The same code is not proved twice: without a compiler that works, its result is there.
+    monkeypatch.setenv("CXX", "false")
+    again = jausml("prove", model, "--format", "sarif")
+    assert again.exit_code == 1, again.output
+    (run,) = json.loads(again.stdout)["runs"]
+    found = [each for each in run["results"] if each["ruleId"] == "JML922"]
+    assert [each["level"] for each in found] == ["error"]
+    (place,) = (each["physicalLocation"] for each in found[0]["locations"])
+    line = model.read_text(encoding="utf-8").splitlines()[place["region"]["startLine"] - 1]
+    assert "ROS->JAUS ( linear.x -> Speed )" in line
+    afresh = jausml("prove", model, "--no-cache", "--only", "sound")
+    assert afresh.exit_code == 2
+    assert afresh.stderr.startswith("Error: sound: ")
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (["--only", "none"], "there is no map 'none'; there are sound, faulty"),
+        (["--budget", "0"], "0.0 is not in the range x>0"),
+        (["--budget", "nan"], "is no finite number"),
+        (["--jobs", "0"], "0 is not in the range x>=1"),
+    ],
+)
+def test_wrong_options(jausml, model, options, complaint):
+    result = jausml("prove", model, *options)
+    assert result.exit_code == 2
+    assert complaint in result.output
+
+
+def test_models_without_maps_or_with_errors(jausml, tmp_path):
+    path = tmp_path / "model.ros2jaus"
+    path.write_text("component lonely { address: 1.1.1 }\n", encoding="utf-8")
+    result = jausml("prove", path)
+    assert (result.exit_code, result.stderr) == (2, "Error: the model has no maps\n")
+    path.write_text(MODEL.replace("linear.x -> Speed", "linear.q -> Speed"), encoding="utf-8")
+    result = jausml("prove", path)
+    assert result.exit_code == 1
+    assert "nothing proved" in result.stderr
+    result = jausml("prove", tmp_path / "none.xmi")
+    assert result.exit_code == 2
+    assert "none.xmi" in result.output
+
+
+def test_without_a_compiler(jausml, model, tmp_path, monkeypatch):
+    monkeypatch.delenv("CXX", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = jausml("prove", model)
+    wanted = "Error: there is no C++ compiler: install g++ or clang++, or name one by CXX\n"
+    assert (result.exit_code, result.stderr) == (2, wanted)
+
+
+@needs_compiler
+def test_a_folder_that_cannot_be_written(jausml, model, tmp_path):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    result = jausml("prove", model, "--only", "sound", "-o", tmp_path / "file" / "pages")
+    assert result.exit_code == 2
+    assert "cannot write" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("compiling", "complaint"),
+    [
+        ("exit 0", "No such file"),
+        ("echo fault >&2; exit 1", "fault"),
+        (
+            'while [ "$1" != -o ]; do shift; done; printf "#!/bin/sh\\n" > "$2"; chmod +x "$2"',
+            "the program of the proof has ended",
+        ),
+    ],
+    ids=["makes nothing", "refuses", "makes another program"],
+)
+def test_a_compiler_that_fails_is_told(jausml, model, tmp_path, monkeypatch, compiling, complaint):
+    program = tmp_path / "compiler"
+    program.write_text(f"#!/bin/sh\n{compiling}\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setenv("CXX", str(program))
+    result = jausml("prove", model, "--only", "sound")
+    assert result.exit_code == 2, result.output
+    assert result.stderr.startswith("Error: sound: ")
+    assert complaint in result.stderr

@@ -1,0 +1,339 @@
+"""Proofs find what becomes of values, and every fault that is planted in one direction of a map."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.generation.native import compiler
+from jausml.language.validation.project import check_project
+from jausml.proving.compiled_form import CompiledForm, compiled
+from jausml.proving.findings import with_proofs
+from jausml.proving.plan import plan
+from jausml.proving.proof_bridge import maps_of, proof_code
+from jausml.proving.running import Settings, prove
+from tests.generators.assignment_support import generated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.language.validation.report import Report
+    from jausml.proving.compiled_form import Tally
+    from jausml.proving.results import FieldResult
+
+GUARDS = ("generators/jausml_generators/cpp",)
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+
+MESSAGE = """
+service_set small {
+  service Small {
+    urn: "urn:example:Small"
+    inputs: new message_def SetSmall {
+      code: "0xD301"
+      body: new record SmallRec {
+        presenceVector: uint8
+        fixed_field Speed { type: uint16 scale: { lower: -327.68 upper: 327.67 } }
+        fixed_field Turn { type: uint16 optional: true scale: { lower: -1 upper: 1 } }
+        fixed_field Gear { type: uint8 optional: true }
+        fixed_field Wide { type: uint32 optional: true scale: { lower: -327.68 upper: 327.67 } }
+        fixed_field Real { type: float32 optional: true }
+      }
+    }
+  }
+}
+"""
+
+BRIDGE = """
+bridge proof_small {
+  address: 1.1.2
+  connection up { map: small topic a {} }
+  connection down { map: small direction: rosToJaus topic a {} }
+}
+"""
+
+
+def small(name: str = "small", type_: str = "geometry_msgs/Twist", **changed: str) -> str:
+    """A map; `up` and `down` are its assignments."""
+    up = """
+      Speed -> linear.x : negate
+      Turn -> linear.y : scale(0.5)
+      Gear -> angular.x
+      Wide -> linear.z
+    """
+    down = """
+      linear.x -> Speed : negate
+      linear.y -> Turn : scale(2)
+      angular.x -> Gear
+      linear.z -> Wide
+    """
+    ways = f"JAUS->ROS ({changed.get('up', up)}) ROS->JAUS ({changed.get('down', down)})"
+    return f"{name} {{ JAUS SetSmall ROS {type_} {ways} }}\n"
+
+
+class Proofs:
+    """The results of the maps of a text."""
+
+    def __init__(self, text: str, folder: Path, budget: float = 0.01) -> None:
+        self.path = folder / "proved.ros2jaus"
+        self.path.write_text(text, encoding="utf-8")
+        report = check_project([self.path])
+        errors = {each.rule for each in report.diagnostics if each.severity.name == "ERROR"}
+        assert errors <= {"JML422", "JML423"}, report.diagnostics  # nobody to talk to
+        settings = Settings(str(compiler()), budget, 1)
+        maps = maps_of(report.model)
+        results = list(prove(report.model, maps, settings))
+        self.maps = {each.name: each for each in results}
+        self.report: Report = with_proofs(report, maps, results)
+
+    def field(self, path: str, side: str = "JAUS", name: str = "small") -> FieldResult:
+        found = self.maps[name].find(side, path)
+        assert found is not None, path
+        return found
+
+    def rules(self, name: str) -> set[str]:
+        return {
+            each.rule
+            for each in self.report.diagnostics
+            if each.element == name and each.rule.startswith("JML92")
+        }
+
+
+@pytest.fixture(scope="module")
+def proofs(tmp_path_factory: pytest.TempPathFactory) -> Proofs:
+    return Proofs(MESSAGE + small(), tmp_path_factory.mktemp("proofs"))
+
+
+def test_all_values_of_16_bits_are_unchanged(proofs: Proofs) -> None:
+    for path, total in {"Speed": 65536, "Turn": 65536, "Gear": 256}.items():
+        found = proofs.field(path)
+        assert (found.tried, found.unchanged, found.changed) == (total, total, 0), path
+        assert found.has_way_back
+        assert found.is_monotonic
+        assert found.compared > 100
+        assert not found.differing
+    assert not proofs.rules("small")
+
+
+def test_wide_numbers_are_never_claimed_as_all(proofs: Proofs) -> None:
+    found = proofs.field("Wide")
+    assert not found.is_complete
+    assert found.tried == 65536 == found.unchanged
+    assert found.needs > 0.01
+    assert not proofs.field("linear.x", "ROS").is_complete
+
+
+def test_rounding_on_the_wire_is_told_from_the_side_of_ros(proofs: Proofs) -> None:
+    found = proofs.field("linear.z", "ROS")
+    assert found.largest is not None
+    step = 655.35 / (2**32 - 1)
+    assert 0.49 * step < found.largest.error <= 0.5 * step * (1 + 1e-6)
+    assert found.largest.between["Wide"] == pytest.approx(found.largest.back)
+
+
+def test_what_does_not_fit_is_told_by_the_python_form(proofs: Proofs) -> None:
+    found = proofs.field("angular.x", "ROS")  # to a field of 8 bits, whose policy refuses
+    assert found.refused == found.sampled > 0
+    assert found.limited == 0
+    assert proofs.field("linear.x", "ROS").limited > 0
+
+
+def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> None:
+    """The reference is a bridge that is generated and imported, without anything of proofs."""
+    text = MESSAGE + small(
+        up='Speed -> linear.x : expression("value * abs(value)") Gear -> linear.y : scale(3)',
+        down='linear.x -> Speed : expression("value / 100") linear.y -> Gear',
+    )
+    proofs = Proofs(text, tmp_path)
+    made = generated(text + BRIDGE, tmp_path, "proof_small")
+    for path, name, others in (("Speed", "speed", {}), ("Gear", "gear", {"speed": 20.0})):
+        found = proofs.field(path)
+        counts = {"unchanged": 0, "changed": 0, "limited": 0, "refused": 0}
+        largest = 0.0
+        for raw in range(found.total):
+            value = -327.68 + raw * (655.35 / 65535) if path == "Speed" else raw
+            message = made.messages.SetSmall(**{"speed": 0.0, **others, name: value})
+            counted = [made.bridge.up.statistics, made.bridge.down.statistics]
+            for each in counted:
+                each.out_of_range.clear()
+            try:
+                there = made.bridge.translate_up(made.messages.SetSmall.decode(message.encode()))
+                back = made.bridge.translate_down(there).encode()
+            except ValueError:
+                counts["refused"] += 1
+                continue
+            if any(each.out_of_range for each in counted):
+                counts["limited"] += 1
+                continue
+            error = abs(getattr(made.messages.SetSmall.decode(back), name) - value)
+            counts["changed" if error > 1e-9 else "unchanged"] += 1
+            largest = max(largest, error)
+        assert {each: getattr(found, each) for each in counts} == counts, path
+        assert sum(counts.values()) == found.total
+        assert (found.largest.error if found.largest else 0.0) == pytest.approx(largest)
+    assert proofs.rules("small") == {"JML922"}
+
+
+def test_single_precision_is_found_by_itself(tmp_path: Path) -> None:
+    up, down = "Speed -> x Wide -> y", "x -> Speed y -> Wide"
+    proofs = Proofs(MESSAGE + small(type_="geometry_msgs/Point32", up=up, down=down), tmp_path)
+    narrow = proofs.field("Speed")
+    # In single precision the greatest value is more than the field carries.
+    assert (narrow.unchanged, narrow.limited, narrow.changed) == (65535, 1, 0)
+    found = proofs.field("Wide")
+    assert found.changed > 0.8 * found.tried
+    assert found.largest is not None
+    assert found.largest.error == pytest.approx(2.0**-16, rel=0.02)  # half an ulp at 256 and more
+    assert abs(found.largest.value) >= 256
+    assert not found.drifting
+    assert not proofs.rules("small")
+
+
+def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path: Path) -> None:
+    up, down = "Speed -> x Wide -> y", "x -> Speed y -> Wide"
+    up, down = f"{up} Real -> z : negate", f"{down} z -> Real : negate"
+    path = tmp_path / "short.ros2jaus"
+    path.write_text(MESSAGE + small(type_="geometry_msgs/Point32", up=up, down=down))
+    model = check_project([path]).model
+    (used,) = maps_of(model)
+    code = proof_code(model, used)
+    values = range(2**31 + 2**29, 2**31 + 2**29 + 20_000)
+    found: dict[str, Tally] = {}
+    with CompiledForm(compiled(code, tmp_path, str(compiler()))) as form:
+        for planned in plan(code, form, used).fields:
+            if not planned.shortcut:
+                continue
+            short = form.run(replace(planned.sweep, shortcut=planned.shortcut), values, 64)
+            whole = form.run(planned.sweep, values, 64, threads=3)
+            names = ("count", "unchanged", "changed", "largest", "drifting", "left", "result")
+            for name in names:
+                assert getattr(short, name) == getattr(whole, name), (planned.path, name)
+            found[planned.path] = short
+    assert found["Real"].unchanged == len(values)
+    step = 655.35 / (2**32 - 1)
+    unchanged = 0
+    for raw in values:
+        (single,) = struct.unpack("<f", struct.pack("<f", raw * step - 327.68))
+        unchanged += round((single + 327.68) / step) == raw
+    assert found["Wide"].unchanged == unchanged
+
+
+def test_what_a_bridge_says_of_its_map_counts(tmp_path: Path) -> None:
+    text = (
+        MESSAGE
+        + """
+    small {
+      JAUS SetSmall
+      ROS geometry_msgs/Twist
+      quantity top { value: 10 }
+      JAUS->ROS ( Speed -> linear.x : value_to_percent(top), with_units("m/s") )
+      ROS->JAUS ( linear.x -> Speed : scale(0.2) )
+    }
+    bridge proof_policies {
+      address: 1.1.2
+      quantity top { value: 20 }
+      connection up { map: small topic a {} }
+      connection down { map: small direction: rosToJaus outOfRange: dropMessage topic a {} }
+    }
+    """
+    )
+    proofs = Proofs(text, tmp_path)
+    speed = proofs.field("Speed")
+    assert speed.reached[0].greatest == pytest.approx(5 * 327.67)  # of the 20 of the bridge
+    assert speed.unchanged == 65536
+    given = proofs.field("linear.x", "ROS")
+    assert given.limited == 0  # as the policy of the connection says
+    assert given.refused == given.sampled > 0
+
+
+ANGLES = """
+service_set turning {
+  service Turning {
+    urn: "urn:example:Turning"
+    inputs: new message_def SetAngles {
+      code: "0xD302"
+      body: new record AnglesRec {
+        fixed_field Roll { type: uint16 units: radian scale: { lower: -3 upper: 3 } }
+        fixed_field Pitch { type: uint16 units: radian scale: { lower: -1.5 upper: 1.5 } }
+        fixed_field Yaw { type: uint16 units: radian scale: { lower: -3.1415927 upper: 3.1415927 } }
+      }
+    }
+  }
+}
+
+angles {
+  JAUS SetAngles
+  ROS geometry_msgs/PoseStamped
+  JAUS->ROS ( Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion )
+  ROS->JAUS ( pose.orientation -> Roll, Pitch, Yaw : flu_quaternion_to_frd_angles )
+}
+"""
+
+
+def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
+    proofs = Proofs(ANGLES, tmp_path)
+    for path in ("Roll", "Pitch", "Yaw"):
+        found = proofs.field(path, name="angles")
+        assert found.mixed is not None
+        assert found.mixed.tried == 65536
+        assert found.unchanged + found.limited == 65536
+        # Within these ranges an orientation has one triple of angles.
+        assert found.mixed.changed == 0
+    # An angle that goes around: both its ends are the same one.
+    assert proofs.field("Yaw", name="angles").changed == 0
+    wide = Proofs(ANGLES.replace("lower: -1.5 upper: 1.5", "lower: -3 upper: 3"), tmp_path)
+    pitch = wide.field("Pitch", name="angles")
+    assert 0.4 < pitch.changed / 65536 < 0.6  # beyond upright the same is told by other angles
+    assert pitch.mixed is not None
+    assert 0.4 < pitch.mixed.changed / 65536 < 0.6
+    roll = wide.field("Roll", name="angles")
+    assert roll.mixed is not None
+    assert roll.unchanged == 65536 > roll.mixed.unchanged
+
+
+MUTANTS = {
+    "sign": (small("sign", up="Speed -> linear.x"), {"JML922"}),
+    "factor": (
+        small("factor", up="Speed -> linear.x : scale(-1.01) Turn -> linear.y : scale(0.5)"),
+        {"JML922"},
+    ),
+    "offset": (
+        small("offset", up='Speed -> linear.x : expression("0.02 - value")'),
+        {"JML922"},
+    ),
+    "swapped": (
+        small("swapped", up="Speed -> linear.y : negate Turn -> linear.x : scale(0.5)"),
+        {"JML923"},
+    ),
+    "rounded": (
+        small(
+            "rounded", down='linear.x -> Speed : expression("-round(value)") { precision: 0.001 }'
+        ),
+        {"JML921"},
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def mutants(tmp_path_factory: pytest.TempPathFactory) -> Proofs:
+    text = MESSAGE + "".join(each for each, _ in MUTANTS.values())
+    return Proofs(text, tmp_path_factory.mktemp("mutants"))
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_planted_fault_is_found(mutants: Proofs, name: str) -> None:
+    assert MUTANTS[name][1] <= mutants.rules(name), mutants.maps[name].fields
+
+
+def test_a_finding_stands_at_the_assignment(mutants: Proofs) -> None:
+    (found,) = (
+        each
+        for each in mutants.report.diagnostics
+        if (each.rule, each.element) == ("JML921", "rounded")
+    )
+    line = mutants.path.read_text(encoding="utf-8").splitlines()[found.location.line - 1]
+    assert "precision: 0.001" in line
+    assert "error of up to 0.5" in found.message

@@ -1,0 +1,109 @@
+"""Proofs of the ready maps and of the examples find no fault in them, and both forms agree."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from for_each import for_each
+
+from jausml.generation.native import compiler
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import library_root
+from jausml.language.validation.project import check_project
+from jausml.proving.findings import PROOF_RULES, with_proofs
+from jausml.proving.proof_bridge import maps_of
+from jausml.proving.running import Settings, prove
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.proving.results import MapResult
+
+GUARDS = ("generators/jausml_generators/cpp", "models/library/mappings")
+
+MODELS = Path(__file__).parents[2] / "models"
+EXAMPLES = [
+    MODELS / "catvehicle" / "catvehicle.xmi",
+    MODELS / "examples" / "waypoint_list" / "waypoint_list.ros2jaus",
+    MODELS / "examples" / "waypoints" / "waypoints.ros2jaus",
+]
+# Scales, angles, covariances, percents, lists, tables, bit fields, variants, one direction alone.
+READY = (
+    *("global_pose", "local_pose_stamped", "velocity_state_twist", "wrench_effort", "battery"),
+    *("joint_positions", "laser_scan", "set_lamps", "management_status", "local_vector"),
+    *("planned_local_path", "visual_sensor_zoom"),
+)
+
+pytestmark = [
+    pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++"),
+    pytest.mark.slow,
+    pytest.mark.timeout(600),
+]
+
+
+def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
+    """Results of maps of a file, in which nothing falls short."""
+    report = check_project([path])
+    maps = [each for each in maps_of(report.model) if not names or each.name in names]
+    assert maps, path
+    results = list(prove(report.model, maps, Settings(str(compiler()), 0.01, 2)))
+    judged = with_proofs(report, maps, results)
+    assert not [each.message for each in judged.diagnostics if each.rule in PROOF_RULES]
+    for each in results:
+        assert each.fields, (each.name, each.remarks)
+        for one in each.fields:
+            assert one.tried, (each.name, one.path)
+            assert not one.faults
+            assert not one.differing
+    return results
+
+
+@for_each("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples(path: Path) -> None:
+    proved(path)
+
+
+def of_library() -> list[tuple[Path, list[str]]]:
+    """The files of the library with the maps of each that are proved here."""
+    found = []
+    for path in sorted((library_root() / "mappings").glob("*.ros2jaus")):
+        maps = check_project([path]).model.instances(bridge.AttributeMap)
+        names = sorted({str(each.name) for each in maps} & set(READY))
+        found += [(path, names)] if names else []
+    return found
+
+
+@for_each(("path", "names"), of_library, ids=lambda pair: ", ".join(pair[1]))
+def test_ready_maps(path: Path, names: list[str]) -> None:
+    assert {each.name for each in proved(path, names)} == set(names)
+
+
+def test_what_of_ready_maps_is_known() -> None:
+    (twist,) = proved(
+        library_root() / "mappings/velocity_state_sensor.ros2jaus", ["velocity_state_twist"]
+    )
+    for path in ("Velocity_X", "Velocity_Y", "Velocity_Z", "RollRate", "PitchRate", "YawRate"):
+        found = twist.find("JAUS", path)
+        assert found is not None
+        assert found.unchanged == found.tried == 65536, path
+    hour = twist.find("JAUS", "TimeStamp.Hour")
+    assert hour is not None
+    assert (hour.unchanged, hour.refused) == (24, 8)
+
+
+def test_a_map_that_is_left_to_python_is_called_so() -> None:
+    report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
+    maps = [each for each in maps_of(report.model) if each.name == "cost_map"]
+    (found,) = prove(report.model, maps, Settings(str(compiler()), 0.01, 1))
+    assert not found.fields
+    assert [each.partition(": ")[0] for each in found.remarks] == ["left to Python"] * 2
+
+
+def test_a_variant_takes_the_option_of_which_most_comes_back() -> None:
+    (found,) = proved(library_root() / "mappings/power_plant.ros2jaus", ["battery"])
+    path = "powerPlantStatusList[0].powerPlantStatusVar.batteryStatus[0].voltage"
+    voltage = found.find("JAUS", path)
+    assert voltage is not None
+    assert voltage.unchanged == 65536
