@@ -32,6 +32,9 @@ NARROW = 16
 WIDEST = 32
 """Bits of the widest numbers of which all values may be tried."""
 
+_DIRECTED, _DIRECTED_OF_MORE = 1 << 16, 1 << 14
+"""How many values are tried of wide numbers, and of those of which there is no trying all."""
+
 _TRIED = 1 << 18
 """Values by which it is found out how long all would take."""
 
@@ -103,7 +106,8 @@ def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Sw
     """Returns what becomes of the values of a number."""
     sweep, bits = planned.sweep, planned.number.bits
     total = 1 << bits
-    indices = range(total) if bits <= NARROW else directed(planned.number, 1 << NARROW)
+    count = _DIRECTED if bits <= WIDEST else _DIRECTED_OF_MORE
+    indices = range(total) if bits <= NARROW else directed(planned.number, count)
     most = total if bits <= NARROW else EXAMPLES
     found = Swept(form.run(sweep, indices, most, jobs))
     if planned.partners:

@@ -59,7 +59,7 @@ def test_a_map_that_is_sound(jausml, model):
         "sound: SetSmall <-> Twist\n"
         "  JAUS Speed: all 256 values; unchanged\n"
         "  JAUS Gear: all 256 values; unchanged\n"
-        "  ROS linear.x: 65,536 directed values of 2^64; "
+        "  ROS linear.x: 16,384 directed values of 2^64; "
     )
     assert "faulty" not in result.output
 
