@@ -29,7 +29,7 @@ def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
     """
     if assignment is None or "," in assignment.source:
         return False
-    return path.endswith(str(assignment.target).strip())
+    return f".{path}".endswith(f".{str(assignment.target).strip()}")
 
 
 def _all(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:

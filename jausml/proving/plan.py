@@ -26,7 +26,7 @@ from jausml.proving.layout import (
     jaus_layout,
     ros_layout,
 )
-from jausml.proving.values import directed
+from jausml.proving.values import some
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -111,7 +111,6 @@ class _Side:
 def plan(code: ProofCode, form: CompiledForm, used: bridge.AttributeMap) -> Plan:
     """Returns what is to be proved of a map."""
     message = wire.resolve(used.message)
-
     jaus = functools.partial(jaus_layout, message)
     ros = functools.partial(ros_layout, used.type)
     made = Plan(remarks=[f"left to Python: {each}" for each in code.reasons])
@@ -242,7 +241,7 @@ class _Planner:
             others = []
         found: dict[Number, None] = {}
         is_reached = False
-        for index in directed(number, _PROBES)[:: max(1, (1 << min(number.bits, 10)) // _PROBES)]:
+        for index in some(number, _PROBES):
             made = self._there(number.put(message, number.raw(index)))
             is_reached = is_reached or made != between
             if made is not None and len(made) == len(between) and made != between:

@@ -42,6 +42,12 @@ def directed(number: Number, count: int) -> list[int]:
     return sorted(found)
 
 
+def some(number: Number, count: int) -> list[int]:
+    """Returns about so many of these positions."""
+    found = directed(number, count)
+    return found[:: max(1, len(found) // count)]
+
+
 def _marked(number: Number, total: int) -> Iterator[int]:
     for end in (0, total // 2, total - 1, total // 4, 3 * total // 4):
         yield from range(end - _NEAR, end + _NEAR + 1)
