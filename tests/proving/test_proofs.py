@@ -20,8 +20,11 @@ from tests.generators.assignment_support import generated
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.model import Model
     from jausml.language.validation.report import Report
     from jausml.proving.compiled_form import Tally
+    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.results import FieldResult
 
 GUARDS = ("generators/jausml_generators/cpp",)
@@ -292,6 +295,36 @@ def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
     roll = wide.field("Roll", name="angles")
     assert roll.mixed is not None
     assert roll.unchanged == 65536 > roll.mixed.unchanged
+
+
+def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def planted(model: Model, used: bridge.AttributeMap) -> ProofCode:
+        code = proof_code(model, used)
+        assert "return -value;" in code.core
+        return replace(code, core=code.core.replace("return -value;", "return 1.5 - value;"))
+
+    monkeypatch.setattr("jausml.proving.running.proof_code", planted)
+    proofs = Proofs(MESSAGE + small(), tmp_path)
+    assert proofs.field("Speed").differing > 100
+    assert "JML925" in proofs.rules("small")
+
+
+def test_errors_that_nobody_foresees_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def planted(model: Model, used: bridge.AttributeMap) -> ProofCode:
+        code = proof_code(model, used)
+        files = {
+            path: text.replace("        return target\n", '        raise RuntimeError("planted")\n')
+            for path, text in code.python.files.items()
+        }
+        return replace(code, python=replace(code.python, files=files))
+
+    monkeypatch.setattr("jausml.proving.running.proof_code", planted)
+    proofs = Proofs(MESSAGE + small(), tmp_path)
+    found = proofs.field("linear.x", "ROS")
+    assert set(found.faults) == {"RuntimeError: planted"}
+    assert "JML924" in proofs.rules("small")
 
 
 MUTANTS = {
