@@ -20,6 +20,7 @@ from jausml.language.semantics.connections.map_overview import MapOverview, over
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
 from jausml.live.messages import UnknownServiceError
+from jausml.model_checking.checking import MODEL_CHECK_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +37,9 @@ def rules() -> list[dict[str, Any]]:
             "title": entry.title,
             "documentation": entry.documentation,
         }
-        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES)
+        for entry in catalogue(
+            JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES, MODEL_CHECK_RULES
+        )
     ]
 
 
