@@ -1,0 +1,22 @@
+"""The abstract machines do what the runtime does: random walks through both, in virtual time."""
+
+from __future__ import annotations
+
+import pytest
+
+# Of what the abstract ones can be like but for their timers, which walks go through.
+OBEYING = {
+    "front.velocity": 10,
+    "front.effort": 10,
+    "front.speed": 10,
+    "front.waypoint": 20,
+    "rear.effort": 10,
+}
+
+
+@pytest.mark.parametrize("subject", OBEYING)
+def test_a_bridge_that_obeys(subject, run_script):
+    happened = run_script("walk.py", subject)
+    assert happened["difference"] is None
+    assert happened["states"] >= OBEYING[subject]
+    assert happened["steps"] > 1000
