@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.model_checking.search import Product
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable
+    from collections.abc import Callable
 
     from jausml.model_checking.search import Graph, Step
 
@@ -27,13 +27,13 @@ class CheckedProduct(Product, Protocol):
     def late(self) -> str:
         """What is wrong when it does not come by then."""
 
-    def source(self, state: Hashable) -> str:
+    def source(self, state: Any) -> str:
         """Returns whose command is in effect, and could be lost; empty for nobody's."""
 
-    def is_over(self, state: Hashable) -> bool:
+    def is_over(self, state: Any) -> bool:
         """Tells whether there is nothing left to wait for."""
 
-    def fault(self, state: Hashable, step: Step, after: Hashable) -> str:
+    def fault(self, state: Any, step: Step, after: Any) -> str:
         """Returns what must not happen in a transition; empty for nothing."""
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
 
 class Step(NamedTuple):
@@ -37,10 +37,10 @@ TIME = Step("time", "passes", is_tick=True, is_helpful=True)
 class Product(Protocol):
     """Some parts of a system and what can happen to them together."""
 
-    def initial(self) -> Hashable:
+    def initial(self) -> Any:
         """Returns the state at the start."""
 
-    def steps(self, state: Hashable) -> Iterable[tuple[Step, Hashable]]:
+    def steps(self, state: Any) -> Iterable[tuple[Step, Any]]:
         """Yields what can happen in a state, and the state after it."""
 
 
@@ -66,7 +66,7 @@ class Graph:
         is_complete: Whether no bound was met.
     """
 
-    states: list[Hashable] = field(default_factory=list)
+    states: list[Any] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     edges: list[tuple[tuple[int, int], ...]] = field(default_factory=list)
     before: list[tuple[int, int]] = field(default_factory=list)
@@ -94,11 +94,11 @@ _LOOKS_AT_CLOCK_EVERY = 1024
 def explore(product: Product, bounds: Bounds) -> Graph:
     """Returns what can be reached, as far as the bounds allow."""
     graph = Graph()
-    numbers: dict[Hashable, int] = {}
+    numbers: dict[Any, int] = {}
     steps: dict[Step, int] = {}
     pending: deque[int] = deque()
 
-    def number_of(state: Hashable, before: int, step: int) -> int | None:
+    def number_of(state: Any, before: int, step: int) -> int | None:
         number = numbers.get(state)
         if number is None:
             if len(graph.states) >= bounds.states:

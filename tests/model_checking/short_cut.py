@@ -18,7 +18,7 @@ class Driven(Rover):
         super().__init__(transport)
         self.world, self.told = world, []
 
-    def on_set_velocity_command(self, message, sender):
+    def on_set_velocity_command(self, message, _sender):
         self.told.append((self.world.now(), message.velocity_x, self.status.name))
 
     def on_not_ready(self):

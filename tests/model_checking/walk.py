@@ -101,7 +101,9 @@ class Walk:
             choices = [each for each in choices if each[0].is_tick]
         # Whatever ends a component is rare, so that walks are long.
         ends = ("fails", "Shutdown", "is deactivated", "SetEmergency")
-        weights = [0.1 if step.what in ends else 2.0 if step.is_tick else 1.0 for step, _ in choices]
+        weights = [
+            0.1 if step.what in ends else 2.0 if step.is_tick else 1.0 for step, _ in choices
+        ]
         step, self.state = self.random.choices(choices, weights)[0]
         self.at_once = 0 if step.is_tick else self.at_once + 1
         self._do(step)

@@ -15,7 +15,7 @@ from jausml_generators.common.components import (
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable
+    from collections.abc import Container
 
     from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.python.codec.messages import MessageView

@@ -5,8 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...base.quirks import Quirk
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
+from ..reports.states import StopReason
 from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends, ReportHolder
-    from ..reports.states import Standing, StopReason
+    from ..reports.states import Standing
 
     Send = Callable[[bytes], None]
 
@@ -64,6 +66,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
+        self._repeated: set[JausAddress] = set()
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -74,6 +77,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
         self._slots.clear()
+        self._repeated.clear()
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
         )
@@ -163,7 +167,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return True
 
     def deliver_stop(self, payload: bytes) -> bool:
-        """Sends the stop to each peer that obeys, again until it is acknowledged.
+        """Sends the stop to each peer that obeys, again until it is acknowledged or obeys no more.
 
         The others get it when they obey again.
         """
@@ -197,9 +201,36 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         component = self._ends.component
         for peer in peers:
             component.transport.send(
-                component.address, peer, payload, priority=self._priority, acknowledge=True
+                component.address,
+                peer,
+                payload,
+                priority=self._priority,
+                acknowledge=True,
+                on_result=partial(self._stop_sent, peer),
             )
         return bool(peers)
+
+    def _stop_sent(self, peer: JausAddress, acknowledged: bool) -> None:  # noqa: FBT001
+        """Sends a stop again that was lost on the way.
+
+        The radio may be away for longer than a message is repeated, and be back before control is
+        lost: the peer would go on for ever with what was commanded before.
+        """
+        component = self._ends.component
+        is_deaf = component.transport.quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
+        if acknowledged or is_deaf or peer in self._repeated:
+            return
+        settings = self._ends.settings.component
+        is_bounded = self._peers.demands_control  # by the loss of control
+        pause = settings.retry_min if is_bounded else settings.watch_interval
+        self._repeated.add(peer)
+        self._ends.loop.call_later(pause, partial(self._stop_again, peer))
+
+    def _stop_again(self, peer: JausAddress) -> None:
+        self._repeated.discard(peer)
+        is_due = self.is_silent and self._halt is not StopReason.END
+        if is_due and peer in self._prepared and self._peers.obeys(peer):
+            self.send_safe_value(partial(self._send_stop, [peer]))
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers of which nothing is heard, though messages go to them: they may not be there."""
