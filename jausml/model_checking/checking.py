@@ -143,4 +143,5 @@ def _told(subject: Subject, graph: Graph, violation: Violation) -> CounterExampl
         moments.append(Moment(round(ticks * subject.tick, 3), graph.steps[step]))
     bound = f"{subject.product.bound * subject.tick:g} s"
     message = violation.message.replace("{bound}", bound)
+    message += "" if moments else ", from the start on"
     return CounterExample(violation.rule, message, tuple(moments), violation.repeats)

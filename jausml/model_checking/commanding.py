@@ -83,7 +83,7 @@ class CommandingProduct:
         state = state._replace(passage=passage)
         sent = not passage.is_halted and self._obeys(state) and state.is_linked
         if not sent or not self.services.allows(state.peer, connection.guard, self.bridge):
-            return Step(PUBLISHER, what, self.bridge), state
+            return Step(PUBLISHER, what, self.bridge, is_helpful=True), state
         state = state._replace(is_moving=True, watched_in=self.watch)
         return Step(PUBLISHER, what, self.bridge, passes=self.bridge, is_helpful=True), state
 
@@ -159,7 +159,9 @@ class CommandingProduct:
         state = self._renewed(state) if state.is_linked else self._unconfirmed(state)
         state = self._peer_changed(state, self.services.tick(state.peer))
         passage = self.connection.tick(state.passage)
-        state = self._stop_sent(state._replace(passage=passage))
+        stood = not state.passage.is_stopped
+        state = state._replace(passage=passage)
+        state = self._stop_sent(state) if stood else state
         if state.watched_in > 1:
             return state._replace(watched_in=state.watched_in - 1)
         return self._standing(state) if state.watched_in else state

@@ -166,6 +166,8 @@ class ObeyingProduct:
         core = state.core
         if core.emergencies and core.status not in PASSIVE:
             return f"{self.bridge} is in {core.status} although an emergency is set"
+        if core.status == READY and not core.controller:
+            return f"{self.bridge} is in READY although nobody controls it"
         if not self.has_stop or not state.stands:
             return ""
         is_left = core.status in PASSIVE or not core.is_active

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_document, write_report
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import FiniteRange, format_option, quiet_option
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.model import Model
     from jausml.language.project.reading import Reading
+    from jausml.model_checking.checking import Outcome
 
 FORMATS = ("text", "json", "sarif")
 """`jausml.model_checking.formats`."""
@@ -24,6 +30,15 @@ _BUDGET = 60.0
 @model_argument
 @format_option("Format of the report.", FORMATS)
 @click.option("--output", metavar="FILE", help="Write the report to a file instead of stdout.")
+@click.option(
+    "-o",
+    "--examples",
+    metavar="FOLDER",
+    type=click.Path(file_okay=False),
+    help="Write each counter-example to FOLDER: as a sequence diagram, and as a test in virtual "
+    "time.",
+)
+@click.option("--force", is_flag=True, help="Overwrite files in FOLDER that differ.")
 @click.option(
     "--within",
     type=FiniteRange(0, min_open=True),
@@ -51,6 +66,8 @@ def command(
     model: str,
     output_format: str,
     output: str | None,
+    examples: str | None,
+    force: bool,
     within: float | None,
     states: int,
     budget: float,
@@ -80,8 +97,38 @@ def command(
         raise EnvironmentFault(str(error)) from error
     end = time.monotonic() + budget
     outcomes = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
+    if examples is not None:
+        _write_examples(outcomes, read, Path(examples), force=force)
     write_report(RENDERERS[output_format](outcomes, read), output)
     if not quiet:
         click.echo(summary(outcomes), err=True)
     if any(each.found for each in outcomes):
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _write_examples(
+    outcomes: Sequence[Outcome], model: Model, folder: Path, *, force: bool
+) -> None:
+    """Writes the files of each counter-example that has steps."""
+    from jausml.model_checking.courses import course_of
+    from jausml.model_checking.virtual_test import virtual_test
+    from jausml.views.diagrams.writers import sequence
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        shown = click.format_filename(folder)
+        raise EnvironmentFault(f"cannot make {shown}: {error.strerror}") from error
+    for outcome in outcomes:
+        for each in (each for each in outcome.found if each.moments):
+            words = re.findall(r"\w+", f"{outcome.subject.name} {each.rule.lower()}")
+            name, course = "_".join(words), course_of(outcome.subject, each)
+            test = virtual_test(model, outcome.subject, each) or ""
+            texts = {
+                f"{name}.mmd": sequence.mermaid(course),
+                f"{name}.svg": sequence.svg(course),
+                f"test_{name}.py": test,
+            }
+            for file, text in texts.items():
+                if text:
+                    write_document(str(folder / file), text.encode(), (), force=force)

@@ -43,6 +43,8 @@ def _promise(outcome: Outcome) -> str:
     subject = outcome.subject
     if subject.held:
         return f"no stop: {subject.held}"
+    if not subject.product.bound:
+        return "no time-out"
     return f"stop within {subject.product.bound * subject.tick:g} s"
 
 
