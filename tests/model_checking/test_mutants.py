@@ -64,12 +64,12 @@ def test_a_peer_that_is_right_holds():
 
 
 class ObeysAnybody(CoreServices):
-    def allows(self, core, guard, sender):
+    def allows(self, core, guard, *_):
         return core.status == READY or (guard != "READY" and core.status == STANDBY)
 
 
 class ObeysInStandby(CoreServices):
-    def allows(self, core, guard, sender):
+    def allows(self, core, _, sender):
         return super().allows(core, "CONTROLLED", sender)
 
 
