@@ -78,14 +78,15 @@ class CommandingProduct:
         yield TIME, self._later(state)
 
     def _published(self, state: Commanding) -> tuple[Step, Commanding]:
-        what, connection = f"{self.command} by topic", self.connection
+        what, connection = self.command, self.connection
         passage = connection.take(state.passage)
         state = state._replace(passage=passage)
         sent = not passage.is_halted and self._obeys(state) and state.is_linked
         if not sent or not self.services.allows(state.peer, connection.guard, self.bridge):
             return Step(PUBLISHER, what, self.bridge, is_helpful=True), state
         state = state._replace(is_moving=True, watched_in=self.watch)
-        return Step(PUBLISHER, what, self.bridge, passes=self.bridge, is_helpful=True), state
+        sent_on = {"passes": self.bridge, "on_to": self.peer}
+        return Step(PUBLISHER, what, self.bridge, **sent_on, is_helpful=True), state
 
     def _obeys(self, state: Commanding) -> bool:
         if self.connection.guard == "ANY":

@@ -20,6 +20,8 @@ def course_of(subject: Subject, example: CounterExample) -> Course:
         time = f"{moment.seconds:g} s"
         if not step.is_tick:
             lines.append(Line(time, step.what, step.actor, step.receiver))
+            if step.on_to:
+                lines.append(Line(time, step.what, step.receiver, step.on_to))
         elif lines and not lines[-1].sender:
             lines[-1] = Line(time, lines[-1].text)
         else:

@@ -19,6 +19,7 @@ class Step(NamedTuple):
         receiver: To whom; empty where it concerns the actor alone.
         is_tick: Whether it is one step of time.
         passes: Whose command takes effect by it.
+        on_to: Where the receiver sends it on.
         is_helpful: Whether it goes on in a world in which nobody hinders anything.
     """
 
@@ -27,6 +28,7 @@ class Step(NamedTuple):
     receiver: str = ""
     is_tick: bool = False
     passes: str = ""
+    on_to: str = ""
     is_helpful: bool = False
 
 

@@ -59,4 +59,5 @@ def _way(example: CounterExample) -> Iterator[str]:
 def _told(moment: Moment) -> str:
     step = moment.step
     to = f" to {step.receiver}" if step.receiver else ""
-    return f"{step.actor}: {step.what}{to}"
+    further = f" and on to {step.on_to}" if step.on_to else ""
+    return f"{step.actor}: {step.what}{to}{further}"

@@ -127,7 +127,7 @@ def _parts(course: Course) -> Iterator[str]:
         text = cut(actor, _LONGEST)
         left = x - width(text, TITLE, bold=True) / 2
         yield text_element(left, _HEAD, text, TITLE, "title", bold=True)
-        yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{bottom - 20}"/>'
+        yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{_HEAD + 20 + _ROW_HEIGHT * len(course.lines)}"/>'
     y = _HEAD + 34.0
     for line in course.lines:
         yield from _line(line, y, places, size[0])
