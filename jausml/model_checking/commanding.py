@@ -85,8 +85,8 @@ class CommandingProduct:
         if not sent or not self.services.allows(state.peer, connection.guard, self.bridge):
             return Step(PUBLISHER, what, self.bridge, is_helpful=True), state
         state = state._replace(is_moving=True, watched_in=self.watch)
-        sent_on = {"passes": self.bridge, "on_to": self.peer}
-        return Step(PUBLISHER, what, self.bridge, **sent_on, is_helpful=True), state
+        step = Step(PUBLISHER, what, self.bridge, is_helpful=True)
+        return step._replace(passes=self.bridge, on_to=self.peer), state
 
     def _obeys(self, state: Commanding) -> bool:
         if self.connection.guard == "ANY":
