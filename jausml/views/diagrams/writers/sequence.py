@@ -123,16 +123,15 @@ def _parts(course: Course) -> Iterator[str]:
     )
     yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
     yield text_element(MARGIN, 26, cut(course.title, _LONGEST), 16, "title", bold=True)
+    foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
     for actor, x in places.items():
         text = cut(actor, _LONGEST)
         left = x - width(text, TITLE, bold=True) / 2
         yield text_element(left, _HEAD, text, TITLE, "title", bold=True)
-        yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{_HEAD + 20 + _ROW_HEIGHT * len(course.lines)}"/>'
-    y = _HEAD + 34.0
-    for line in course.lines:
-        yield from _line(line, y, places, size[0])
-        y += _ROW_HEIGHT
-    yield text_element(MARGIN, y + 8, cut(course.end, _LONGEST), ROW, "error", bold=True)
+        yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{foot}"/>'
+    for number, line in enumerate(course.lines):
+        yield from _line(line, _HEAD + 34 + _ROW_HEIGHT * number, places, size[0])
+    yield text_element(MARGIN, foot + 22, cut(course.end, _LONGEST), ROW, "error", bold=True)
     yield "</svg>"
 
 
