@@ -20,3 +20,18 @@ def test_a_bridge_that_obeys(subject, run_script):
     assert happened["difference"] is None
     assert happened["states"] >= OBEYING[subject]
     assert happened["steps"] > 1000
+
+
+def test_a_bridge_and_its_peer(run_script):
+    happened = run_script("walk_peer.py")
+    assert happened["difference"] is None
+    assert happened["states"] >= 18
+    assert happened["steps"] > 2000
+    assert 1.0 < happened["longest"] <= happened["bound"]
+
+
+def test_a_stop_that_is_sent_once_is_noticed_by_a_walk(run_script):
+    difference = run_script("walk_peer.py", "--once")["difference"]
+    assert difference["real"]["moves"]
+    assert not difference["abstract"]["moves"]
+    assert difference["real"]["stopped"]
