@@ -96,7 +96,7 @@ class MachineProduct:
                 is_helpful = message in _HELPFUL and client == self.clients[0]
                 step = Step(client, message, self.component, is_helpful=is_helpful)
                 yield step, self._followed(state, getattr(services, method)(core, client))
-            for message in self._messages():
+            for message in self.messages():
                 yield from self._taken(state, message, client)
         for message, method in (
             ("SetEmergency", "set_emergency"),
@@ -106,7 +106,7 @@ class MachineProduct:
             is_helpful = method == "clear_emergency"
             step = Step(EMERGENCY_CLIENT, message, self.component, is_helpful=is_helpful)
             yield step, self._followed(state, after)
-        for event in self._events():
+        for event in self.events():
             yield from self._taken(state, event, "")
         if core.status not in PASSIVE:
             yield Step(self.component, "fails"), self._followed(state, services.fail(core))
@@ -126,11 +126,13 @@ class MachineProduct:
             for element in node.elements:
                 yield from (*element.transitions, *element.defaults)
 
-    def _messages(self) -> list[str]:
+    def messages(self) -> list[str]:
+        """Returns the names of the messages that the machine takes."""
         found = {_trigger(each): None for each in self._transitions() if each.message is not None}
         return [each for each in found if each]
 
-    def _events(self) -> list[str]:
+    def events(self) -> list[str]:
+        """Returns the names of the internal events that it takes."""
         found = {_trigger(each): None for each in self._transitions() if each.message is None}
         return [each for each in found if each]
 
@@ -154,6 +156,18 @@ class MachineProduct:
 
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
         """Yields the transitions that a trigger may take, whatever conditions of the user say."""
+        taken = {each: None for _, each in self.outcomes(state, trigger, sender) if each}
+        for transition in taken:
+            yield self.step(state, transition, trigger, sender)
+
+    def outcomes(
+        self, state: Behaving, trigger: str, sender: str
+    ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
+        """Yields what conditions of the user may say of a trigger, and what is taken then.
+
+        Args:
+            sender: Who sends the message; empty for an internal event.
+        """
         if sender and not self.services.allows(state.core, self.obeyed[trigger], sender):
             return
         candidates = self._candidates(state.path, trigger)
@@ -163,20 +177,21 @@ class MachineProduct:
             "isControlAvailable": state.core.is_available,
             "isIDStored": sender in state.core.emergencies,
         }
-        names = {name: None for guard in guards for name in conditions(guard) if name not in known}
+        names = {name: True for guard in guards for name in conditions(guard) if name not in known}
         free = list(names)[:MOST_CONDITIONS]
-        taken: dict[int, None] = {}
         for values in combinations((True, False), repeat=len(free)):
-            said = {**dict.fromkeys(names, True), **dict(zip(free, values, strict=True)), **known}
-            holds = (n for n, guard in enumerate(guards) if _holds(guard, said.__getitem__))
-            taken.update(dict.fromkeys([next(holds, -1)]))
-        for number in taken:
-            if number >= 0:
-                yield self._step(state, candidates[number], trigger, sender)
+            said = {**names, **dict(zip(free, values, strict=True))}
+            holding = (
+                each
+                for each, guard in zip(candidates, guards, strict=True)
+                if _holds(guard, {**said, **known}.__getitem__)
+            )
+            yield said, next(holding, None)
 
-    def _step(
+    def step(
         self, state: Behaving, transition: jaus.Transition, trigger: str, sender: str
     ) -> tuple[Step, Behaving]:
+        """Returns a transition as a step, and the state after it."""
         actor, to = (sender, self.component) if sender else (self.component, "")
         after = self._after(state, transition)
         message = transition.message

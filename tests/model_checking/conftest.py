@@ -1,4 +1,4 @@
-"""The packages of the rover, generated once, and scripts that run beside them."""
+"""Scripts that run beside the packages of a model, which are generated once."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from workspaces import python_path
 from jausml.cli import main
 
 FOLDER = Path(__file__).parent
+ROVER = FOLDER / "rover.ros2jaus"
 
 
 @pytest.fixture(scope="session")
-def workspace(tmp_path_factory):
-    """The packages of the rover."""
-    folder = tmp_path_factory.mktemp("rover")
-    line = ["generate", str(FOLDER / "rover.ros2jaus"), "-o", str(folder), "-q"]
-    result = CliRunner().invoke(main, line)
-    assert result.exit_code == 0, result.output
-    return folder
+def run_script(tmp_path_factory):
+    """Runs a script of this folder beside the packages of a model; returns what it says as JSON."""
+    workspaces = {}
 
+    def workspace_of(model):
+        if model not in workspaces:
+            workspaces[model] = tmp_path_factory.mktemp(model.stem)
+            line = ["generate", str(model), "-o", str(workspaces[model]), "-q"]
+            result = CliRunner().invoke(main, line)
+            assert result.exit_code == 0, result.output
+        return workspaces[model]
 
-@pytest.fixture(scope="session")
-def run_script(workspace):
-    """Runs a script of this folder with the packages; returns what it prints as JSON."""
-
-    def run(name, *words):
+    def run(name, *words, model=ROVER):
         result = subprocess.run(
             [sys.executable, str(FOLDER / name), *words],
-            env={**os.environ, "PYTHONPATH": python_path(workspace)},
+            env={**os.environ, "PYTHONPATH": python_path(workspace_of(model))},
             capture_output=True,
             text=True,
             timeout=100,
