@@ -2,67 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Severity
-from jausml.language.model.rules import RuleInfo
-from jausml.model_checking.properties import (
-    CONTROL,
-    DEADLOCK,
-    LATE_STOP,
-    LIVELOCK,
-    violations,
-)
+from jausml.language.model import Diagnostic
+from jausml.language.validation.allowances import settled
+from jausml.language.validation.product_rules import PRODUCT_RULES
+from jausml.model_checking.properties import violations
 from jausml.model_checking.search import Bounds, explore
 from jausml.model_checking.systems import subjects_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable
 
     from jausml.language.metamodel.classes import system
+    from jausml.language.model import Model
+    from jausml.language.validation.report import SetAside
     from jausml.model_checking.properties import Violation
     from jausml.model_checking.search import Graph, Step
     from jausml.model_checking.systems import Subject
 
 BOUND_MET = "JML935"
-
-_RULES = {
-    DEADLOCK: RuleInfo(
-        "product: deadlock",
-        "jausml model-check has found a way to a state in which nothing that was asked for can "
-        "happen any more, whatever anybody does. States of Failure and Shutdown count as ends.",
-    ),
-    LIVELOCK: RuleInfo(
-        "product: livelock",
-        "jausml model-check has found a way on which time goes on for ever and nothing that was "
-        "asked for happens, though nobody hinders it: for example, a client that was lost keeps "
-        "control that never lapses. Give the component a controlTimeout.",
-        Severity.WARNING,
-    ),
-    LATE_STOP: RuleInfo(
-        "product: stop that does not come in time",
-        "jausml model-check has found a way on which a command stands longer than it may after its "
-        "source was lost. The time is that of --within, else the silenceTimeout of the connection, "
-        "else the controlTimeout of who obeys. Bad: `silenceTimeout: 0` and `controlTimeout: 0`. "
-        "Good: one of them is above 0.",
-    ),
-    CONTROL: RuleInfo(
-        "product: command outside of control",
-        "jausml model-check has found a way on which a command takes effect, or stands, although "
-        "its sender has no control, the component is not Ready, or an emergency is set.",
-    ),
-    BOUND_MET: RuleInfo(
-        "product: not searched to the end",
-        "jausml model-check has met the bound of --states or --budget: what it has not seen may "
-        "be wrong. Raise the bound.",
-        Severity.WARNING,
-    ),
-}
-
-MODEL_CHECK_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
-"""The rules of model checking by id."""
 
 
 @dataclass(frozen=True)
@@ -94,12 +54,17 @@ class CounterExample:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was found of one subject."""
+    """What was found of one subject.
+
+    Attributes:
+        allowed: What the documentation of the model allows.
+    """
 
     subject: Subject
     states: int
     transitions: int
     found: tuple[CounterExample, ...]
+    allowed: tuple[SetAside, ...] = ()
 
     @property
     def is_complete(self) -> bool:
@@ -122,6 +87,33 @@ def check_system(
     """
     bounds = Bounds(states, is_over)
     return [check_subject(each, bounds) for each in subjects_of(system_, demanded)]
+
+
+def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
+    """Returns outcomes in which what an `@allow` of the model is about does not count."""
+    settled_outcomes = []
+    for each in outcomes:
+        told = {diagnostic_of(each.subject, found, model): found for found in each.found}
+        _, aside = settled(model, list(told), PRODUCT_RULES)
+        allowed = {one.diagnostic for one in aside}
+        found = tuple(example for one, example in told.items() if one not in allowed)
+        settled_outcomes.append(replace(each, found=found, allowed=tuple(aside)))
+    return settled_outcomes
+
+
+def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Diagnostic:
+    """Returns what was found as a finding at the element that it is about."""
+    steps = "; ".join(
+        f"{each.seconds:g} s {each.step.actor}: {each.step.what}" for each in example.moments
+    )
+    return Diagnostic(
+        rule=example.rule,
+        severity=PRODUCT_RULES[example.rule].severity,
+        location=model.location(subject.element, None, 0),
+        message=f"{subject.name}: {example.message}" + (f" ({steps})" if steps else ""),
+        element=model.element_path(subject.element),
+        fragment=model.fragment(subject.element),
+    )
 
 
 def check_subject(subject: Subject, bounds: Bounds) -> Outcome:

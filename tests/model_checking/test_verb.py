@@ -97,6 +97,31 @@ def test_a_bound_that_is_met_is_no_pass(bound):
     assert not product["complete"]
 
 
+def test_a_warning_can_be_allowed_with_a_reason(tmp_path):
+    text = CARELESS.read_text(encoding="utf-8")
+    reason = "@allow JML932 until 2999-12-31: the operator asks once"
+    allowed = text.replace("    connection speed", f"    /** {reason} */\n    connection speed")
+    model = tmp_path / "allowed.ros2jaus"
+    model.write_text(allowed, encoding="utf-8")
+    assert "JML932 is allowed: the operator asks once" in run(model, status=1).stdout
+    told = json.loads(run(model, "--format", "json", status=1).stdout)["products"][0]
+    assert [each["rule"] for each in told["found"]] == ["JML933"]
+    assert told["allowed"] == [{"rule": "JML932", "reason": "the operator asks once"}]
+    (log,) = json.loads(run(model, "--format", "sarif", status=1).stdout)["runs"]
+    assert [each["ruleId"] for each in log["results"] if "suppressions" in each] == ["JML932"]
+    validated = CliRunner().invoke(main, ["validate", str(model)])
+    assert "JML80" not in validated.output
+
+
+def test_an_error_cannot_be_allowed(tmp_path):
+    text = CARELESS.read_text(encoding="utf-8")
+    reason = "@allow JML933 until 2999-12-31: nobody minds"
+    model = tmp_path / "allowed.ros2jaus"
+    allowed = text.replace("    connection speed", f"    /** {reason} */\n    connection speed")
+    model.write_text(allowed, encoding="utf-8")
+    assert "error JML933 nothing stops SetTravelSpeed" in run(model, status=1).stdout
+
+
 def test_what_is_no_system_is_refused(tmp_path):
     assert "No such file" in run(tmp_path / "none.xmi", status=2).output
     library = ROOT / "models" / "library" / "mappings" / "travel_speed.ros2jaus"

@@ -19,8 +19,8 @@ from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.connections.map_overview import MapOverview, overview
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
+from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.live.messages import UnknownServiceError
-from jausml.model_checking.checking import MODEL_CHECK_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +38,7 @@ def rules() -> list[dict[str, Any]]:
             "documentation": entry.documentation,
         }
         for entry in catalogue(
-            JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES, MODEL_CHECK_RULES
+            JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES, PRODUCT_RULES
         )
     ]
 

@@ -87,7 +87,7 @@ def command(
 
     from jausml.generation.errors import NoSystemError
     from jausml.generation.system import system_of
-    from jausml.model_checking.checking import check_system
+    from jausml.model_checking.checking import check_system, without_allowed
     from jausml.model_checking.formats import RENDERERS, summary
 
     read = valid_model(model, reading)
@@ -96,7 +96,8 @@ def command(
     except NoSystemError as error:
         raise EnvironmentFault(str(error)) from error
     end = time.monotonic() + budget
-    outcomes = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
+    found = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
+    outcomes = without_allowed(found, read)
     if examples is not None:
         _write_examples(outcomes, read, Path(examples), force=force)
     write_report(RENDERERS[output_format](outcomes, read), output)

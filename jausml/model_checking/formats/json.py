@@ -30,6 +30,7 @@ def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
         "stop_within": round(subject.product.bound * subject.tick, 3) or None,
         "held": subject.held or None,
         "found": [_found(each) for each in outcome.found],
+        "allowed": [{"rule": e.diagnostic.rule, "reason": e.reason} for e in outcome.allowed],
     }
 
 

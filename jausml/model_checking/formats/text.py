@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.model_checking.checking import MODEL_CHECK_RULES
+from jausml.language.validation.product_rules import PRODUCT_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -34,9 +34,11 @@ def _lines(outcome: Outcome, model: Model) -> Iterator[str]:
     yield f"{subject.name}: {verdict} ({size}; {_promise(outcome)})"
     for each in outcome.found:
         location = model.location(subject.element, None, 0)
-        severity = MODEL_CHECK_RULES[each.rule].severity.value
+        severity = PRODUCT_RULES[each.rule].severity.value
         yield f"{location}: {severity} {each.rule} {each.message}"
         yield from _way(each)
+    for aside in outcome.allowed:
+        yield f"{aside.location}: {aside.diagnostic.rule} is allowed: {aside.reason}"
 
 
 def _promise(outcome: Outcome) -> str:
