@@ -6,8 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.model_checking.connection import CommandPassage, Passage, halts
-from jausml.model_checking.core_services import FINAL, PASSIVE, READY, STANDBY, Core
-from jausml.model_checking.obeying import EMERGENCY_CLIENT
+from jausml.model_checking.core_services import (
+    FINAL,
+    PASSIVE,
+    READY,
+    STANDBY,
+    Core,
+    emergency_steps,
+)
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
@@ -103,16 +109,9 @@ class CommandingProduct:
                 after = getattr(services, method)(peer, self.rival)
                 step = Step(self.rival, message, self.peer, is_helpful=method == "release")
                 yield step, self._peer_changed(state, after)
-        for message, method in (
-            ("SetEmergency", "set_emergency"),
-            ("ClearEmergency", "clear_emergency"),
-        ):
-            is_helpful = method == "clear_emergency"
-            step = Step(EMERGENCY_CLIENT, message, self.peer, is_helpful=is_helpful)
-            after = getattr(services, method)(peer, EMERGENCY_CLIENT)
+        for step, after in emergency_steps(services, peer, self.peer):
             yield step, self._peer_changed(state, after)
-            step = Step(EMERGENCY_CLIENT, message, self.bridge, is_helpful=is_helpful)
-            own = getattr(self.own_services, method)(state.own, EMERGENCY_CLIENT)
+        for step, own in emergency_steps(self.own_services, state.own, self.bridge):
             yield step, self._own_changed(state, own)
         if peer.status not in PASSIVE:
             yield Step(self.peer, "fails"), self._peer_changed(state, services.fail(peer))

@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
+from jausml.model_checking.search import Step
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
 STANDBY, READY, EMERGENCY = "STANDBY", "READY", "EMERGENCY"
 FAILURE, SHUTDOWN = "FAILURE", "SHUTDOWN"
@@ -19,6 +21,19 @@ FINAL = (FAILURE, SHUTDOWN)
 
 PASSIVE = (EMERGENCY, *FINAL)
 """States in which nothing is commanded, whoever wants to."""
+
+
+EMERGENCY_CLIENT = "an emergency client"
+
+CLIENT_MESSAGES = {
+    "RequestControl": "request",
+    "Resume": "resume",
+    "Standby": "standby",
+    "ReleaseControl": "release",
+    "Reset": "reset",
+    "Shutdown": "shutdown",
+}
+"""Messages of a client, and what the core services do with them."""
 
 
 class Core(NamedTuple):
@@ -162,3 +177,30 @@ class CoreServices:
     def activate(self, core: Core) -> Core:
         """Offers control again."""
         return core._replace(is_active=True)
+
+
+def core_steps(
+    services: CoreServices, core: Core, component: str, clients: tuple[str, ...]
+) -> Iterator[tuple[Step, Core]]:
+    """Yields what clients, whoever sets emergencies, and a failure make of the core services.
+
+    That the first client asks for control and resumes the component hinders nobody.
+    """
+    for client in clients:
+        for message, method in CLIENT_MESSAGES.items():
+            is_helpful = message in ("RequestControl", "Resume") and client == clients[0]
+            step = Step(client, message, component, is_helpful=is_helpful)
+            yield step, getattr(services, method)(core, client)
+    yield from emergency_steps(services, core, component)
+    if core.status not in PASSIVE:
+        yield Step(component, "fails"), services.fail(core)
+
+
+def emergency_steps(
+    services: CoreServices, core: Core, component: str
+) -> Iterator[tuple[Step, Core]]:
+    """Yields what whoever sets emergencies makes of the core services."""
+    sets = Step(EMERGENCY_CLIENT, "SetEmergency", component)
+    yield sets, services.set_emergency(core, EMERGENCY_CLIENT)
+    clears = Step(EMERGENCY_CLIENT, "ClearEmergency", component, is_helpful=True)
+    yield clears, services.clear_emergency(core, EMERGENCY_CLIENT)

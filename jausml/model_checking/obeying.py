@@ -6,27 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.model_checking.connection import CommandPassage, Passage, halts
-from jausml.model_checking.core_services import FINAL, PASSIVE, READY, STANDBY, Core
+from jausml.model_checking.core_services import FINAL, PASSIVE, READY, STANDBY, Core, core_steps
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.model_checking.core_services import CoreServices
-
-EMERGENCY_CLIENT = "an emergency client"
-
-CLIENT_MESSAGES = {
-    "RequestControl": "request",
-    "Resume": "resume",
-    "Standby": "standby",
-    "ReleaseControl": "release",
-    "Reset": "reset",
-    "Shutdown": "shutdown",
-}
-"""Messages of a client, and what the core services do with them."""
-
-_HELPFUL = ("RequestControl", "Resume")
 
 
 class Obeying(NamedTuple):
@@ -67,20 +53,9 @@ class ObeyingProduct:
         """Yields what can happen."""
         core, services, bridge = state.core, self.services, self.bridge
         for client in self.clients:
-            for message, method in CLIENT_MESSAGES.items():
-                is_helpful = message in _HELPFUL and client == self.clients[0]
-                step = Step(client, message, bridge, is_helpful=is_helpful)
-                yield step, self._changed(state, getattr(services, method)(core, client))
             yield self._commanded(state, client)
-        for message, method in (
-            ("SetEmergency", "set_emergency"),
-            ("ClearEmergency", "clear_emergency"),
-        ):
-            after = getattr(services, method)(core, EMERGENCY_CLIENT)
-            step = Step(EMERGENCY_CLIENT, message, bridge, is_helpful=method == "clear_emergency")
+        for step, after in core_steps(services, core, bridge, self.clients):
             yield step, self._changed(state, after)
-        if core.status not in PASSIVE:
-            yield Step(bridge, "fails"), self._changed(state, services.fail(core))
         if core.is_active:
             yield Step(bridge, "is deactivated"), self._changed(state, services.deactivate(core))
         else:

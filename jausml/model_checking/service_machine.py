@@ -17,8 +17,15 @@ from jausml.language.attributes.guards import (
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.inherited_machines import event_name
 from jausml.language.semantics.jaus.machines import is_core_trigger
-from jausml.model_checking.core_services import EMERGENCY, FINAL, PASSIVE, READY, STANDBY, Core
-from jausml.model_checking.obeying import CLIENT_MESSAGES, EMERGENCY_CLIENT
+from jausml.model_checking.core_services import (
+    EMERGENCY,
+    FINAL,
+    PASSIVE,
+    READY,
+    STANDBY,
+    Core,
+    core_steps,
+)
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
@@ -37,7 +44,6 @@ MOST_CONDITIONS = 8
 
 _OUTER = "Receiving.Ready"
 _LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
-_HELPFUL = ("RequestControl", "Resume")
 
 
 def core_path(core: Core) -> str:
@@ -91,25 +97,12 @@ class MachineProduct:
     def steps(self, state: Behaving) -> Iterator[tuple[Step, Behaving]]:
         """Yields what can happen."""
         core, services = state.core, self.services
-        for client in self.clients:
-            for message, method in CLIENT_MESSAGES.items():
-                is_helpful = message in _HELPFUL and client == self.clients[0]
-                step = Step(client, message, self.component, is_helpful=is_helpful)
-                yield step, self._followed(state, getattr(services, method)(core, client))
-            for message in self.messages():
-                yield from self._taken(state, message, client)
-        for message, method in (
-            ("SetEmergency", "set_emergency"),
-            ("ClearEmergency", "clear_emergency"),
-        ):
-            after = getattr(services, method)(core, EMERGENCY_CLIENT)
-            is_helpful = method == "clear_emergency"
-            step = Step(EMERGENCY_CLIENT, message, self.component, is_helpful=is_helpful)
+        for step, after in core_steps(services, core, self.component, self.clients):
             yield step, self._followed(state, after)
+        for message, client in combinations(self.messages(), self.clients):
+            yield from self._taken(state, message, client)
         for event in self.events():
             yield from self._taken(state, event, "")
-        if core.status not in PASSIVE:
-            yield Step(self.component, "fails"), self._followed(state, services.fail(core))
         yield TIME, self._later(state)
 
     def _later(self, state: Behaving) -> Behaving:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.model_checking.commanding import PUBLISHER, RADIO, CommandingProduct
-from jausml.model_checking.obeying import EMERGENCY_CLIENT, ObeyingProduct
+from jausml.model_checking.core_services import EMERGENCY_CLIENT
+from jausml.model_checking.obeying import ObeyingProduct
 from jausml.model_checking.properties import LATE_STOP, LIVELOCK
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import address_call

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 _LONGEST = 90
-_ROW_HEIGHT, _HEAD, _GAP, _TIMES, _OWN = 26, 58, 44, 64, 26
+_ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
 
 
 @dataclass(frozen=True)
@@ -72,44 +72,16 @@ def svg(course: Course) -> str:
     return "\n".join(_parts(course)) + "\n"
 
 
-def _places(course: Course) -> dict[str, float]:
-    """Returns where the line of each actor runs: far enough apart for what is between them."""
-    actors = course.actors
-    places: dict[str, float] = {}
-    x = float(MARGIN + _TIMES)
-    for number, actor in enumerate(actors):
-        own = width(cut(actor, _LONGEST), TITLE, bold=True) / 2
-        x += own if not number else 0.0
-        if number:
-            before = actors[number - 1]
-            x = max(x, places[before] + width(before, TITLE, bold=True) / 2 + own + _GAP)
-            between = {before, actor}
-            texts = (
-                width(cut(line.text, _LONGEST), SMALL) + _OWN
-                for line in course.lines
-                if {line.sender, line.receiver} == between
-            )
-            x = max([x, *(places[before] + each for each in texts)])
-        places[actor] = round(x, 1)
-    return places
-
-
 def _parts(course: Course) -> Iterator[str]:
-    places = _places(course)
-    bottom = _HEAD + 44 + _ROW_HEIGHT * (len(course.lines) + 1)
-    right = max(
-        [
-            MARGIN + width(cut(course.title, _LONGEST), 16, bold=True),
-            MARGIN + width(cut(course.end, _LONGEST), ROW, bold=True),
-            *(x + width(cut(each, _LONGEST), TITLE, bold=True) / 2 for each, x in places.items()),
-            *(
-                places[each.sender] + 10 + width(cut(each.text, _LONGEST), SMALL)
-                for each in course.lines
-                if each.sender and not each.receiver
-            ),
-        ]
-    )
-    size = (round(right + MARGIN, 1), bottom + MARGIN)
+    texts = [width(cut(each.text, _LONGEST), SMALL) for each in course.lines]
+    heads = [width(cut(each, _LONGEST), TITLE, bold=True) for each in course.actors]
+    column = round(max([*texts, *heads]) + _GAP, 1)
+    first = MARGIN + _TIMES + column / 2
+    places = {each: round(first + column * n, 1) for n, each in enumerate(course.actors)}
+    foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
+    ends = (width(cut(course.title, _LONGEST), 16), width(cut(course.end, _LONGEST), ROW))
+    right = max(first + column * len(heads), *(MARGIN + 1.1 * each for each in ends))
+    size = (round(right + MARGIN, 1), foot + 2 * MARGIN + 10)
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
         f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
@@ -123,7 +95,6 @@ def _parts(course: Course) -> Iterator[str]:
     )
     yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
     yield text_element(MARGIN, 26, cut(course.title, _LONGEST), 16, "title", bold=True)
-    foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
     for actor, x in places.items():
         text = cut(actor, _LONGEST)
         left = x - width(text, TITLE, bold=True) / 2
