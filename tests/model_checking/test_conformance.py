@@ -6,10 +6,10 @@ import pytest
 
 # Of what the abstract ones can be like but for their timers, which walks go through.
 OBEYING = {
-    "front.velocity": 10,
-    "front.effort": 10,
-    "front.speed": 10,
-    "front.waypoint": 20,
+    "front.velocity": 13,
+    "front.effort": 13,
+    "front.speed": 12,
+    "front.waypoint": 18,
     "rear.effort": 10,
 }
 
@@ -25,7 +25,7 @@ def test_a_bridge_that_obeys(subject, run_script):
 def test_a_bridge_and_its_peer(run_script):
     happened = run_script("walk_peer.py")
     assert happened["difference"] is None
-    assert happened["states"] >= 18
+    assert happened["states"] >= 15
     assert happened["steps"] > 2000
     assert 1.0 < happened["longest"] <= happened["bound"]
 

@@ -100,10 +100,9 @@ class Walk:
         if self.at_once >= MOST_AT_ONCE:
             choices = [each for each in choices if each[0].is_tick]
         # Whatever ends a component is rare, so that walks are long.
-        ends = ("fails", "Shutdown", "is deactivated", "SetEmergency")
-        weights = [
-            0.1 if step.what in ends else 2.0 if step.is_tick else 1.0 for step, _ in choices
-        ]
+        rare = {"fails": 0.03, "Shutdown": 0.03, "is deactivated": 0.3, "SetEmergency": 0.4}
+        rare |= {"passes": 2.0, "Reset": 0.3, "ReleaseControl": 0.3}
+        weights = [rare.get(step.what, 1.0) for step, _ in choices]
         step, self.state = self.random.choices(choices, weights)[0]
         self.at_once = 0 if step.is_tick else self.at_once + 1
         self._do(step)
@@ -187,7 +186,7 @@ def main():
     """Reads the command line and prints what was seen."""
     parser = argparse.ArgumentParser()
     parser.add_argument("subject")
-    parser.add_argument("--walks", type=int, default=10)
+    parser.add_argument("--walks", type=int, default=12)
     parser.add_argument("--steps", type=int, default=150)
     asked = parser.parse_args()
     logging.disable()
