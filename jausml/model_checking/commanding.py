@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.model_checking.connection import CommandPassage, Passage, halts
+from jausml.model_checking.connection import CommandConnection, ConnectionState, halts
 from jausml.model_checking.core_services import (
     FINAL,
     PASSIVE,
@@ -38,7 +38,7 @@ class Commanding(NamedTuple):
 
     peer: Core
     own: Core
-    passage: Passage
+    connection_state: ConnectionState
     believed: str = ""
     lost_in: int = 0
     is_linked: bool = True
@@ -61,7 +61,7 @@ class CommandingProduct:
     command: str
     services: CoreServices
     own_services: CoreServices
-    connection: CommandPassage
+    connection: CommandConnection
     patience: int
     watch: int = 0
     rival: str = ""
@@ -70,7 +70,7 @@ class CommandingProduct:
 
     def initial(self) -> Commanding:
         """Returns the state at the start."""
-        return Commanding(Core(), Core(), Passage())
+        return Commanding(Core(), Core(), ConnectionState())
 
     def steps(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
         """Yields what can happen."""
@@ -85,9 +85,9 @@ class CommandingProduct:
 
     def _published(self, state: Commanding) -> tuple[Step, Commanding]:
         what, connection = self.command, self.connection
-        passage = connection.take(state.passage)
-        state = state._replace(passage=passage)
-        sent = not passage.is_halted and self._obeys(state) and state.is_linked
+        connection_state = connection.take(state.connection_state)
+        state = state._replace(connection_state=connection_state)
+        sent = not connection_state.is_halted and self._obeys(state) and state.is_linked
         if not sent or not self.services.allows(state.peer, connection.guard, self.bridge):
             return Step(PUBLISHER, what, self.bridge, is_helpful=True), state
         state = state._replace(is_moving=True, watched_in=self.watch)
@@ -140,8 +140,8 @@ class CommandingProduct:
         return state._replace(believed=state.peer.status if holds else "")
 
     def _own_changed(self, state: Commanding, own: Core) -> Commanding:
-        passage = self.connection.follow(state.passage, state.own, own)
-        state = self._stop_sent(state._replace(own=own, passage=passage))
+        connection_state = self.connection.follow(state.connection_state, state.own, own)
+        state = self._stop_sent(state._replace(own=own, connection_state=connection_state))
         if self._may_command(state):
             return state
         # It lets go of the peer, which learns of it if it can be reached.
@@ -158,9 +158,9 @@ class CommandingProduct:
     def _later(self, state: Commanding) -> Commanding:
         state = self._renewed(state) if state.is_linked else self._unconfirmed(state)
         state = self._peer_changed(state, self.services.tick(state.peer))
-        passage = self.connection.tick(state.passage)
-        stood = not state.passage.is_stopped
-        state = state._replace(passage=passage)
+        connection_state = self.connection.tick(state.connection_state)
+        stood = not state.connection_state.is_stopped
+        state = state._replace(connection_state=connection_state)
         state = self._stop_sent(state) if stood else state
         if state.watched_in > 1:
             return state._replace(watched_in=state.watched_in - 1)
@@ -184,7 +184,7 @@ class CommandingProduct:
 
     def _stop_sent(self, state: Commanding) -> Commanding:
         """A stop that stands is sent until it has arrived, while the peer would obey."""
-        is_due = state.passage.is_stopped and self.has_stop and state.is_linked
+        is_due = state.connection_state.is_stopped and self.has_stop and state.is_linked
         is_obeyed = self.services.allows(state.peer, self.connection.guard, self.bridge)
         return self._standing(state) if is_due and is_obeyed and self._obeys(state) else state
 

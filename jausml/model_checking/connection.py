@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Container
 
 
-class Passage(NamedTuple):
+class ConnectionState(NamedTuple):
     """State of a connection.
 
     Attributes:
@@ -30,7 +30,7 @@ class Passage(NamedTuple):
 
 
 @dataclass(frozen=True)
-class CommandPassage:
+class CommandConnection:
     """How a connection minds its source.
 
     Attributes:
@@ -44,33 +44,33 @@ class CommandPassage:
     to_ros: bool = True
     peers: Container[str] | None = None
 
-    def take(self, passage: Passage) -> Passage:
+    def take(self, state: ConnectionState) -> ConnectionState:
         """Takes a usable message of the source."""
-        if passage.is_halted:
-            return passage
-        return Passage(is_stopped=False, silent_in=self.silence)
+        if state.is_halted:
+            return state
+        return ConnectionState(is_stopped=False, silent_in=self.silence)
 
-    def tick(self, passage: Passage) -> Passage:
+    def tick(self, state: ConnectionState) -> ConnectionState:
         """Lets time pass."""
-        if passage.is_stopped or not passage.silent_in:
-            return passage
-        left = passage.silent_in - 1
-        return passage._replace(silent_in=left) if left else self.stop(passage)
+        if state.is_stopped or not state.silent_in:
+            return state
+        left = state.silent_in - 1
+        return state._replace(silent_in=left) if left else self.stop(state)
 
-    def stop(self, passage: Passage) -> Passage:
+    def stop(self, state: ConnectionState) -> ConnectionState:
         """Sends the stop, after which no message of the source stands."""
-        return passage._replace(is_stopped=True, silent_in=0)
+        return state._replace(is_stopped=True, silent_in=0)
 
-    def follow(self, passage: Passage, former: Core, core: Core) -> Passage:
+    def follow(self, state: ConnectionState, former: Core, core: Core) -> ConnectionState:
         """Stops what must not go on as the bridge stands now."""
         if not core.is_active or not self.to_ros:
-            return self._halt(passage, is_halted=halts(core))
-        passage = self._halt(passage, is_halted=self.guard == "ANY" and halts(core))
-        return self.stop(passage) if loses(former, core) else passage
+            return self._halt(state, is_halted=halts(core))
+        state = self._halt(state, is_halted=self.guard == "ANY" and halts(core))
+        return self.stop(state) if loses(former, core) else state
 
-    def _halt(self, passage: Passage, *, is_halted: bool) -> Passage:
-        passage = passage._replace(is_halted=is_halted)
-        return self.stop(passage) if is_halted else passage
+    def _halt(self, state: ConnectionState, *, is_halted: bool) -> ConnectionState:
+        state = state._replace(is_halted=is_halted)
+        return self.stop(state) if is_halted else state
 
 
 def halts(core: Core) -> bool:

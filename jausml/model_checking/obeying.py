@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.model_checking.connection import CommandPassage, Passage, halts
+from jausml.model_checking.connection import CommandConnection, ConnectionState, halts
 from jausml.model_checking.core_services import FINAL, PASSIVE, READY, STANDBY, Core, core_steps
 from jausml.model_checking.search import TIME, Step
 
@@ -23,7 +23,7 @@ class Obeying(NamedTuple):
     """
 
     core: Core
-    passage: Passage
+    connection_state: ConnectionState
     stands: str = ""
 
 
@@ -40,14 +40,14 @@ class ObeyingProduct:
     bridge: str
     command: str
     services: CoreServices
-    connection: CommandPassage
+    connection: CommandConnection
     clients: tuple[str, ...]
     has_stop: bool = True
     demanded: int = 0
 
     def initial(self) -> Obeying:
         """Returns the state at the start."""
-        return Obeying(Core(), Passage())
+        return Obeying(Core(), ConnectionState())
 
     def steps(self, state: Obeying) -> Iterator[tuple[Step, Obeying]]:
         """Yields what can happen."""
@@ -66,25 +66,25 @@ class ObeyingProduct:
     def _changed(self, state: Obeying, core: Core) -> Obeying:
         if core == state.core:
             return state
-        passage = self.connection.follow(state.passage, state.core, core)
-        return self._with(state, core, passage)
+        connection_state = self.connection.follow(state.connection_state, state.core, core)
+        return self._with(state, core, connection_state)
 
-    def _with(self, state: Obeying, core: Core, passage: Passage) -> Obeying:
-        is_stopped = passage.is_stopped and self.has_stop
-        return Obeying(core, passage, "" if is_stopped else state.stands)
+    def _with(self, state: Obeying, core: Core, connection_state: ConnectionState) -> Obeying:
+        is_stopped = connection_state.is_stopped and self.has_stop
+        return Obeying(core, connection_state, "" if is_stopped else state.stands)
 
     def _commanded(self, state: Obeying, client: str) -> tuple[Step, Obeying]:
         connection = self.connection
         is_peer = connection.peers is None or client in connection.peers
         obeyed = is_peer and self.services.allows(state.core, connection.guard, client)
-        if not obeyed or state.passage.is_halted:
+        if not obeyed or state.connection_state.is_halted:
             return Step(client, self.command, self.bridge), state
-        after = Obeying(state.core, connection.take(state.passage), client)
+        after = Obeying(state.core, connection.take(state.connection_state), client)
         return Step(client, self.command, self.bridge, passes=client, is_helpful=True), after
 
     def _later(self, state: Obeying) -> Obeying:
         state = self._changed(state, self.services.tick(state.core))
-        return self._with(state, state.core, self.connection.tick(state.passage))
+        return self._with(state, state.core, self.connection.tick(state.connection_state))
 
     # ------------------------------------------------------------------ what must hold
 

@@ -19,7 +19,7 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.connection import CommandPassage
+from jausml.model_checking.connection import CommandConnection
 from jausml.model_checking.core_services import CoreServices
 from jausml.model_checking.obeying import ObeyingProduct
 from jausml.model_checking.service_machine import MachineProduct
@@ -151,7 +151,9 @@ def _commanding(
         str(message.name),
         services,
         core_services_of(owner, clock, {}),
-        CommandPassage(guard if connection.control else "ANY", clock.ticks(silence), to_ros=False),
+        CommandConnection(
+            guard if connection.control else "ANY", clock.ticks(silence), to_ros=False
+        ),
         clock.ticks(min(lapse or _PATIENCE, _PATIENCE)),
         clock.ticks(watch),
         _TAKES_OVER,
@@ -184,14 +186,14 @@ def _obeying(owner: bridge.Bridge, connection: bridge.Connection, demanded: floa
     services = core_services_of(owner, clock, _authorities(owner, connection, client))
     guard = guard_of_receivers(connection.map.message, [owner], None)
     has_stop = stops.has_stop(connection)
-    passage = CommandPassage(
+    connection_state = CommandConnection(
         guard, clock.ticks(stops.silence_timeout(connection)), peers=peers or None
     )
     product = ObeyingProduct(
         str(owner.name),
         str(connection.map.message.name),
         services,
-        passage,
+        connection_state,
         (client, _TAKES_OVER),
         has_stop,
         clock.ticks(demanded),

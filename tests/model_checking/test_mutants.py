@@ -12,7 +12,7 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.model_checking.checking import check_subject
 from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.connection import CommandPassage
+from jausml.model_checking.connection import CommandConnection
 from jausml.model_checking.core_services import EMERGENCY, READY, STANDBY, CoreServices
 from jausml.model_checking.obeying import ObeyingProduct
 from jausml.model_checking.properties import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK
@@ -24,9 +24,15 @@ CLIENTS = ("a client", "an operator of more authority")
 AUTHORITIES = dict(zip(CLIENTS, (10, 20), strict=True))
 
 
-def obeying(services=CoreServices, passage=CommandPassage, guard="READY", silence=2, lapse=5):
+def obeying(
+    services=CoreServices, connection_state=CommandConnection, guard="READY", silence=2, lapse=5
+):
     return ObeyingProduct(
-        "front", "SetSpeed", services(AUTHORITIES, 5, lapse), passage(guard, silence), CLIENTS
+        "front",
+        "SetSpeed",
+        services(AUTHORITIES, 5, lapse),
+        connection_state(guard, silence),
+        CLIENTS,
     )
 
 
@@ -37,7 +43,7 @@ def commanding(product=CommandingProduct, services=CoreServices):
         "SetSpeed",
         services({"station": 10, CLIENTS[1]: 20}, 5, 5),
         CoreServices(),
-        CommandPassage("READY", 2, to_ros=False),
+        CommandConnection("READY", 2, to_ros=False),
         patience=4,
         rival=CLIENTS[1],
     )
@@ -163,46 +169,54 @@ def test_control_below_the_default_authority_is_found():
 # ---------------------------------------------------------------------- faults of connections
 
 
-class ForgetsControl(CommandPassage):
-    def follow(self, passage, *_):
-        return passage
+class ForgetsControl(CommandConnection):
+    def follow(self, connection_state, *_):
+        return connection_state
 
 
-class ForgetsTakeover(CommandPassage):
-    def follow(self, passage, former, core):
+class ForgetsTakeover(CommandConnection):
+    def follow(self, connection_state, former, core):
         is_taken = former.controller and core.controller and former.controller != core.controller
-        return passage if is_taken else super().follow(passage, former, core)
+        return connection_state if is_taken else super().follow(connection_state, former, core)
 
 
-class ForgetsEmergency(CommandPassage):
-    def follow(self, passage, former, core):
-        return passage if core.status == EMERGENCY else super().follow(passage, former, core)
+class ForgetsEmergency(CommandConnection):
+    def follow(self, connection_state, former, core):
+        return (
+            connection_state
+            if core.status == EMERGENCY
+            else super().follow(connection_state, former, core)
+        )
 
 
-class NeverHalts(CommandPassage):
-    def _halt(self, passage, **_):
-        return passage._replace(is_halted=False)
+class NeverHalts(CommandConnection):
+    def _halt(self, connection_state, **_):
+        return connection_state._replace(is_halted=False)
 
 
-class NeverSilent(CommandPassage):
-    def tick(self, passage):
-        return passage
+class NeverSilent(CommandConnection):
+    def tick(self, connection_state):
+        return connection_state
 
 
-class SilentLate(CommandPassage):
-    def take(self, passage):
-        after = super().take(passage)
+class SilentLate(CommandConnection):
+    def take(self, connection_state):
+        after = super().take(connection_state)
         return after._replace(silent_in=after.silent_in + 1) if after.silent_in else after
 
 
-class StopsForGood(CommandPassage):
+class StopsForGood(CommandConnection):
     """After the first stop nothing passes any more."""
 
-    def stop(self, passage):
-        return super().stop(passage)._replace(is_halted=True)
+    def stop(self, connection_state):
+        return super().stop(connection_state)._replace(is_halted=True)
 
-    def follow(self, passage, former, core):
-        return passage if passage.is_halted else super().follow(passage, former, core)
+    def follow(self, connection_state, former, core):
+        return (
+            connection_state
+            if connection_state.is_halted
+            else super().follow(connection_state, former, core)
+        )
 
 
 CONNECTION_FAULTS = [
@@ -216,9 +230,9 @@ CONNECTION_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("passage", "other", "rule"), CONNECTION_FAULTS)
-def test_a_fault_of_a_connection_is_found(passage, other, rule):
-    assert rule in rules_of(obeying(passage=passage, **other))
+@pytest.mark.parametrize(("connection_state", "other", "rule"), CONNECTION_FAULTS)
+def test_a_fault_of_a_connection_is_found(connection_state, other, rule):
+    assert rule in rules_of(obeying(connection_state=connection_state, **other))
 
 
 # ---------------------------------------------------------------------- faults between two

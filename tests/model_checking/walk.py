@@ -154,13 +154,13 @@ class Walk:
 
     def expected(self):
         """Returns what the abstract one is like."""
-        core, passage = self.state.core, self.state.passage
+        core, connection_state = self.state.core, self.state.connection_state
         return {
             "status": core.status,
             "controller": core.controller,
             "emergencies": sorted(core.emergencies),
-            "stopped": passage.is_stopped,
-            "halted": passage.is_halted,
+            "stopped": connection_state.is_stopped,
+            "halted": connection_state.is_halted,
             "stands": self.state.stands,
         }
 

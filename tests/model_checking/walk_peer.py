@@ -149,7 +149,7 @@ class Walk:
             "status": state.peer.status,
             "controller": state.peer.controller,
             "own": state.own.status,
-            "stopped": state.passage.is_stopped,
+            "stopped": state.connection_state.is_stopped,
             "moves": state.is_moving,
         }
 
