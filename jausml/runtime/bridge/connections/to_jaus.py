@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...base.quirks import Quirk
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
-from ..reports.states import StopReason
 from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends, ReportHolder
-    from ..reports.states import Standing
+    from ..reports.states import Standing, StopReason
 
     Send = Callable[[bytes], None]
 
@@ -67,6 +66,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
         self._repeated: set[JausAddress] = set()
+        self._has_ended = False
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -78,6 +78,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         super().open(ends)
         self._slots.clear()
         self._repeated.clear()
+        self._has_ended = False
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
         )
@@ -217,8 +218,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         lost: the peer would go on for ever with what was commanded before.
         """
         component = self._ends.component
-        is_deaf = component.transport.quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
-        if acknowledged or is_deaf or peer in self._repeated:
+        acknowledges_nothing = component.transport.quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
+        if acknowledged or acknowledges_nothing or self._has_ended or peer in self._repeated:
             return
         settings = self._ends.settings.component
         is_bounded = self._peers.demands_control  # by the loss of control
@@ -228,9 +229,14 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _stop_again(self, peer: JausAddress) -> None:
         self._repeated.discard(peer)
-        is_due = self.is_silent and self._halt is not StopReason.END
+        is_due = self.is_silent and not self._has_ended
         if is_due and peer in self._prepared and self._peers.obeys(peer):
             self.send_safe_value(partial(self._send_stop, [peer]))
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        self._has_ended = True
+        return super().end()
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers of which nothing is heard, though messages go to them: they may not be there."""
