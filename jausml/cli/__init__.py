@@ -36,6 +36,7 @@ VERBS = {
     "build": ("live", "Compile the translations of a generated workspace."),
     "run": ("live", "Start the processes of a generated workspace."),
     "report": ("models", "Report the load and the worst-case times of a system."),
+    "model-check": ("models", "Check the protocol of a system: control, states and stops."),
     "diagram": ("models", "Draw a system, a map, a service or a state machine."),
     "studio": ("authoring", "Show and edit models in the browser."),
     "diff": ("models", "Show what changed from one state of models to another."),

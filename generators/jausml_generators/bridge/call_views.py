@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.report_joins import requested_in
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import guard_of_receivers, is_command
 from jausml_generators.bridge.connections import ConnectionView
-from jausml_generators.bridge.jaus_ends import guard_of, peers_of, priority_of, query_call
+from jausml_generators.bridge.jaus_ends import peers_of, priority_of, query_call
 from jausml_generators.common.ros import ros_type
 from jausml_generators.python.guards import condition
 from jausml_generators.python.names import snake_case
@@ -99,13 +99,13 @@ class CallView:
         if is_command(message):
             found.append(("is_command", "True"))
         if calls.serves(connection):
-            guard = guard_of(message, connection.peers, connection.search)
+            guard = guard_of_receivers(message, connection.peers, connection.search)
             if guard != "ANY" and connection.control:
                 found.append(("control", f"Guard.{guard}"))
             if calls.maps_success(connection):
                 found.append(("is_success_mapped", "True"))
         else:
-            guard = guard_of(message, [connection.eContainer()], None)
+            guard = guard_of_receivers(message, [connection.eContainer()], None)
             if guard != "ANY":
                 found.append(("when", condition(message, guard)))
         return found

@@ -13,8 +13,8 @@ from jausml.language.semantics.connections.freshness import freshness_of
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.connections.unanswered import told_command
 from jausml.language.semantics.jaus.answers import chosen_fields
+from jausml.language.semantics.jaus.commands import guard_of_receivers
 from jausml_generators.bridge.jaus_ends import (
-    guard_of,
     peers_of,
     priority_of,
     query_call,
@@ -300,7 +300,7 @@ class ConnectionView:
         """Whom the receiver of a command obeys: the bridge itself, or its peers (AS5710)."""
         receivers = [self.connection.eContainer()] if self.to_ros else self.connection.peers
         search = None if self.to_ros else self.connection.search
-        return guard_of(self.message_element, receivers, search)
+        return guard_of_receivers(self.message_element, receivers, search)
 
     @property
     def _handler_guard(self) -> str:

@@ -5,9 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
-from jausml.language.semantics.jaus.commands import needs_control, needs_ready
-from jausml.language.semantics.jaus.core_services import standard_services
-from jausml.language.semantics.jaus.services import provided_services, searched_services
 from jausml_generators.bridge.topics import list_of
 from jausml_generators.common.components import (
     address_call,
@@ -18,7 +15,7 @@ from jausml_generators.common.components import (
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable
+    from collections.abc import Container
 
     from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.python.codec.messages import MessageView
@@ -36,24 +33,6 @@ def query_call(query: MessageView, report: MessageView | None, fields: Container
         return call(query.class_name)
     bits = (m.bit for m in report.body.members if m.jaus_name in fields)
     return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
-
-
-def guard_of(
-    message: jaus.MessageDef,
-    receivers: Iterable[jaus.Component | None],
-    search: jaus.PeerSearch | None,
-) -> str:
-    """Returns whom the receivers of a message obey, as a member of `Guard`."""
-    service = message.eContainer()
-    if service is None or not needs_control(message, service):
-        return "ANY"
-    # A command that a service keeps in Standby moves what listens to a topic at once.
-    provided = [provided_services(each) for each in receivers if each is not None]
-    if search is not None:
-        # What is found mostly is as components are that name nothing.
-        provided = [[*searched_services(search), *standard_services()]]
-    is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
-    return "READY" if is_for_ready else "CONTROLLED"
 
 
 def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:

@@ -9,7 +9,12 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of
 from jausml.language.semantics.jaus.core_services import CORE, answers_for_subsystem, with_standard
-from jausml.language.semantics.jaus.services import inputs_by_name, outputs_by_name, query_name
+from jausml.language.semantics.jaus.services import (
+    inputs_by_name,
+    outputs_by_name,
+    query_name,
+    service_versions,
+)
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
@@ -64,27 +69,12 @@ def provides(component: jaus.Component, name: str) -> bool:
 
 
 def service_identities(component: jaus.Component) -> tuple[str, ...]:
-    """Returns what Discovery reports of the services of a component and those that they inherit.
-
-    Service sets of different age may inherit different versions of a core service; the component
-    speaks the newest of them. Standard services raise no version of what the model names: peers
-    of core 1.0 do not know, for example, that events of 1.1 lapse.
-    """
-    versions: dict[str, tuple[int, int]] = {}
-    for service in with_inherited(component.provides):
-        urn = str(service.urn)
-        versions[urn] = max(versions.get(urn, (0, 0)), _version(service))
-    for service in with_inherited(with_standard(component)):
-        versions.setdefault(str(service.urn), _version(service))
+    """Returns what Discovery reports of the services of a component and those that they inherit."""
+    versions = service_versions(component)
+    urns = dict.fromkeys(str(each.urn) for each in with_inherited(with_standard(component)))
     return tuple(
-        call("ServiceIdentity", python_string(urn), str(major), str(minor))
-        for urn, (major, minor) in versions.items()
+        call("ServiceIdentity", python_string(urn), *map(str, versions[urn])) for urn in urns
     )
-
-
-def _version(service: jaus.Service) -> tuple[int, int]:
-    major, minor = str(service.version).split(".")
-    return int(major), int(minor)
 
 
 def component_settings(system: System, component: jaus.Component) -> str:

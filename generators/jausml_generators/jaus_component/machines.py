@@ -17,7 +17,6 @@ from jausml.language.attributes.guards import (
     parse_guard,
 )
 from jausml.language.semantics.jaus.commands import guard_of
-from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_STATES,
     Machine,
@@ -25,6 +24,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
     event_name,
     machines_of,
 )
+from jausml.language.semantics.jaus.machines import is_core_trigger
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
 from jausml_generators.jaus_component.machine_views import (
@@ -345,13 +345,6 @@ def generated_defaults(node: StateNode) -> list[jaus.Transition]:
     """Returns the default transitions of a state that are generated."""
     found = (each for state in node.elements for each in state.defaults)
     return [each for each in found if not is_core_trigger(each)]
-
-
-def is_core_trigger(transition: jaus.Transition) -> bool:
-    """Tells whether the services of the runtime act on the message of a transition themselves."""
-    message = transition.message
-    owner = None if message is None else message.eContainer()
-    return owner is not None and owner.urn in SERVED_BY_RUNTIME
 
 
 def _attribute(machine: Machine) -> str:

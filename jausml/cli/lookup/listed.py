@@ -19,6 +19,7 @@ from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.connections.map_overview import MapOverview, overview
 from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
+from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.live.messages import UnknownServiceError
 from jausml.proving.findings import PROOF_RULES
 
@@ -38,7 +39,13 @@ def rules() -> list[dict[str, Any]]:
             "documentation": entry.documentation,
         }
         for entry in catalogue(
-            JSIDL_RULES, ROS_RULES, TEXT_RULES, MERGE_RULES, CODE_RULES, PROOF_RULES
+            JSIDL_RULES,
+            ROS_RULES,
+            TEXT_RULES,
+            MERGE_RULES,
+            CODE_RULES,
+            PROOF_RULES,
+            PRODUCT_RULES,
         )
     ]
 

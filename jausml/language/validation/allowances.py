@@ -17,6 +17,7 @@ from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.model.rules import READER_RULES, RuleInfo
 from jausml.language.model.values import show, suggest
 from jausml.language.text.rules import TEXT_RULES
+from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.language.validation.report import Ground, SetAside
 from jausml.language.validation.rules import all_rules
 
@@ -123,7 +124,7 @@ def _may_allow(document: Document) -> bool:
 
 def _read(documents: Iterable[Document], model: Model) -> tuple[list[_Allowance], list[Diagnostic]]:
     """Returns the allowances of documents, and what is wrong with how they are written."""
-    known = {*(each.id for each in all_rules()), *READER_RULES, *TEXT_RULES}
+    known = {*(each.id for each in all_rules()), *READER_RULES, *TEXT_RULES, *PRODUCT_RULES}
     allowances: list[_Allowance] = []
     faults: list[Diagnostic] = []
     for element in (each for document in documents for each in model.elements_of(document)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard, Shape
+from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
@@ -63,6 +64,81 @@ def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting)
         world.run(10.0)
     # The peer that came first does not get it again when the other one comes.
     assert received == [(PEER, minutes(0)), (OTHER, minutes(0))]
+
+
+def cut(world):
+    """Loses all commands on their way to the peer from now on; returns what ends that."""
+    before = world.lost
+    world.lost = lambda _source, _destination, code: code == SetTime.CODE
+    return lambda: setattr(world, "lost", before)
+
+
+def sent_stops(world):
+    return sum(code == SetTime.CODE for *_, code in world.log)
+
+
+def test_a_stop_that_is_lost_is_sent_again_until_it_arrives(world, setting):
+    peer = world.probe(str(PEER))
+    setting.open(command(silence_timeout=1.0, safe_value=safe))
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert peer.take() == [minutes(5)]
+    restore = cut(world)
+    world.run(5.0)
+    restore()
+    world.run(3.0)
+    assert peer.take() == [minutes(0)]
+    world.run(10.0)
+    assert peer.take() == []
+
+
+def test_a_stop_is_not_sent_after_what_the_source_says_next(world, setting):
+    peer = world.probe(str(PEER))
+    setting.open(command(silence_timeout=1.0, safe_value=safe))
+    setting.ros.deliver["numbers"](Number(5.0))
+    restore = cut(world)
+    world.run(1.5)
+    restore()
+    for _ in range(30):
+        setting.ros.deliver["numbers"](Number(6.0))
+        world.run(0.1)
+    assert minutes(0) not in peer.take()
+
+
+def test_a_stop_is_not_repeated_for_a_peer_that_acknowledges_nothing(world, setting):
+    world.probe(str(PEER))
+    world.quirks.learn(PEER, Quirk.NO_ACKNOWLEDGEMENTS, "tested")
+    setting.open(command(silence_timeout=1.0, safe_value=safe))
+    cut(world)
+    world.run(10.0)
+    assert sent_stops(world) == 1
+
+
+def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
+    world.probe(str(PEER))
+    setting.open(command(silence_timeout=1.0, safe_value=safe))
+    cut(world)
+    world.run(2.5)
+    setting.bridge.close()
+    before = sent_stops(world)
+    world.run(10.0)
+    assert sent_stops(world) == before
+
+
+def test_a_stop_is_not_repeated_for_a_peer_that_obeys_no_more(world, setting):
+    tested = world.component(str(PEER), services=CORE)
+    tested.handle(SetTime, lambda *_: None, when=Guard.READY)
+    tested.start()
+    setting.open(command(silence_timeout=1.0, safe_value=safe, control=Guard.READY))
+    world.run(0.5)
+    setting.ros.deliver["numbers"](Number(5.0))
+    cut(world)
+    world.run(2.0)
+    assert sent_stops(world) > 3
+    tested.stop()  # which takes control away
+    world.run(1.0)
+    gone = sent_stops(world)
+    world.run(30.0)
+    assert sent_stops(world) == gone
 
 
 def test_silence_timeout_is_a_parameter(world, setting):

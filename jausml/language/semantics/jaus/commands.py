@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from jausml.language.semantics.jaus.core_services import CORE
-from jausml.language.semantics.jaus.services import code, lineage
+from jausml.language.semantics.jaus.core_services import CORE, standard_services
+from jausml.language.semantics.jaus.services import (
+    code,
+    lineage,
+    provided_services,
+    searched_services,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -79,6 +84,24 @@ def guard_of(
     if not needs_control(message, service):
         return "ANY"
     is_for_ready = message.name not in _STANDBY_MESSAGES and needs_ready(service, provided)
+    return "READY" if is_for_ready else "CONTROLLED"
+
+
+def guard_of_receivers(
+    message: jaus.MessageDef,
+    receivers: Iterable[jaus.Component | None],
+    search: jaus.PeerSearch | None,
+) -> Guard:
+    """Returns whom the receivers of a message obey, be they named or searched for."""
+    service = message.eContainer()
+    if service is None or not needs_control(message, service):
+        return "ANY"
+    # A command that a service keeps in Standby moves what listens to a topic at once.
+    provided = [provided_services(each) for each in receivers if each is not None]
+    if search is not None:
+        # What is found mostly is as components are that name nothing.
+        provided = [[*searched_services(search), *standard_services()]]
+    is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
     return "READY" if is_for_ready else "CONTROLLED"
 
 

@@ -85,6 +85,27 @@ def provided_services(component: jaus.Component) -> list[jaus.Service]:
     return with_inherited(with_standard(component))
 
 
+def service_versions(component: jaus.Component) -> dict[str, tuple[int, int]]:
+    """Returns the versions of the services that a component provides, by URN.
+
+    Service sets of different age may inherit different versions of a core service; the component
+    speaks the newest of them. Standard services raise no version of what the model names: peers
+    of core 1.0 do not know, for example, that events of 1.1 lapse.
+    """
+    versions: dict[str, tuple[int, int]] = {}
+    for service in with_inherited(component.provides):
+        urn = str(service.urn)
+        versions[urn] = max(versions.get(urn, (0, 0)), _version(service))
+    for service in provided_services(component):
+        versions.setdefault(str(service.urn), _version(service))
+    return versions
+
+
+def _version(service: jaus.Service) -> tuple[int, int]:
+    major, minor = str(service.version).split(".")
+    return int(major), int(minor)
+
+
 def is_known(subject: Subject, provider: Provider | None) -> bool:
     """Tells whether all that a provider provides could be read.
 

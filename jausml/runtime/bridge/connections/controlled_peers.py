@@ -63,6 +63,11 @@ class ControlledPeers:
 
         self._binding.follow(ends.component.find_peers, begin, end)
 
+    @property
+    def demands_control(self) -> bool:
+        """Whether they obey only who controls them."""
+        return self._control is not Guard.ANY
+
     def obeys(self, peer: JausAddress) -> bool:
         """Whether a peer listens; one that demands no control does always."""
         if self._control is Guard.ANY:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...base.quirks import Quirk
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from .connection import NO_PEER, NOT_READY
@@ -64,6 +65,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
+        self._repeated: set[JausAddress] = set()
+        self._has_ended = False
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -74,6 +77,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
         self._slots.clear()
+        self._repeated.clear()
+        self._has_ended = False
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
         )
@@ -163,7 +168,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return True
 
     def deliver_stop(self, payload: bytes) -> bool:
-        """Sends the stop to each peer that obeys, again until it is acknowledged.
+        """Sends the stop to each peer that obeys, again until it is acknowledged or obeys no more.
 
         The others get it when they obey again.
         """
@@ -197,9 +202,41 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         component = self._ends.component
         for peer in peers:
             component.transport.send(
-                component.address, peer, payload, priority=self._priority, acknowledge=True
+                component.address,
+                peer,
+                payload,
+                priority=self._priority,
+                acknowledge=True,
+                on_result=partial(self._stop_sent, peer),
             )
         return bool(peers)
+
+    def _stop_sent(self, peer: JausAddress, acknowledged: bool) -> None:  # noqa: FBT001
+        """Sends a stop again that was lost on the way.
+
+        The radio may be away for longer than a message is repeated, and be back before control is
+        lost: the peer would go on for ever with what was commanded before.
+        """
+        component = self._ends.component
+        acknowledges_nothing = component.transport.quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
+        if acknowledged or acknowledges_nothing or self._has_ended or peer in self._repeated:
+            return
+        settings = self._ends.settings.component
+        is_bounded = self._peers.demands_control  # by the loss of control
+        pause = settings.retry_min if is_bounded else settings.watch_interval
+        self._repeated.add(peer)
+        self._ends.loop.call_later(pause, partial(self._stop_again, peer))
+
+    def _stop_again(self, peer: JausAddress) -> None:
+        self._repeated.discard(peer)
+        is_due = self.is_silent and not self._has_ended
+        if is_due and peer in self._prepared and self._peers.obeys(peer):
+            self.send_safe_value(partial(self._send_stop, [peer]))
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        self._has_ended = True
+        return super().end()
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers of which nothing is heard, though messages go to them: they may not be there."""

@@ -32,7 +32,7 @@ def _lines(graph: Graph) -> Iterator[str]:
             case "box":
                 yield f"{indent}{_node(graph.nodes[number], names)}"
             case "begin":
-                yield f'{indent}subgraph g{number}["{_text(graph.groups[number].title)}"]'
+                yield f'{indent}subgraph g{number}["{as_data(graph.groups[number].title)}"]'
             case "end":
                 yield f"{indent}end"
     for edge in graph.edges:
@@ -51,29 +51,29 @@ def _class(node: Node) -> str:
 
 def _node(node: Node, names: dict[str, str]) -> str:
     before, after = _SHAPES.get(node.kind, ("[", "]"))
-    lines = [f"<b>{_text(node.title)}</b>", *([_text(node.subtitle)] if node.subtitle else [])]
+    lines = [f"<b>{as_data(node.title)}</b>", *([as_data(node.subtitle)] if node.subtitle else [])]
     lines += [_row(each) for each in node.ports[:_MOST_ROWS]]
     if len(node.ports) > _MOST_ROWS:
         lines.append(f"and {len(node.ports) - _MOST_ROWS} more")
-    lines += [_text(f"{each.severity}: {each.message}") for each in node.findings]
+    lines += [as_data(f"{each.severity}: {each.message}") for each in node.findings]
     return f'{names[node.id]}{before}"{"<br/>".join(lines)}"{after}'
 
 
 def _row(port: Port) -> str:
     words = " ".join(each for each in (port.label, port.note, port.mark) if each)
     wrong = severity(port.findings)
-    return "\N{NO-BREAK SPACE}" * 2 * port.depth + _text(f"{wrong}: {words}" if wrong else words)
+    return "\N{NO-BREAK SPACE}" * 2 * port.depth + as_data(f"{wrong}: {words}" if wrong else words)
 
 
 def _edge(edge: Edge, names: dict[str, str]) -> str:
     arrow = "-.->" if edge.kind in _DASHED else "-->"
     first = () if edge.title in edge.labels else (edge.title,)
-    label = "<br/>".join(_text(each) for each in (*first, *edge.labels) if each)
+    label = "<br/>".join(as_data(each) for each in (*first, *edge.labels) if each)
     middle = f'|"{label}"|' if label else ""
     return f"{names[edge.source.node]} {arrow}{middle} {names[edge.target.node]}"
 
 
-def _text(text: str) -> str:
+def as_data(text: str) -> str:
     """Returns a text as data: Mermaid and HTML find no signs of theirs in it."""
     return "".join(_sign(each) for each in " ".join(text.split()))
 

@@ -101,10 +101,10 @@ def _lines(
         '<path class="head" d="M0 0.8 8 4 0 7.2z"/></marker></defs>'
     )
     yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
-    yield _text(MARGIN, 26, title, 16, "title", bold=True)
+    yield text_element(MARGIN, 26, title, 16, "title", bold=True)
     for index, (text, kind) in enumerate(notes):
         place = 41 + shapes.LINE_HEIGHT * index
-        yield _text(MARGIN, place, text, shapes.SMALL, kind or "muted")
+        yield text_element(MARGIN, place, text, shapes.SMALL, kind or "muted")
     yield f'<g transform="translate({MARGIN} {top})">'
     for group in graph.groups:
         yield from _frame(group, places)
@@ -131,7 +131,7 @@ def _frame(group: Group, places: Places) -> Iterator[str]:
     size = f'width="{round(right - left, 1)}" height="{round(bottom - top, 1)}"'
     yield f'<g class="frame {group.kind}{_behind(group.state)}" data-id={identity}>'
     yield f'<rect x="{left}" y="{top}" {size} rx="6"/>'
-    yield _text(left + 10, top + 17, cut(group.title, 48), shapes.ROW, "muted")
+    yield text_element(left + 10, top + 17, cut(group.title, 48), shapes.ROW, "muted")
     yield "</g>"
 
 
@@ -148,10 +148,10 @@ def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
         yield f'<rect class="doubled" x="{_n(x - 3)}" y="{_n(y - 3)}" {corner}{outer}/>'
     yield f'<rect class="body" x="{x}" y="{y}" {corner}{size}/>'
     left, line = x + shapes.PADDING, y + shapes.TITLE + 4
-    yield _text(left, line, shapes.title_of(node), shapes.TITLE, "title", bold=True)
+    yield text_element(left, line, shapes.title_of(node), shapes.TITLE, "title", bold=True)
     for text, kind in shapes.subtitles(node):
         line += shapes.LINE_HEIGHT
-        yield _text(left, line, text, shapes.SMALL, kind or "muted")
+        yield text_element(left, line, text, shapes.SMALL, kind or "muted")
     if node.ports:
         rule = y + sheet.head - 2
         yield f'<path class="rule" d="M{x} {_n(rule)}h{sheet.width}"/>'
@@ -167,13 +167,13 @@ def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterato
     base = top + 12.5
     quiet = "muted" if "unmapped" in port.mark else ""
     yield f'<g class="row" {_ids(key, port.id)}>'
-    yield _text(left + row.indent, base, row.label, shapes.ROW, port.state or quiet)
+    yield text_element(left + row.indent, base, row.label, shapes.ROW, port.state or quiet)
     if row.note:
         after = left + row.indent + width(row.label, shapes.ROW) + shapes.GAP
-        yield _text(after, base, row.note, shapes.SMALL, "muted")
+        yield text_element(after, base, row.note, shapes.SMALL, "muted")
     if row.mark:
         start = right - width(row.mark, shapes.SMALL)
-        yield _text(start, base, row.mark, shapes.SMALL, row.severity or quiet or "mark")
+        yield text_element(start, base, row.mark, shapes.SMALL, row.severity or quiet or "mark")
     yield "</g>"
 
 
@@ -207,7 +207,7 @@ def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     yield f'<rect class="behind" {corner} width="{_n(widest)}" height="{height}" rx="2"/>'
     for index, text in enumerate(lines):
         base = y - height / 2 + 10.5 + index * shapes.LINE_HEIGHT
-        yield _text(
+        yield text_element(
             x - width(text, shapes.SMALL) / 2,
             base,
             text,
@@ -222,7 +222,7 @@ def _behind(state: str) -> str:
     return f" {state}" if state else ""
 
 
-def _text(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = False) -> str:
+def text_element(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = False) -> str:
     """Returns a text of the width that the table gives it, whatever the font."""
     if not text:
         return ""

@@ -1,0 +1,1 @@
+"""Checks the protocol of a model: services, control, connections and stops as one finite model."""

@@ -1,0 +1,250 @@
+"""The product of a bridge that commands a peer: both, the radio between them, and other clients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.model_checking.connection import CommandConnection, ConnectionState, halts
+from jausml.model_checking.core_services import (
+    FINAL,
+    PASSIVE,
+    READY,
+    STANDBY,
+    Core,
+    emergency_steps,
+)
+from jausml.model_checking.search import TIME, Step
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.model_checking.core_services import CoreServices
+
+RADIO = "the radio"
+PUBLISHER = "the ROS node that commands"
+
+
+class Commanding(NamedTuple):
+    """State of the product.
+
+    Attributes:
+        believed: State in which the bridge takes the peer to be that it controls; empty for none.
+        lost_in: Ticks until the bridge takes control for lost, of which nothing is confirmed.
+        is_linked: Whether messages pass between the bridge and the peer.
+        is_moving: Whether a command of the bridge is in effect at the peer.
+        watched_in: Ticks until the peer itself minds the silence; 0 where it does not.
+    """
+
+    peer: Core
+    own: Core
+    connection_state: ConnectionState
+    believed: str = ""
+    lost_in: int = 0
+    is_linked: bool = True
+    is_moving: bool = False
+    watched_in: int = 0
+
+
+@dataclass(frozen=True)
+class CommandingProduct:
+    """A bridge and one peer of it.
+
+    Attributes:
+        patience: Ticks after which the bridge takes control for lost.
+        watch: Ticks of silence after which the peer stops by itself, as its model says; 0 is never.
+        rival: Who else may control the peer; empty for nobody.
+    """
+
+    bridge: str
+    peer: str
+    command: str
+    services: CoreServices
+    own_services: CoreServices
+    connection: CommandConnection
+    patience: int
+    watch: int = 0
+    rival: str = ""
+    has_stop: bool = True
+    demanded: int = 0
+
+    def initial(self) -> Commanding:
+        """Returns the state at the start."""
+        return Commanding(Core(), Core(), ConnectionState())
+
+    def steps(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
+        """Yields what can happen."""
+        yield self._published(state)
+        if state.is_linked:
+            yield Step(RADIO, "is lost"), state._replace(is_linked=False)
+        else:
+            yield Step(RADIO, "is back", is_helpful=True), state._replace(is_linked=True)
+        yield from self._of_others(state)
+        yield from self._of_the_bridge(state)
+        yield TIME, self._later(state)
+
+    def _published(self, state: Commanding) -> tuple[Step, Commanding]:
+        what, connection = self.command, self.connection
+        connection_state = connection.take(state.connection_state)
+        state = state._replace(connection_state=connection_state)
+        sent = not connection_state.is_halted and self._obeys(state) and state.is_linked
+        if not sent or not self.services.allows(state.peer, connection.guard, self.bridge):
+            return Step(PUBLISHER, what, self.bridge, is_helpful=True), state
+        state = state._replace(is_moving=True, watched_in=self.watch)
+        step = Step(PUBLISHER, what, self.bridge, is_helpful=True)
+        return step._replace(passes=self.bridge, on_to=self.peer), state
+
+    def _obeys(self, state: Commanding) -> bool:
+        if self.connection.guard == "ANY":
+            return True
+        obeying = (READY,) if self.connection.guard == "READY" else (STANDBY, READY)
+        return state.believed in obeying
+
+    # ------------------------------------------------------------------ what others do
+
+    def _of_others(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
+        services, peer = self.services, state.peer
+        if self.rival:
+            for message, method in (("RequestControl", "request"), ("ReleaseControl", "release")):
+                after = getattr(services, method)(peer, self.rival)
+                step = Step(self.rival, message, self.peer, is_helpful=method == "release")
+                yield step, self._peer_changed(state, after)
+        for step, after in emergency_steps(services, peer, self.peer):
+            yield step, self._peer_changed(state, after)
+        for step, own in emergency_steps(self.own_services, state.own, self.bridge):
+            yield step, self._own_changed(state, own)
+        if peer.status not in PASSIVE:
+            yield Step(self.peer, "fails"), self._peer_changed(state, services.fail(peer))
+
+    def _of_the_bridge(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
+        if state.own.is_active:
+            after = self.own_services.deactivate(state.own)
+            yield Step(self.bridge, "is deactivated"), self._own_changed(state, after)
+        else:
+            after = self.own_services.activate(state.own)
+            step = Step(self.bridge, "is activated", is_helpful=True)
+            yield step, self._own_changed(state, after)
+
+    def _peer_changed(self, state: Commanding, peer: Core) -> Commanding:
+        """The peer drops what it was commanded where its controller or its state is another."""
+        is_kept = self.services.allows(peer, self.connection.guard, self.bridge)
+        is_left = state.peer.status == READY and peer.status != READY
+        state = state._replace(peer=peer)
+        if not is_kept or is_left:
+            state = self._standing(state)
+        return self._told(state) if state.is_linked else state
+
+    def _told(self, state: Commanding) -> Commanding:
+        """The bridge learns by events and rejections how the peer is."""
+        holds = state.believed and state.peer.controller == self.bridge
+        return state._replace(believed=state.peer.status if holds else "")
+
+    def _own_changed(self, state: Commanding, own: Core) -> Commanding:
+        connection_state = self.connection.follow(state.connection_state, state.own, own)
+        state = self._stop_sent(state._replace(own=own, connection_state=connection_state))
+        if self._may_command(state):
+            return state
+        # It lets go of the peer, which learns of it if it can be reached.
+        state = state._replace(believed="", lost_in=0)
+        if not state.is_linked:
+            return state
+        return self._peer_changed(state, self.services.release(state.peer, self.bridge))
+
+    def _may_command(self, state: Commanding) -> bool:
+        return state.own.is_active and state.own.status not in PASSIVE
+
+    # ------------------------------------------------------------------ time
+
+    def _later(self, state: Commanding) -> Commanding:
+        state = self._renewed(state) if state.is_linked else self._unconfirmed(state)
+        state = self._peer_changed(state, self.services.tick(state.peer))
+        connection_state = self.connection.tick(state.connection_state)
+        stood = not state.connection_state.is_stopped
+        state = state._replace(connection_state=connection_state)
+        state = self._stop_sent(state) if stood else state
+        if state.watched_in > 1:
+            return state._replace(watched_in=state.watched_in - 1)
+        return self._standing(state) if state.watched_in else state
+
+    def _renewed(self, state: Commanding) -> Commanding:
+        """The bridge requests control, resumes the peer, and sends what it has missed."""
+        if not self._may_command(state) or self.connection.guard == "ANY":
+            return self._stop_sent(state)
+        peer = self.services.request(state.peer, self.bridge)
+        if peer.controller != self.bridge:
+            return state._replace(believed="", lost_in=0)
+        peer = self.services.resume(peer, self.bridge)
+        state = self._peer_changed(state._replace(believed=peer.status), peer)
+        return self._stop_sent(state._replace(lost_in=self.patience))
+
+    def _unconfirmed(self, state: Commanding) -> Commanding:
+        if state.lost_in > 1:
+            return state._replace(lost_in=state.lost_in - 1)
+        return state._replace(believed="", lost_in=0)
+
+    def _stop_sent(self, state: Commanding) -> Commanding:
+        """A stop that stands is sent until it has arrived, while the peer would obey."""
+        is_due = state.connection_state.is_stopped and self.has_stop and state.is_linked
+        is_obeyed = self.services.allows(state.peer, self.connection.guard, self.bridge)
+        return self._standing(state) if is_due and is_obeyed and self._obeys(state) else state
+
+    def _standing(self, state: Commanding) -> Commanding:
+        return state._replace(is_moving=False, watched_in=0)
+
+    # ------------------------------------------------------------------ what must hold
+
+    @property
+    def bound(self) -> int:
+        """Ticks after the loss of the source in which the stop is due; 0 for never.
+
+        Where the radio is lost too, the peer stops when control lapses, or by its own watch.
+        """
+        if self.demanded:
+            return self.demanded
+        is_controlled = self.connection.guard != "ANY"
+        ends = [self.services.timeout if is_controlled else 0, self.watch]
+        return self.connection.silence + min(filter(None, ends)) if any(ends) else 0
+
+    @property
+    def late(self) -> str:
+        """What is wrong when it does not come by then."""
+        if not self.bound:
+            return f"nothing stops {self.command} at {self.peer} when the radio is lost"
+        return f"{self.command} still stands at {self.peer} {{bound}} after its source was lost"
+
+    def source(self, state: Commanding) -> str:
+        """Returns whose command is in effect, and could be lost.
+
+        Where its silence says nothing, the way to the peer alone can be lost.
+        """
+        if not state.is_moving or not self.has_stop:
+            return ""
+        if self.connection.silence:
+            return PUBLISHER
+        return "" if state.is_linked else RADIO
+
+    def is_over(self, state: Commanding) -> bool:
+        """Tells whether one of both has come to an end that no message leads out of."""
+        ends = (state.peer, state.own)
+        return any(each.status in FINAL or each.interrupted[0] in FINAL for each in ends)
+
+    def fault(self, state: Commanding, step: Step, after: Commanding) -> str:
+        """Returns what must not happen in a transition; empty for nothing."""
+        guard = self.connection.guard
+        if step.passes and halts(state.own):
+            return f"{self.command} is sent while {self.bridge} is in {state.own.status}"
+        if step.passes and not self._is_obedient(state.peer, guard):
+            return f"{self.peer} obeys {self.command} in {state.peer.status} outside of control"
+        if after.is_moving and self.has_stop and not self._is_obedient(after.peer, guard):
+            return f"{self.command} stands at {self.peer} in {after.peer.status}"
+        is_halted = halts(after.own) and not halts(state.own) and after.is_linked
+        if after.is_moving and self.has_stop and is_halted:
+            told = "is inactive" if not after.own.is_active else f"is in {after.own.status}"
+            return f"{self.command} stands at {self.peer} while {self.bridge} {told}"
+        return ""
+
+    def _is_obedient(self, peer: Core, guard: str) -> bool:
+        if guard == "ANY":
+            return peer.status not in PASSIVE
+        states = (READY,) if guard == "READY" else (STANDBY, READY)
+        return peer.controller == self.bridge and peer.status in states

@@ -1,0 +1,206 @@
+"""AccessControl and Management of one component as a finite machine (AS5710).
+
+It says in values what `jausml/runtime/services/access_control.py` and `management.py` do with
+messages; a test walks through both at random and compares them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.model_checking.search import Step
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+STANDBY, READY, EMERGENCY = "STANDBY", "READY", "EMERGENCY"
+FAILURE, SHUTDOWN = "FAILURE", "SHUTDOWN"
+FINAL = (FAILURE, SHUTDOWN)
+"""States that no message ends."""
+
+PASSIVE = (EMERGENCY, *FINAL)
+"""States in which nothing is commanded, whoever wants to."""
+
+
+EMERGENCY_CLIENT = "an emergency client"
+
+CLIENT_MESSAGES = {
+    "RequestControl": "request",
+    "Resume": "resume",
+    "Standby": "standby",
+    "ReleaseControl": "release",
+    "Reset": "reset",
+    "Shutdown": "shutdown",
+}
+"""Messages of a client, and what the core services do with them."""
+
+
+class Core(NamedTuple):
+    """State of the core services of a component.
+
+    Attributes:
+        controller: Who controls it; empty for nobody.
+        lapses_in: Ticks until control lapses; 0 where it does not.
+        emergencies: Who has set an emergency that is not cleared.
+        interrupted: State and controller to which the end of the emergency leads back.
+        is_active: Whether the component offers control; a bridge can be deactivated.
+    """
+
+    status: str = STANDBY
+    controller: str = ""
+    lapses_in: int = 0
+    emergencies: frozenset[str] = frozenset()
+    interrupted: tuple[str, str] = ("", "")
+    is_active: bool = True
+
+    @property
+    def is_available(self) -> bool:
+        """Whether control may be requested."""
+        return self.is_active and self.status in (STANDBY, READY)
+
+
+@dataclass(frozen=True)
+class CoreServices:
+    """What the core services of a component do.
+
+    Attributes:
+        timeout: Ticks after which control lapses unless it is requested again; 0 is never.
+        authorities: Authority codes of the clients.
+    """
+
+    authorities: Mapping[str, int] = field(default_factory=dict)
+    default_authority: int = 0
+    timeout: int = 0
+    is_1_0: bool = False
+
+    def allows(self, core: Core, guard: str, sender: str) -> bool:
+        """Tells whether a message is obeyed under a guard."""
+        if guard == "ANY":
+            return True
+        if sender != core.controller or core.status not in (STANDBY, READY):
+            return False
+        return guard == "CONTROLLED" or core.status == READY
+
+    # ------------------------------------------------------------------ AccessControl
+
+    def request(self, core: Core, sender: str) -> Core:
+        """Takes RequestControl."""
+        code = self.authorities[sender]
+        if not core.is_available or code < self.default_authority:
+            return core
+        held = core.controller and core.controller != sender
+        if held and code <= self.authorities[core.controller]:
+            return core
+        return core._replace(controller=sender, lapses_in=self.timeout)
+
+    def release(self, core: Core, sender: str) -> Core:
+        """Takes ReleaseControl."""
+        is_obeyed = sender == core.controller and core.is_available
+        return self.drop(core) if is_obeyed else core
+
+    def drop(self, core: Core) -> Core:
+        """Takes control away; nobody is Ready without."""
+        if not core.controller:
+            return core
+        status = STANDBY if core.status == READY else core.status
+        return core._replace(status=status, controller="", lapses_in=0)
+
+    def tick(self, core: Core) -> Core:
+        """Lets time pass."""
+        if not core.lapses_in:
+            return core
+        if core.lapses_in > 1:
+            return core._replace(lapses_in=core.lapses_in - 1)
+        return self.drop(core) if core.is_available else core._replace(lapses_in=self.timeout)
+
+    # ------------------------------------------------------------------ Management
+
+    def resume(self, core: Core, sender: str) -> Core:
+        """Takes Resume."""
+        is_obeyed = self.allows(core, "CONTROLLED", sender) and core.status == STANDBY
+        return core._replace(status=READY) if is_obeyed else core
+
+    def standby(self, core: Core, sender: str) -> Core:
+        """Takes Standby."""
+        is_obeyed = self.allows(core, "CONTROLLED", sender) and core.status == READY
+        return core._replace(status=STANDBY) if is_obeyed else core
+
+    def shutdown(self, core: Core, sender: str) -> Core:
+        """Takes Shutdown."""
+        is_obeyed = self._may_end(core, sender) and core.status in (READY, EMERGENCY)
+        return self.drop(core._replace(status=SHUTDOWN)) if is_obeyed else core
+
+    def reset(self, core: Core, sender: str) -> Core:
+        """Takes Reset."""
+        if not self._may_end(core, sender) or (self.is_1_0 and core.status == STANDBY):
+            return core
+        if core.status == EMERGENCY and core.interrupted[0] in FINAL:
+            return core
+        return Core(is_active=core.is_active)
+
+    def _may_end(self, core: Core, sender: str) -> bool:
+        is_anybody = self.is_1_0 and core.status == EMERGENCY
+        return is_anybody or self.allows(core, "CONTROLLED", sender)
+
+    def set_emergency(self, core: Core, sender: str) -> Core:
+        """Takes SetEmergency."""
+        core = core._replace(emergencies=core.emergencies | {sender})
+        if core.status == EMERGENCY:
+            return core
+        interrupted = (core.status, core.controller)
+        return self.drop(core._replace(status=EMERGENCY, interrupted=interrupted))
+
+    def clear_emergency(self, core: Core, sender: str) -> Core:
+        """Takes ClearEmergency; v1.0 goes on where it was interrupted."""
+        core = core._replace(emergencies=core.emergencies - {sender})
+        if core.status != EMERGENCY or core.emergencies:
+            return core
+        status, controller = core.interrupted
+        core = core._replace(interrupted=("", ""))
+        if status in FINAL:
+            return core._replace(status=status)
+        if not self.is_1_0:
+            return core._replace(status=STANDBY)
+        lapses_in = self.timeout if controller else 0
+        return core._replace(status=status, controller=controller, lapses_in=lapses_in)
+
+    def fail(self, core: Core) -> Core:
+        """Enters Failure."""
+        return self.drop(core._replace(status=FAILURE, interrupted=("", "")))
+
+    def deactivate(self, core: Core) -> Core:
+        """Offers no control any more."""
+        status = STANDBY if core.status == READY else core.status
+        return self.drop(core._replace(status=status, is_active=False))
+
+    def activate(self, core: Core) -> Core:
+        """Offers control again."""
+        return core._replace(is_active=True)
+
+
+def core_steps(
+    services: CoreServices, core: Core, component: str, clients: tuple[str, ...]
+) -> Iterator[tuple[Step, Core]]:
+    """Yields what clients, whoever sets emergencies, and a failure make of the core services.
+
+    That the first client asks for control and resumes the component hinders nobody.
+    """
+    for client in clients:
+        for message, method in CLIENT_MESSAGES.items():
+            is_helpful = message in ("RequestControl", "Resume") and client == clients[0]
+            step = Step(client, message, component, is_helpful=is_helpful)
+            yield step, getattr(services, method)(core, client)
+    yield from emergency_steps(services, core, component)
+    if core.status not in PASSIVE:
+        yield Step(component, "fails"), services.fail(core)
+
+
+def emergency_steps(
+    services: CoreServices, core: Core, component: str
+) -> Iterator[tuple[Step, Core]]:
+    """Yields what whoever sets emergencies makes of the core services."""
+    sets = Step(EMERGENCY_CLIENT, "SetEmergency", component)
+    yield sets, services.set_emergency(core, EMERGENCY_CLIENT)
+    clears = Step(EMERGENCY_CLIENT, "ClearEmergency", component, is_helpful=True)
+    yield clears, services.clear_emergency(core, EMERGENCY_CLIENT)

@@ -1,0 +1,306 @@
+"""The product of a service with a state machine: the machine, the core services, two clients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import product as combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.language.attributes.guards import (
+    AllOf,
+    AnyOf,
+    Condition,
+    Negation,
+    conditions,
+    parse_guard,
+)
+from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.inherited_machines import event_name
+from jausml.language.semantics.jaus.machines import is_core_trigger
+from jausml.model_checking.core_services import (
+    EMERGENCY,
+    FINAL,
+    PASSIVE,
+    READY,
+    STANDBY,
+    Core,
+    core_steps,
+)
+from jausml.model_checking.search import TIME, Step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from jausml.language.attributes.guards import Guard
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.jaus.inherited_machines import Machine
+    from jausml.model_checking.core_services import CoreServices
+
+REMEMBERED = 4
+"""Pushes that are followed; the runtime remembers more."""
+
+MOST_CONDITIONS = 8
+"""Conditions of the user that are tried in all combinations; further ones hold."""
+
+_OUTER = "Receiving.Ready"
+_LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
+
+
+def core_path(core: Core) -> str:
+    """Returns the path of the state of ReceiveFSM in which the core services are."""
+    outer = "Controlled" if core.controller else "NotControlled"
+    if core.status in PASSIVE:
+        return f"{_OUTER}.{outer}.NotAvailable.{_LEAVES[core.status]}"
+    return f"{_OUTER}.{outer}.Available.{'Ready' if core.status == READY else 'Standby'}"
+
+
+class Behaving(NamedTuple):
+    """State of the product.
+
+    Attributes:
+        path: State of the machine.
+        remembered: States to which pops lead back.
+        commanded_by: Whose command has led here, and is to end with its control.
+    """
+
+    core: Core
+    path: str
+    remembered: tuple[str, ...] = ()
+    commanded_by: str = ""
+
+
+@dataclass(frozen=True)
+class MachineProduct:
+    """A component with a machine, and its clients, one of more authority than the other.
+
+    Attributes:
+        obeyed: Whom the component obeys a message from before the machine is asked, by name.
+    """
+
+    component: str
+    machine: Machine
+    services: CoreServices
+    clients: tuple[str, ...]
+    obeyed: Mapping[str, str]
+    demanded: int = 0
+    _found: dict[tuple[str, str], list[jaus.Transition]] = field(default_factory=dict)
+
+    def initial(self) -> Behaving:
+        """Returns the state at the start."""
+        core = Core()
+        return Behaving(core, self.machine.innermost(core_path(core) if self._follows else ""))
+
+    @property
+    def _follows(self) -> bool:
+        return self.machine.extends_core
+
+    def steps(self, state: Behaving) -> Iterator[tuple[Step, Behaving]]:
+        """Yields what can happen."""
+        core, services = state.core, self.services
+        for step, after in core_steps(services, core, self.component, self.clients):
+            yield step, self._followed(state, after)
+        for message, client in combinations(self.messages(), self.clients):
+            yield from self._taken(state, message, client)
+        for event in self.events():
+            yield from self._taken(state, event, "")
+        yield TIME, self._later(state)
+
+    def _later(self, state: Behaving) -> Behaving:
+        core = self.services.tick(state.core)
+        if state.core.controller and not core.controller and not self._follows:
+            for _, after in self._taken(state, "Timedout", ""):
+                state = after
+        return self._followed(state, core)
+
+    # ------------------------------------------------------------------ the machine
+
+    def _transitions(self) -> Iterator[jaus.Transition]:
+        for node in self.machine.nodes.values():
+            for element in node.elements:
+                yield from (*element.transitions, *element.defaults)
+
+    def messages(self) -> list[str]:
+        """Returns the names of the messages that the machine takes."""
+        found = {_trigger(each): None for each in self._transitions() if each.message is not None}
+        return [each for each in found if each]
+
+    def events(self) -> list[str]:
+        """Returns the names of the internal events that it takes."""
+        found = {_trigger(each): None for each in self._transitions() if each.message is None}
+        return [each for each in found if each]
+
+    def _candidates(self, path: str, trigger: str) -> list[jaus.Transition]:
+        """Returns the transitions to try: innermost first, those for any trigger last."""
+        key = (path, trigger)
+        if key not in self._found:
+            listed: list[jaus.Transition] = []
+            outer = path
+            while outer:
+                node = self.machine.nodes.get(outer)
+                elements = [] if node is None else node.elements
+                own = [each for element in elements for each in element.transitions]
+                defaults = [each for element in elements for each in element.defaults]
+                listed += [*own, *defaults] if outer == path else [*defaults, *own]
+                outer = outer.rpartition(".")[0]
+            listed = [each for each in listed if not is_core_trigger(each)]
+            named = [each for each in listed if _trigger(each) == trigger]
+            self._found[key] = [*named, *(each for each in listed if not _trigger(each))]
+        return self._found[key]
+
+    def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
+        """Yields the transitions that a trigger may take, whatever conditions of the user say."""
+        taken = {each: None for _, each in self.outcomes(state, trigger, sender) if each}
+        for transition in taken:
+            yield self.step(state, transition, trigger, sender)
+
+    def outcomes(
+        self, state: Behaving, trigger: str, sender: str
+    ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
+        """Yields what conditions of the user may say of a trigger, and what is taken then.
+
+        Args:
+            sender: Who sends the message; empty for an internal event.
+        """
+        if sender and not self.services.allows(state.core, self.obeyed[trigger], sender):
+            return
+        candidates = self._candidates(state.path, trigger)
+        guards = [parse_guard(each.guard) for each in candidates]
+        known = {
+            "isControllingClient": bool(sender) and sender == state.core.controller,
+            "isControlAvailable": state.core.is_available,
+            "isIDStored": sender in state.core.emergencies,
+        }
+        names = {name: True for guard in guards for name in conditions(guard) if name not in known}
+        free = list(names)[:MOST_CONDITIONS]
+        for values in combinations((True, False), repeat=len(free)):
+            said = {**names, **dict(zip(free, values, strict=True))}
+            holding = (
+                each
+                for each, guard in zip(candidates, guards, strict=True)
+                if _holds(guard, {**said, **known}.__getitem__)
+            )
+            yield said, next(holding, None)
+
+    def step(
+        self, state: Behaving, transition: jaus.Transition, trigger: str, sender: str
+    ) -> tuple[Step, Behaving]:
+        """Returns a transition as a step, and the state after it."""
+        actor, to = (sender, self.component) if sender else (self.component, "")
+        after = self._after(state, transition)
+        message = transition.message
+        is_command = (message is not None and self.obeyed[trigger] != "ANY") or _is_command(message)
+        if is_command and sender:
+            after = after._replace(commanded_by=sender)
+        elif after.path != state.path:
+            after = after._replace(commanded_by="")
+        passes = sender or self.component
+        if not is_command and after.path == state.path:
+            passes = ""
+        what = trigger if sender else f"raises {trigger}"
+        return Step(actor, what, to, passes=passes, is_helpful=True), after
+
+    def _after(self, state: Behaving, transition: jaus.Transition) -> Behaving:
+        kind = transition.kind.name
+        if kind == "internal" or (kind == "simple" and not transition.target):
+            return state
+        remembered = state.remembered
+        if kind == "pop":
+            if not remembered:
+                return state
+            *rest, target = remembered
+            return self._entered(state._replace(remembered=tuple(rest)), target)
+        if kind == "push":
+            state = state._replace(remembered=(*remembered, state.path)[-REMEMBERED:])
+        resolved = self.machine.resolve(state.path, transition.target or "")
+        return self._entered(state, self.machine.innermost(resolved or state.path))
+
+    def _entered(self, state: Behaving, target: str) -> Behaving:
+        if not self._follows or _lies_in(target, core_path(state.core)):
+            return state._replace(path=target)
+        core = self._requested(state.core, target)
+        path = target if _lies_in(target, core_path(core)) else core_path(core)
+        return state._replace(core=core, path=self.machine.innermost(path))
+
+    def _requested(self, core: Core, path: str) -> Core:
+        """Enters a core state that a component may enter by itself."""
+        inner = path.removeprefix(f"{_OUTER}.")
+        if inner.startswith("Controlled.Available.Standby"):
+            return core._replace(status=STANDBY) if core.status == READY else core
+        if inner.startswith("NotControlled.Available.Standby"):
+            return self.services.drop(core)
+        if inner.startswith("NotControlled.NotAvailable.Failure"):
+            return self.services.fail(core)
+        if inner.startswith("NotControlled.NotAvailable.Shutdown"):
+            return self.services.drop(core._replace(status="SHUTDOWN"))
+        return core
+
+    def _followed(self, state: Behaving, core: Core) -> Behaving:
+        """Goes where the core services have gone."""
+        state = state._replace(core=core)
+        if not self._follows or _lies_in(state.path, core_path(core)):
+            return state
+        return Behaving(core, self.machine.innermost(core_path(core)))
+
+    # ------------------------------------------------------------------ what must hold
+
+    @property
+    def bound(self) -> int:
+        """Ticks after the loss of the source in which the stop is due; 0 for never."""
+        return self.demanded or self.services.timeout
+
+    @property
+    def late(self) -> str:
+        """What is wrong when it does not come by then."""
+        if not self.bound:
+            return f"{self.component} stays as it was commanded when its client is lost"
+        return f"{self.component} is still as it was commanded {{bound}} after its client was lost"
+
+    def source(self, state: Behaving) -> str:
+        """Returns whose command has led to the state; of an independent machine its user knows."""
+        return state.commanded_by if self._follows else ""
+
+    def is_over(self, state: Behaving) -> bool:
+        """Tells whether the component has come to an end that no message leads out of."""
+        return state.core.status in FINAL or state.core.interrupted[0] in FINAL
+
+    def fault(self, state: Behaving, step: Step, after: Behaving) -> str:
+        """Returns what must not happen in a transition; empty for nothing."""
+        core = state.core
+        is_command = step.actor in self.clients and after.commanded_by == step.actor and step.passes
+        if is_command and core.controller != step.actor:
+            who = f"{core.controller} controls" if core.controller else "nobody controls"
+            return f"{step.what} of {step.actor} takes effect while {who} {self.component}"
+        if is_command and core.status in PASSIVE:
+            return f"{step.what} of {step.actor} takes effect in {core.status}"
+        if after.core.emergencies and after.core.status not in PASSIVE:
+            return f"{self.component} is in {after.core.status} although an emergency is set"
+        return ""
+
+
+def _trigger(transition: jaus.Transition) -> str:
+    if transition.message is not None:
+        return "" if is_core_trigger(transition) else str(transition.message.name)
+    return event_name(transition.event)
+
+
+def _is_command(message: jaus.MessageDef | None) -> bool:
+    owner = None if message is None else message.eContainer()
+    return message is not None and owner is not None and needs_control(message, owner)
+
+
+def _holds(guard: Guard | None, said: Callable[[str], bool]) -> bool:
+    match guard:
+        case None:
+            return True
+        case Condition():
+            return said(guard.name)
+        case Negation():
+            return not _holds(guard.operand, said)
+        case AllOf():
+            return all(_holds(each, said) for each in guard.operands)
+        case AnyOf():
+            return any(_holds(each, said) for each in guard.operands)
+
+
+def _lies_in(path: str, outer: str) -> bool:
+    return path == outer or path.startswith(f"{outer}.")

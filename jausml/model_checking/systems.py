@@ -1,0 +1,239 @@
+"""What is checked of a system: a product for each connection with commands and each machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import gcd
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections import stops
+from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
+from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import machines_of
+from jausml.language.semantics.jaus.services import (
+    find_same,
+    lineage,
+    provided_services,
+    service_versions,
+    with_inherited,
+)
+from jausml.model_checking.commanding import CommandingProduct
+from jausml.model_checking.connection import CommandConnection
+from jausml.model_checking.core_services import CoreServices
+from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.service_machine import MachineProduct
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel.classes import jaus, system
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.jaus.commands import Guard
+    from jausml.language.semantics.jaus.inherited_machines import Machine
+    from jausml.model_checking.properties import CheckedProduct
+
+MOST_TICKS = 60
+"""Ticks of the longest time-out; shorter ones are rounded up then."""
+
+_VERSION_1_1 = (1, 1)
+_TAKES_OVER = "an operator of more authority"
+_ANYBODY = "a client"
+_LAPSE = 5.0
+"""Seconds after which control of a component lapses that says nothing of it."""
+RENEWALS = 4
+"""Renewals of control in the time in which it lapses (`controlled_target.py`)."""
+_PATIENCE = 4.0
+"""Seconds after which a bridge takes control for lost at the latest (`controlled_target.py`)."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Something that is checked by itself.
+
+    Attributes:
+        element: What it is about in the model, at which findings point.
+        tick: Seconds of one step of time.
+        held: Why the last command may stand when its source is lost; empty where a stop is sent.
+    """
+
+    name: str
+    element: EObject
+    product: CheckedProduct
+    tick: float
+    held: str = ""
+
+
+def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
+    """Yields what is checked of a system.
+
+    Args:
+        demanded: Seconds in which each stop is demanded; 0 for what the model says of each.
+    """
+    for owner in system_.bridges:
+        for connection in () if owner.external else owner.bridgeConnections:
+            if not stops.is_command(connection):
+                continue
+            if connection.direction.name == "jausToRos":
+                yield _obeying(owner, connection, demanded)
+            else:
+                for peer in connection.peers or (None,):
+                    yield _commanding(owner, connection, peer, demanded)
+
+    for component in system_.components:
+        if not component.external and not isinstance(component, bridge.Bridge):
+            yield from _behaving(component, demanded)
+
+
+def _behaving(component: jaus.Component, demanded: float) -> Iterator[Subject]:
+    """Yields the product of each machine that is generated for a component."""
+    services = [
+        each for each in with_inherited(component.provides) if each.urn not in SERVED_BY_RUNTIME
+    ]
+    lapse = float(component.controlTimeout)
+    clock = _Clock([lapse, demanded])
+    authority = int(component.defaultAuthority)
+    core = core_services_of(component, clock, {_ANYBODY: authority, _TAKES_OVER: authority + 1})
+    for machine in machines_of(services[::-1]):
+        product = MachineProduct(
+            str(component.name),
+            machine,
+            core,
+            (_ANYBODY, _TAKES_OVER),
+            _obeyed(component, machine, services),
+            clock.ticks(demanded),
+        )
+        name = f"{component.name}: {machine.name} of {machine.service_name}"
+        held = "" if machine.extends_core else "its states are left to the code of the component"
+        yield Subject(name, machine.elements[-1], product, clock.tick, held)
+
+
+def _obeyed(
+    component: jaus.Component, machine: Machine, services: Sequence[jaus.Service]
+) -> dict[str, Guard]:
+    """Returns whom a component obeys before it asks the machine, by the name of the message.
+
+    Where the core services are extended, the guards of the machine say who is obeyed.
+    """
+    provided = provided_services(component)
+    access = f"{CORE}AccessControl"
+    found: dict[str, Guard] = {}
+    for service in services:
+        extends = machine.extends_core and any(each.urn == access for each in lineage(service))
+        for message in service.inputs:
+            guard = "ANY" if extends else guard_of(message, service, provided)
+            found.setdefault(str(message.name), guard)
+    return found
+
+
+def _commanding(
+    owner: bridge.Bridge,
+    connection: bridge.Connection,
+    peer: jaus.Component | None,
+    demanded: float,
+) -> Subject:
+    """Returns the product with one peer; one that is searched for is as components are unsaid."""
+    silence, watch = stops.silence_timeout(connection), _watch_of(peer, connection)
+    lapse = _LAPSE if peer is None else float(peer.controlTimeout)
+    clock = _Clock([silence, watch, lapse / RENEWALS, demanded, lapse])
+    message = connection.map.message
+    guard = guard_of_receivers(message, connection.peers, connection.search)
+    name = "a peer that is found" if peer is None else str(peer.name)
+    authorities = {str(owner.name): int(owner.authority), _TAKES_OVER: int(owner.authority) + 1}
+    if peer is None:
+        services = CoreServices(authorities, timeout=clock.ticks(lapse))
+    else:
+        services = core_services_of(peer, clock, authorities)
+    has_stop = stops.has_stop(connection)
+    product = CommandingProduct(
+        str(owner.name),
+        name,
+        str(message.name),
+        services,
+        core_services_of(owner, clock, {}),
+        CommandConnection(
+            guard if connection.control else "ANY", clock.ticks(silence), to_ros=False
+        ),
+        clock.ticks(min(lapse or _PATIENCE, _PATIENCE)),
+        clock.ticks(watch),
+        _TAKES_OVER,
+        has_stop,
+        clock.ticks(demanded),
+    )
+    held = "" if has_stop else stops.hold_reason(connection)
+    told = f"{owner.name}.{connection.name} to {name}"
+    return Subject(told, connection, product, clock.tick, held)
+
+
+def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> float:
+    """Returns after which silence a peer stops by itself, as far as the model says; 0 is never."""
+    if not isinstance(peer, bridge.Bridge):
+        return 0.0
+    taken = (
+        stops.silence_timeout(each)
+        for each in peer.bridgeConnections
+        if each.direction.name == "jausToRos"
+        and stops.has_stop(each)
+        and find_same(each.map.message, [connection.map.message]) is not None
+    )
+    return next((each for each in taken if each), 0.0)
+
+
+def _obeying(owner: bridge.Bridge, connection: bridge.Connection, demanded: float) -> Subject:
+    clock = _Clock([stops.silence_timeout(connection), float(owner.controlTimeout), demanded])
+    peers = [str(each.name) for each in connection.peers]
+    client = peers[0] if peers else _ANYBODY
+    services = core_services_of(owner, clock, _authorities(owner, connection, client))
+    guard = guard_of_receivers(connection.map.message, [owner], None)
+    has_stop = stops.has_stop(connection)
+    connection_state = CommandConnection(
+        guard, clock.ticks(stops.silence_timeout(connection)), peers=peers or None
+    )
+    product = ObeyingProduct(
+        str(owner.name),
+        str(connection.map.message.name),
+        services,
+        connection_state,
+        (client, _TAKES_OVER),
+        has_stop,
+        clock.ticks(demanded),
+    )
+    held = "" if has_stop else stops.hold_reason(connection)
+    return Subject(f"{owner.name}.{connection.name}", connection, product, clock.tick, held)
+
+
+def _authorities(
+    owner: bridge.Bridge, connection: bridge.Connection, client: str
+) -> dict[str, int]:
+    stated = [int(each.authority) for each in connection.peers if owner in each.controls]
+    own = stated[0] if stated else int(owner.defaultAuthority)
+    return {client: own, _TAKES_OVER: own + 1}
+
+
+def core_services_of(
+    component: jaus.Component, clock: _Clock, authorities: dict[str, int]
+) -> CoreServices:
+    """Returns the core services of a component as the runtime runs them."""
+    version = service_versions(component).get(f"{CORE}Management", _VERSION_1_1)
+    return CoreServices(
+        authorities,
+        int(component.defaultAuthority),
+        clock.ticks(float(component.controlTimeout)),
+        is_1_0=version < _VERSION_1_1,
+    )
+
+
+class _Clock:
+    """Steps of time in which the time-outs of a product are whole numbers."""
+
+    def __init__(self, seconds: list[float]) -> None:
+        times = [round(each * 1000) for each in seconds if each > 0] or [1000]
+        step = gcd(*times)
+        if max(times) > step * MOST_TICKS:
+            step = -(-max(times) // MOST_TICKS)
+        self.tick = step / 1000
+
+    def ticks(self, seconds: float) -> int:
+        """Returns how many steps a time-out takes; 0 for one that never comes."""
+        step = round(self.tick * 1000)
+        return -(-round(seconds * 1000) // step) if seconds > 0 else 0

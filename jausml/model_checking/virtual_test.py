@@ -1,0 +1,219 @@
+"""A counter-example as a test in virtual time, beside the packages that are generated."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.model_checking.commanding import PUBLISHER, RADIO, CommandingProduct
+from jausml.model_checking.core_services import EMERGENCY_CLIENT
+from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.properties import LATE_STOP, LIVELOCK
+from jausml_generators.bridge.views import bridge_views
+from jausml_generators.common.components import address_call
+from jausml_generators.python.names import snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.language.metamodel.classes import bridge
+    from jausml.language.model import Model
+    from jausml.model_checking.checking import CounterExample, Moment
+    from jausml.model_checking.properties import CheckedProduct
+    from jausml.model_checking.systems import Subject
+    from jausml_generators.bridge.connections import ConnectionView
+    from jausml_generators.bridge.views import BridgeView
+
+_HEAD = '''"""A counter-example of `jausml model-check` to {name}, in virtual time.
+
+It fails as long as what it found can happen: {message}.
+
+Run it beside the generated workspace: PYTHONPATH=$(echo ws/* | tr ' ' :) python -m pytest FILE
+"""
+
+from jausml_runtime import ComponentSettings, Guard, JausAddress, JausComponent, ServiceIdentity
+from jausml_runtime import messages as core
+from jausml_runtime.virtual import VirtualWorld
+from {package} import messages, ros_types
+from {package}.{package} import {class_name}
+
+
+def services(minor):
+    """Return the core services of a component."""
+    names = ("Transport", "Events", "AccessControl", "Management")
+    return tuple(ServiceIdentity(f"urn:jaus:jss:core:{{each}}", 1, minor) for each in names)
+
+
+def client(transport, address, name):
+    """Return a client that runs."""
+    made = JausComponent(transport, address, name=name, services=services(1))
+    made.start()
+    return made
+
+'''
+
+_LONG = 60.0
+"""Seconds that stand for what has no end."""
+
+_PEER = '''
+class Peer(JausComponent):
+    """Stands for the peer: it moves from a command on until the stop, or until it is not Ready."""
+
+    moves = False
+
+    def on_not_ready(self):
+        """Stop."""
+        self.moves = False
+
+    def on_control_lost(self):
+        """Stop."""
+        self.moves = False
+
+'''
+
+
+def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str | None:
+    """Returns a test module; None for what no module can be made of, such as a machine."""
+    product = subject.product
+    if not isinstance(product, (ObeyingProduct, CommandingProduct)):
+        return None
+    connection: bridge.Connection = subject.element  # type: ignore[assignment]
+    view = next(each for each in bridge_views(model) if each.bridge is connection.eContainer())
+    own = next(each for each in view.connections if each.connection is connection)
+    message = " ".join(example.message.split())
+    names = {"package": view.package, "class_name": view.class_name}
+    lines = [_HEAD.format(name=subject.name, message=message, **names)]
+    if isinstance(product, CommandingProduct):
+        lines.append(_PEER)
+        body = _commanding(product, subject, example, view, own)
+    else:
+        body = _obeying(product, subject, example, view, own)
+    lines.append(f"\ndef test_{snake_case(subject.name.replace('.', '_').replace(' ', '_'))}():\n")
+    lines.append(f'    """{message[:1].upper()}{message[1:]}."""\n')
+    lines.append("    with VirtualWorld() as world:\n")
+    lines += [f"        {line}\n" for line in body]
+    return "".join(lines)
+
+
+def _obeying(
+    product: ObeyingProduct,
+    subject: Subject,
+    example: CounterExample,
+    view: BridgeView,
+    own: ConnectionView,
+) -> Iterator[str]:
+    yield f"bridge = {view.class_name}()"
+    yield f'bridge.open(world.ros_node("{view.name}"), world.transport())'
+    yield "address = bridge.settings.address"
+    actors = {name: f"client_{n}" for n, name in enumerate((*product.clients, EMERGENCY_CLIENT))}
+    peers = {str(each.name): each for each in own.connection.peers}
+    for number, (name, variable) in enumerate(actors.items(), 1):
+        at = address_call(peers[name]) if name in peers else f"JausAddress(64000, 1, {number})"
+        yield f'{variable} = client(world.transport(), {at}, "{name}")'
+    yield f"world.run_for({subject.tick!r})"
+
+    def done(moment: Moment) -> str:
+        step = moment.step
+        if step.actor == product.bridge:
+            return _of_the_bridge(step.what)
+        sent = f"messages.{own.message_name}()"
+        if step.what != product.command:
+            sent = _core_message(step.what, product.services.authorities.get(step.actor, 0))
+        return f"{actors[step.actor]}.send({sent}, address)"
+
+    yield from _steps(example, done)
+    yield from _for_ever(product, example)
+    if example.rule == LATE_STOP:
+        yield f"assert bridge.{own.name}.stopped is not None"
+    else:
+        free = f"bridge.component.controller in (None, {actors[product.clients[0]]}.address)"
+        yield f"assert {free}" if example.rule == LIVELOCK else f"assert bridge.{own.name}.stopped"
+
+
+def _commanding(
+    product: CommandingProduct,
+    subject: Subject,
+    example: CounterExample,
+    view: BridgeView,
+    own: ConnectionView,
+) -> Iterator[str]:
+    connection = own.connection
+    owner, peers = view.bridge, {str(each.name): each for each in connection.peers}
+    peer = peers.get(product.peer)
+    at = "JausAddress(64000, 1, 9)" if peer is None else address_call(peer)
+    lapse = round(product.services.timeout * subject.tick)
+    settings = f"ComponentSettings({product.services.default_authority}, {lapse})"
+    minor = 0 if product.services.is_1_0 else 1
+    yield "beside, radio = world.transport(), world.transport()"
+    yield f'peer = Peer(beside, {at}, name="peer", services=services({minor}), settings={settings})'
+    yield f"bridge = {view.class_name}()"
+    yield ""
+    yield "def take(_message, _sender):"
+    yield f"    peer.moves = bridge.{own.name}.stopped is None"
+    yield ""
+    guard = product.connection.guard
+    yield f"peer.handle(messages.{own.message_name}, take, when=Guard.{guard})"
+    yield "peer.start()"
+    yield f'bridge.open(world.ros_node("{view.name}"), radio)'
+    yield f'rival = client(beside, JausAddress(64000, 1, 1), "{product.rival}")'
+    yield f'emergency = client(beside, JausAddress(64000, 1, 2), "{EMERGENCY_CLIENT}")'
+    yield f'inside = client(radio, JausAddress(64000, 1, 3), "{EMERGENCY_CLIENT}")'
+    yield f"world.run_for({subject.tick!r})"
+    topics = (each.name for each in connection.topics if each.join is None)
+    topic = resolve_topic(str(next(topics)), owner.namespace or "", str(owner.name))
+
+    def done(moment: Moment) -> str:
+        step = moment.step
+        if step.actor == PUBLISHER:
+            made = f"ros_types.{own.ros_name}"
+            return f'world.ros.publish("{topic}", {made}, {made}().to_cdr())'
+        if step.actor == RADIO:
+            return "radio.cut()" if step.what == "is lost" else "radio.restore()"
+        if step.actor == product.bridge:
+            return _of_the_bridge(step.what)
+        if step.actor == product.peer:
+            return 'peer.fail("it is told to")'
+        is_inside = step.receiver == product.bridge
+        sender = "rival" if step.actor == product.rival else "emergency"
+        sender, to = ("inside", "bridge.settings.address") if is_inside else (sender, at)
+        sent = _core_message(step.what, product.services.authorities.get(step.actor, 0))
+        return f"{sender}.send({sent}, {to})"
+
+    yield from _steps(example, done)
+    yield (
+        "assert not peer.moves"
+        if example.rule != LIVELOCK
+        else ("assert peer.controller in (None, bridge.settings.address)")
+    )
+
+
+def _for_ever(product: CheckedProduct, example: CounterExample) -> Iterator[str]:
+    if example.repeats or (example.rule == LATE_STOP and not product.bound):
+        yield f"world.run_for({_LONG})  # for ever, as it seems"
+
+
+def _of_the_bridge(what: str) -> str:
+    if what == "fails":
+        return 'bridge.component.fail("it is told to")'
+    return f"bridge.set_active({what == 'is activated'})"
+
+
+def _core_message(name: str, authority: int) -> str:
+    arguments = {"RequestControl": f"authority_code={authority}"}
+    arguments |= dict.fromkeys(("SetEmergency", "ClearEmergency"), "emergency_code=1")
+    return f"core.{name}({arguments.get(name, '')})"
+
+
+def _steps(example: CounterExample, done: Callable[[Moment], str]) -> Iterator[str]:
+    before = 0.0
+    for is_tick, group in groupby(example.moments, key=lambda each: each.step.is_tick):
+        moments = list(group)
+        if is_tick:
+            after = moments[-1].seconds
+            yield f"world.run_for({round(after - before, 3)!r})"
+            before = after
+            continue
+        for moment in moments:
+            yield done(moment)
+            yield "world.run_for(0)"

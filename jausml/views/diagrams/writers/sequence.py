@@ -1,0 +1,130 @@
+"""Sequence diagrams: who sends what to whom, one below the other, as Mermaid and as SVG."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
+
+from jausml.views.diagrams.writers.colours import style
+from jausml.views.diagrams.writers.mermaid import as_data
+from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, width
+from jausml.views.diagrams.writers.svg import MARGIN, text_element
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+_LONGEST = 90
+_ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a course.
+
+    Attributes:
+        receiver: Whom the text goes to; empty for what one does alone.
+        sender: Who does it; empty for what happens to all.
+    """
+
+    time: str
+    text: str
+    sender: str = ""
+    receiver: str = ""
+
+
+@dataclass(frozen=True)
+class Course:
+    """What happens one after the other, with a title and how it ends; at least one takes part."""
+
+    title: str
+    end: str
+    lines: Sequence[Line]
+
+    @property
+    def actors(self) -> list[str]:
+        """Who takes part, in the order of appearance."""
+        found = (name for line in self.lines for name in (line.sender, line.receiver) if name)
+        return list(dict.fromkeys(found))
+
+
+def mermaid(course: Course) -> str:
+    """Returns a sequence in the language of Mermaid, which GitHub and many editors show."""
+    actors = course.actors
+    names = {actor: f"a{number}" for number, actor in enumerate(actors)}
+    lines = ["sequenceDiagram", f"  title {as_data(course.title)}"]
+    lines += [f"  participant {names[each]} as {as_data(each)}" for each in actors]
+    everybody = ",".join(dict.fromkeys([names[actors[0]], names[actors[-1]]]))
+    for line in course.lines:
+        text = as_data(f"{line.time} {line.text}".strip())
+        if not line.sender:
+            lines.append(f"  Note over {everybody}: {text}")
+        elif line.receiver:
+            lines.append(f"  {names[line.sender]}->>{names[line.receiver]}: {text}")
+        else:
+            lines.append(f"  Note over {names[line.sender]}: {text}")
+    lines.append(f"  Note over {everybody}: {as_data(course.end)}")
+    return "\n".join(lines) + "\n"
+
+
+def svg(course: Course) -> str:
+    """Returns a sequence as a picture, light or dark as whoever looks has it."""
+    return "\n".join(_parts(course)) + "\n"
+
+
+def _parts(course: Course) -> Iterator[str]:
+    texts = [width(cut(each.text, _LONGEST), SMALL) for each in course.lines]
+    heads = [width(cut(each, _LONGEST), TITLE, bold=True) for each in course.actors]
+    column = round(max([*texts, *heads]) + _GAP, 1)
+    first = MARGIN + _TIMES + column / 2
+    places = {each: round(first + column * n, 1) for n, each in enumerate(course.actors)}
+    foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
+    ends = (width(cut(course.title, _LONGEST), 16), width(cut(course.end, _LONGEST), ROW))
+    right = max(first + column * len(heads), *(MARGIN + 1.1 * each for each in ends))
+    size = (round(right + MARGIN, 1), foot + 2 * MARGIN + 10)
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
+        f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
+    )
+    yield f"<title>{escape(cut(course.title, _LONGEST))}</title>"
+    yield f"<style>{style('auto')}</style>"
+    yield (
+        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
+        'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
+        '<path class="head" d="M0 0.8 8 4 0 7.2z"/></marker></defs>'
+    )
+    yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
+    yield text_element(MARGIN, 26, cut(course.title, _LONGEST), 16, "title", bold=True)
+    for actor, x in places.items():
+        text = cut(actor, _LONGEST)
+        left = x - width(text, TITLE, bold=True) / 2
+        yield text_element(left, _HEAD, text, TITLE, "title", bold=True)
+        yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{foot}"/>'
+    for number, line in enumerate(course.lines):
+        yield from _line(line, _HEAD + 34 + _ROW_HEIGHT * number, places, size[0])
+    yield text_element(MARGIN, foot + 22, cut(course.end, _LONGEST), ROW, "error", bold=True)
+    yield "</svg>"
+
+
+def _line(line: Line, y: float, places: dict[str, float], right: float) -> Iterator[str]:
+    text = cut(line.text, _LONGEST)
+    yield text_element(MARGIN, y, line.time, SMALL, "muted")
+    if not line.sender:
+        yield f'<path class="rule" d="M{MARGIN + _TIMES} {y - 3}H{right - MARGIN}"/>'
+        yield from _label(MARGIN + _TIMES + 6, y, text, "muted")
+        return
+    start = places[line.sender]
+    if not line.receiver:
+        yield from _label(start + 6, y, text, "flow")
+        return
+    end = places[line.receiver]
+    yield f'<path class="edge message" d="M{start} {y}H{end}" marker-end="url(#arrow)"/>'
+    middle = (start + end) / 2 - width(text, SMALL) / 2
+    yield from _label(middle, y - 5, text, "flow")
+
+
+def _label(x: float, y: float, text: str, kind: str) -> Iterator[str]:
+    wide = width(text, SMALL) + 6
+    corner = f'x="{round(x - 3, 1)}" y="{round(y - 9, 1)}"'
+    yield f'<rect class="behind" {corner} width="{round(wide, 1)}" height="12" rx="2"/>'
+    yield text_element(x, y, text, SMALL, kind)

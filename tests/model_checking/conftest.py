@@ -1,0 +1,45 @@
+"""Scripts that run beside the packages of a model, which are generated once."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from workspaces import python_path
+
+from jausml.cli import main
+
+FOLDER = Path(__file__).parent
+ROVER = FOLDER / "rover.ros2jaus"
+
+
+@pytest.fixture(scope="session")
+def run_script(tmp_path_factory):
+    """Runs a script of this folder beside the packages of a model; returns what it says as JSON."""
+    workspaces = {}
+
+    def workspace_of(model):
+        if model not in workspaces:
+            workspaces[model] = tmp_path_factory.mktemp(model.stem)
+            line = ["generate", str(model), "-o", str(workspaces[model]), "-q"]
+            result = CliRunner().invoke(main, line)
+            assert result.exit_code == 0, result.output
+        return workspaces[model]
+
+    def run(name, *words, model=ROVER):
+        result = subprocess.run(
+            [sys.executable, str(FOLDER / name), *words],
+            env={**os.environ, "PYTHONPATH": python_path(workspace_of(model))},
+            capture_output=True,
+            text=True,
+            timeout=100,
+        )
+        assert result.returncode == 0, result.stderr
+        return json.loads(result.stdout)
+
+    return run

@@ -1,0 +1,37 @@
+"""The abstract machines do what the runtime does: random walks through both, in virtual time."""
+
+from __future__ import annotations
+
+import pytest
+
+# Of what the abstract ones can be like but for their timers, which walks go through.
+OBEYING = {
+    "front.velocity": 13,
+    "front.effort": 13,
+    "front.speed": 12,
+    "front.waypoint": 18,
+    "rear.effort": 10,
+}
+
+
+@pytest.mark.parametrize("subject", OBEYING)
+def test_a_bridge_that_obeys(subject, run_script):
+    happened = run_script("walk.py", subject)
+    assert happened["difference"] is None
+    assert happened["states"] >= OBEYING[subject]
+    assert happened["steps"] > 1000
+
+
+def test_a_bridge_and_its_peer(run_script):
+    happened = run_script("walk_peer.py")
+    assert happened["difference"] is None
+    assert happened["states"] >= 15
+    assert happened["steps"] > 2000
+    assert 1.0 < happened["longest"] <= happened["bound"]
+
+
+def test_a_stop_that_is_sent_once_is_noticed_by_a_walk(run_script):
+    difference = run_script("walk_peer.py", "--once")["difference"]
+    assert difference["real"]["moves"]
+    assert not difference["abstract"]["moves"]
+    assert difference["real"]["stopped"]

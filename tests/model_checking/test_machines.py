@@ -1,0 +1,87 @@
+"""Products of state machines: held against the generated winch, and faults of models found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.generation.system import system_of
+from jausml.language.model import read_models
+from jausml.model_checking.checking import check_subject
+from jausml.model_checking.properties import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK
+from jausml.model_checking.search import Bounds
+from jausml.model_checking.systems import subjects_of
+
+ROOT = Path(__file__).resolve().parents[2]
+WINCH = ROOT / "models" / "examples" / "winch"
+LAMP = ROOT / "tests" / "generators" / "lamp.xmi"
+LIBRARY = "http://www.jausml.org/library/"
+
+
+def test_the_generated_winch_goes_the_same_ways(run_script):
+    happened = run_script("walk_machine.py", model=WINCH / "winch.xmi")
+    assert happened["difference"] is None
+    assert happened["states"] >= 9
+    assert happened["steps"] > 2000
+
+
+def found_in(path):
+    """Returns the rules that each subject of a model breaks."""
+    bounds = Bounds(100_000, lambda: False)
+    subjects = subjects_of(system_of(read_models([path]).model))
+    outcomes = [check_subject(each, bounds) for each in subjects]
+    return {each.subject.name: {found.rule for found in each.found} for each in outcomes}
+
+
+def changed_winch(folder, file, old, new):
+    """Returns the path of a winch with one change."""
+    for name in ("service.xmi", "winch.xmi"):
+        text = (WINCH / name).read_text(encoding="utf-8").replace("../../library/", LIBRARY)
+        if name == file:
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder / "winch.xmi"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "rules"),
+    [
+        pytest.param("winch.xmi", 'controlTimeout="2"', 'controlTimeout="2"', set(), id="as it is"),
+        pytest.param(
+            "service.xmi",
+            'message="Winch.LockBrake" guard="isControllingClient"',
+            'message="Winch.LockBrake"',
+            {CONTROL},
+            id="a guard removed",
+        ),
+        pytest.param(
+            "service.xmi",
+            'guard="isControllingClient &amp;&amp; !(paysOut || paysIn)"',
+            'guard="isControllingClient || !(paysOut || paysIn)"',
+            {CONTROL},
+            id="a guard turned",
+        ),
+        pytest.param(
+            "winch.xmi",
+            'controlTimeout="2"',
+            'controlTimeout="0"',
+            {LATE_STOP, LIVELOCK},
+            id="a time-out left out",
+        ),
+    ],
+)
+def test_a_fault_of_a_machine_is_found(file, old, new, rules, tmp_path):
+    assert found_in(changed_winch(tmp_path, file, old, new)) == {
+        "winch: ReceiveFSM of Winch": rules
+    }
+
+
+def test_a_state_that_nothing_leaves_is_found(tmp_path):
+    text = LAMP.read_text(encoding="utf-8")
+    way_out = '<transitions message="ToggleLamp" kind="pop"/>'
+    assert text.count(way_out) == 1
+    (tmp_path / "lamp.xmi").write_text(text.replace(way_out, ""), encoding="utf-8")
+    assert found_in(LAMP)["spot: LampFSM of Lamp"] == set()
+    assert DEADLOCK in found_in(tmp_path / "lamp.xmi")["spot: LampFSM of Lamp"]
