@@ -108,6 +108,8 @@ def _lines(sheet: Sheet) -> Iterator[str]:
             ends.reverse()
         if line.width:
             options.append(f"label={_cell(line.width, line.height)}")
+        if line.course == "left":
+            ends.reverse()
         sides = _sides(columns, ends[0][0], ends[1][0])
         if sides[0] == sides[1] != "":
             options.append("constraint=false")
@@ -117,7 +119,10 @@ def _lines(sheet: Sheet) -> Iterator[str]:
             ports.get(each, f"{names[each[0]]}:h" if columns else names[each[0]]) + side
             for each, side in zip(ends, sides, strict=True)
         )
+        end += ":n" if line.course == "down" else ""
         yield f"  {start} -> {end} [{', '.join(options)}]"
+        if line.course in ("left", "right"):
+            yield f"  {{ rank=same; {start}; {end} }}"
     yield from _strays(sheet, columns, names, linked)
 
 

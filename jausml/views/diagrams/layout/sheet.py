@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 Point = tuple[float, float]
+Course = Literal["", "down", "left", "right"]
 
 
 class LayoutError(Exception):
@@ -57,13 +58,19 @@ class Frame:
 
 @dataclass(frozen=True)
 class Line:
-    """A line to be drawn."""
+    """A line to be drawn.
+
+    Attributes:
+        course: `down` for one that ends at the head of a box, `left` or `right` for one to a box
+            beside that where it begins; empty for any.
+    """
 
     id: str
     source: tuple[str, str]
     target: tuple[str, str]
-    width: int
-    height: int
+    width: int = 0
+    height: int = 0
+    course: Course = ""
 
 
 @dataclass(frozen=True)

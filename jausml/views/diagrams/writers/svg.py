@@ -179,19 +179,24 @@ def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterato
 
 def _edge(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     grave = severity(edge.findings)
-    start, *rest = route.points
-    curves = "".join(
-        f"C{_pair(rest[at])} {_pair(rest[at + 1])} {_pair(rest[at + 2])}"
-        for at in range(0, len(rest) - 2, 3)
-    )
     weight = f' stroke-width="{min(1.2 + 0.4 * edge.count, 5):g}"' if edge.count > 1 else ""
     words = ": ".join(each for each in (edge.title, ", ".join(edge.labels)) if each)
     yield (
         f'<path class="edge {edge.kind} {grave}{_behind(edge.state)}" '
         f"{_ids(keys.edge(edge.id), edge.id)}{weight} "
-        f'd="M{_pair(start)}{curves}" marker-end="url(#arrow)">'
+        f'd="{curve(route)}" marker-end="url(#arrow)">'
         f"<title>{escape(cut(words, 400))}</title></path>"
     )
+
+
+def curve(route: Route) -> str:
+    """Returns the way of a line as the data of a path."""
+    start, *rest = route.points
+    curves = "".join(
+        f"C{_pair(rest[at])} {_pair(rest[at + 1])} {_pair(rest[at + 2])}"
+        for at in range(0, len(rest) - 2, 3)
+    )
+    return f"M{_pair(start)}{curves}"
 
 
 def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
