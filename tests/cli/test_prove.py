@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from hashlib import sha256
 
 import pytest
 
@@ -70,7 +71,11 @@ def test_findings_pages_and_what_is_kept(jausml, model, tmp_path, monkeypatch):
     result = jausml("prove", model, "--jobs", "1", "-o", pages, "--format", "json")
     assert result.exit_code == 1, result.output
     assert "JML922 faulty: JAUS Speed is changed by" in result.stderr
-    maps = {each["name"]: each for each in json.loads(result.stdout)["maps"]}
+    proof = json.loads(result.stdout)
+    assert proof["digests"] == {model.name: sha256(model.read_bytes()).hexdigest()}
+    maps = {each["name"]: each for each in proof["maps"]}
+    assert maps["sound"]["found"] == []
+    assert maps["faulty"]["found"][0].startswith("JML922 faulty: JAUS Speed is changed by")
     speed = maps["faulty"]["fields"][0]
     assert (speed["path"], speed["total"], speed["tried"]) == ("Speed", 256, 256)
     assert speed["changed"] + speed["unchanged"] + speed["limited"] == 256

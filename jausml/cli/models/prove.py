@@ -87,7 +87,7 @@ def command(
     if output_format == "sarif":
         write_report(sarif.render(judged), None)
     elif output_format == "json":
-        write_report(_json(results), None)
+        write_report(_json(results, judged), None)
     else:
         write_report(f"{text.render(results)}\n", None)
     if output_format != "sarif":
@@ -135,10 +135,15 @@ def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> 
         write_report(page, str(folder / name))
 
 
-def _json(results: Sequence[MapResult]) -> str:
+def _json(results: Sequence[MapResult], judged: Report) -> str:
     import json
 
-    found = {"maps": [_finite(each.to_json()) for each in results]}
+    from jausml.language.model.digests import digests
+    from jausml.proving.findings import by_map
+
+    short = by_map(judged)
+    maps = [_finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]
+    found = {"digests": digests(judged.model), "maps": maps}
     return json.dumps(found, indent=2, allow_nan=False) + "\n"
 
 

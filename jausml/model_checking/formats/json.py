@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.model.digests import digests
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 def render(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns an object with all products and their counter-examples."""
     products = [_product(each, model) for each in outcomes]
-    return json.dumps({"products": products}, indent=2) + "\n"
+    return json.dumps({"digests": digests(model), "products": products}, indent=2) + "\n"
 
 
 def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
