@@ -37,6 +37,7 @@ VERBS = {
     "run": ("live", "Start the processes of a generated workspace."),
     "report": ("models", "Report the load and the worst-case times of a system."),
     "model-check": ("models", "Check the protocol of a system: control, states and stops."),
+    "case": ("models", "Make the safety case of a model, or check it."),
     "diagram": ("models", "Draw a system, a map, a service or a state machine."),
     "studio": ("authoring", "Show and edit models in the browser."),
     "diff": ("models", "Show what changed from one state of models to another."),

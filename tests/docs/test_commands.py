@@ -39,7 +39,7 @@ def script(page: Path) -> str:
     return "\n".join(line.removeprefix("$ ") for line in lines)
 
 
-NEED_A_COMPILER = {"compile-bridges", "prove"}
+NEED_A_COMPILER = {"compile-bridges", "prove", "safety-case"}
 NEED_NAV2 = {"for-student-teams"}
 FOLLOW_WAYPOINTS = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
 WITH_COMMANDS = [page for page in PAGES if script(page)]

@@ -22,6 +22,7 @@ from jausml.language.validation.catalogue import catalogue
 from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.live.messages import UnknownServiceError
 from jausml.proving.findings import PROOF_RULES
+from jausml.safety_case.comparing import CASE_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,6 +47,7 @@ def rules() -> list[dict[str, Any]]:
             CODE_RULES,
             PROOF_RULES,
             PRODUCT_RULES,
+            CASE_RULES,
         )
     ]
 

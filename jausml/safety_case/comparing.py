@@ -1,0 +1,131 @@
+"""A safety case that is checked in, against the model and the evidence as they are now."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.rules import RuleInfo
+from jausml.safety_case.argument import to_plain
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from jausml.safety_case.argument import SafetyCase
+
+_LOST, _STALE, _ANSWER, _OLD = (f"JML{number}" for number in range(941, 945))
+
+CASE_RULES: Mapping[str, RuleInfo] = MappingProxyType(
+    {
+        _LOST: RuleInfo(
+            "case: evidence that is lost",
+            "A file of evidence that a safety case names is not there any more, cannot be read, or "
+            "is another one than it was. Good: the file again, or a case that is made anew.",
+        ),
+        _STALE: RuleInfo(
+            "case: evidence of another model",
+            "A piece of evidence was found of another version of the model, so it says nothing of "
+            "this one. Good: prove, test and run again, and make the case anew.",
+        ),
+        _ANSWER: RuleInfo(
+            "case: goal that has lost its support",
+            "The model does nothing about the hazard any more, or evidence speaks against it. "
+            "Good: give the model its answer again, or have a new case reviewed.",
+        ),
+        _OLD: RuleInfo(
+            "case: out of date",
+            "The model, jausml or what was found differs from the safety case that is checked in. "
+            "Good: make it anew by `jausml case -o`, and review what has changed.",
+        ),
+    }
+)
+
+
+class CaseError(Exception):
+    """A file is no safety case; the message says why."""
+
+
+@dataclass(frozen=True)
+class Former:
+    """A case that is checked in.
+
+    Attributes:
+        path: Its file, as findings name it.
+        evidence: What it says of its files of evidence, by their paths.
+        goals: Ids and elements of the goals that it shows.
+    """
+
+    path: str
+    text: str
+    plain: dict[str, Any]
+    evidence: dict[str, dict[str, str]]
+    goals: list[str]
+
+    def place(self, value: str) -> Location:
+        """Returns where a text stands."""
+        before, found, _ = self.text.partition(json.dumps(value))
+        return Location(self.path, before.count("\n") + 1 if found else 1)
+
+
+def former_case(path: str, text: str) -> Former:
+    """Returns the case that a text holds.
+
+    Raises:
+        CaseError: It holds none.
+    """
+    try:
+        plain = json.loads(text)
+        evidence = {str(e["path"]): e for e in plain["evidence"] if e["path"]}
+        known = [e[key] for e in evidence.values() for key in ("sha256", "stale")]
+        goals = [goal for each in plain["hazards"] for goal in each["goals"]]
+        shown = [str(goal["id"]) for goal in goals if goal["supported"]]
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
+        raise CaseError(f"is no safety case: {type(error).__name__} {error}") from error
+    if not all(isinstance(each, str) for each in known):
+        raise CaseError("is no safety case: a digest is no text")
+    return Former(path, text, plain, evidence, shown)
+
+
+def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> list[Diagnostic]:
+    """Returns what a case has lost, compared with one that is made now of the same files.
+
+    Args:
+        unread: Why files of evidence cannot be read, by their paths.
+    """
+    found = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
+    if not found and to_plain(case) != former.plain:
+        found = [_finding(_OLD, Location(former.path), "the case is not what is found now")]
+    return found
+
+
+def _of_evidence(
+    former: Former, case: SafetyCase, unread: Mapping[str, str]
+) -> Iterator[Diagnostic]:
+    now = {each.path: each for each in case.evidence}
+    for path, before in former.evidence.items():
+        place, name = former.place(path), f"evidence {path}"
+        if path in unread:
+            yield _finding(_LOST, place, f"{name} {unread[path]}")
+        elif now[path].stale and not before["stale"]:
+            yield _finding(_STALE, place, f"{name} {now[path].stale}")
+        elif now[path].sha256 != before["sha256"]:
+            yield _finding(_LOST, place, f"{name} is another file than it was")
+
+
+def _of_goals(former: Former, case: SafetyCase) -> Iterator[Diagnostic]:
+    goals = {each.id: each for each in case.goals}
+    for id_ in former.goals:
+        goal = goals.get(id_)
+        if goal is None:
+            text = f"goal {id_} is gone: the model has no such element"
+            yield _finding(_ANSWER, former.place(id_), text)
+        elif not goal.supported:
+            text = f"{goal.claim}: {'; '.join(goal.against)}"
+            yield _finding(_ANSWER, goal.location, text, goal.element)
+
+
+def _finding(rule: str, place: Location, message: str, element: str = "") -> Diagnostic:
+    return Diagnostic(rule, Severity.ERROR, place, message, element=element)

@@ -1,0 +1,127 @@
+"""Evidence: files that say what was found of a model, and of which version of it.
+
+Results of jausml name the files of their model by `digests`. Of others, such as JUnit reports and
+fault runs, a list by `sha256sum` beside them does: FILE.sha256 has the digests of FILE and of the
+model. Evidence of another version of the model, or that names none, says nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from dataclasses import dataclass, field
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+    from pathlib import Path
+
+RULES, PROOF, MODEL_CHECK = "rules", "proof", "model check"
+MUTATIONS, FAULT_RUNS, TEST_RUN = "mutations", "fault runs", "test run"
+
+_KINDS = {
+    PROOF: ("maps", {"name", "fields", "found"}),
+    MODEL_CHECK: ("products", {"name", "complete", "found"}),
+    MUTATIONS: ("outcomes", {"place", "words", "noticed_by"}),
+}
+"""Kinds of evidence in JSON: what lists their subjects, and what is told of each."""
+
+_KNOWN = "results in JSON of prove, model-check, mutate or fault runs, or a JUnit report named .xml"
+_LISTED = re.compile(r"^([0-9a-f]{64}) [ *]", re.MULTILINE)
+
+
+class EvidenceError(Exception):
+    """A file is no evidence that is known; the message says why."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A piece of evidence.
+
+    Attributes:
+        path: Its file, relative to the folder of the case; empty for what was found just now.
+        stale: Why it says nothing of the model as it is; empty for nothing.
+        content: What the file holds.
+    """
+
+    id: str
+    kind: str
+    path: str = ""
+    sha256: str = ""
+    stale: str = ""
+    content: dict[str, Any] = field(default_factory=dict, repr=False)
+
+
+def read_evidence(file: Path, path: str, number: int, model: Collection[str]) -> Evidence:
+    """Reads a file of evidence.
+
+    Args:
+        path: How the case names it.
+        model: Digests of the files of the model.
+
+    Raises:
+        EvidenceError: The file cannot be read, or is of no kind that is known.
+    """
+    data = _data(file)
+    digest = sha256(data).hexdigest()
+    kind, content = _content(data, is_xml=file.suffix == ".xml")
+    named = content.get("digests")
+    digests = set(map(str, named.values())) if isinstance(named, dict) else set()
+    beside = file.with_name(f"{file.name}.sha256")
+    is_listed = os.path.exists(beside)  # noqa: PTH110 - for too long a name too
+    listed = _LISTED.findall(_data(beside).decode("utf-8", "replace")) if is_listed else ()
+    digests |= set(listed) if digest in listed else set()
+    stale = "" if set(model) <= digests else "is of another version of the model"
+    if not digests:
+        stale = f"names no model: list the digests of both in {beside.name}, by sha256sum"
+    return Evidence(f"E{number}", kind, path, digest, stale, content)
+
+
+def _data(file: Path) -> bytes:
+    try:
+        if file.exists() and not file.is_file():
+            raise EvidenceError("is no regular file")
+        return file.read_bytes()
+    except FileNotFoundError as error:
+        raise EvidenceError("is not there") from error
+    except (OSError, ValueError) as error:
+        raise EvidenceError(f"cannot be read: {error}") from error
+
+
+def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
+    if is_xml:
+        return TEST_RUN, {"tests": _tests(data)}
+    try:
+        content = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise EvidenceError(f"is no JSON: {error}") from error
+    for kind, (name, keys) in _KINDS.items():
+        found = content.get(name) if isinstance(content, dict) else None
+        if isinstance(found, list) and all(isinstance(e, dict) and keys <= {*e} for e in found):
+            return kind, content
+    runs = content.get("faults") if isinstance(content, dict) else None
+    if isinstance(runs, dict) and all(isinstance(each, dict) for each in runs.values()):
+        return FAULT_RUNS, content
+    raise EvidenceError(f"is no evidence that is known: {_KNOWN}")
+
+
+def _tests(data: bytes) -> dict[str, str]:
+    """Returns what became of tests, by module and name: `passed`, or what else."""
+    try:
+        root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True))
+    except etree.XMLSyntaxError as error:
+        raise EvidenceError(f"is no JUnit report: {error}") from error
+    found: dict[str, str] = {}
+    for case in root.iter("testcase"):
+        module = case.get("classname", "").rpartition(".")[2]
+        name = f"{module}.{case.get('name', '').partition('[')[0]}"
+        outcomes = [each.tag for each in case if each.tag in ("failure", "error", "skipped")]
+        if found.get(name, "passed") == "passed":
+            found[name] = outcomes[0] if outcomes else "passed"
+    if not found:
+        raise EvidenceError("is no JUnit report: it has no test cases")
+    return found

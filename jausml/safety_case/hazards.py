@@ -1,0 +1,433 @@
+"""Hazards as a table: whom each concerns in a model, what answers it, and what can show that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.assignments.frames import axis_of, passage
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.assignments.units import Measure, attribute_measure, result_measure
+from jausml.language.semantics.connections import calls, stops
+from jausml.language.semantics.connections.freshness import freshness_of, is_report
+from jausml.language.semantics.jaus.commands import is_command, obeys_controller_alone
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
+from jausml.language.semantics.paths.directions import sound_connections
+from jausml.language.semantics.paths.scopes import Placed, flattened, outer_scope, target_paths
+from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from typing import TypeAlias
+
+    from jausml.language.semantics.subject import Subject
+
+    Commander: TypeAlias = bridge.Connection | bridge.RosActionConnection
+    Carrier: TypeAlias = Commander | bridge.RosServiceConnection
+
+ElementT = TypeVar("ElementT")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an element does about a hazard.
+
+    Attributes:
+        seconds: Within which it does so; 0 where the model states no time.
+        reason: Why a person says that it is safe, where the answer stands on that.
+    """
+
+    text: str
+    seconds: float = 0.0
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Row(Generic[ElementT]):
+    """Elements of one kind that a hazard concerns.
+
+    Attributes:
+        claim: What shall hold of an element; `{}` stands for its name.
+        gap: What is missing without an answer; one that answers is enough.
+        kinds: Kinds of evidence that could show it, besides rules.
+    """
+
+    claim: str
+    find: Callable[[Subject], Iterable[ElementT]]
+    gap: str | Callable[[ElementT], str]
+    answers: tuple[Callable[[ElementT], Answer | None], ...]
+    kinds: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Hazard:
+    """A hazard.
+
+    Attributes:
+        rules: Rules that have to hold at the elements.
+        runs: Patterns of the names of fault runs that provoke it.
+        properties: Rules of a product check that exclude it.
+        checks: Pattern of what stands behind connections in the names of tests that show it.
+    """
+
+    id: str
+    title: str
+    rules: str
+    rows: tuple[Row[Any], ...]
+    runs: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    checks: str = "_safe_value"
+
+
+def carried_maps(element: object) -> list[bridge.AttributeMap]:
+    """Returns the maps of a connection, none of other elements."""
+    carriers = (bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection)
+    return [used for used, _ in _ways(element)] if isinstance(element, carriers) else []
+
+
+def _ways(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
+    if isinstance(carrier, bridge.RosServiceConnection):
+        return [(each.map, each.to_ros) for each in calls.halves(carrier)]
+    used = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
+    return [(used, _is_to_ros(carrier))]
+
+
+def _is_to_ros(carrier: Carrier) -> bool:
+    return carrier.direction.name == "jausToRos"
+
+
+def _owner(carrier: Carrier) -> bridge.Bridge:
+    owner = carrier.eContainer()
+    if not isinstance(owner, bridge.Bridge):
+        raise TypeError(f"'{carrier.name}' is in no bridge")
+    return owner
+
+
+# Answers.
+
+
+def _after(seconds: float, text: str) -> Answer | None:
+    return Answer(text.format(seconds), float(seconds)) if seconds > 0 else None
+
+
+def _stated(feature: str, text: str) -> Callable[[Any], Answer | None]:
+    return lambda element: _after(float(getattr(element, feature)), text)
+
+
+def _when(holds: Callable[[Any], object], text: str) -> Callable[[Any], Answer | None]:
+    return lambda element: Answer(text) if holds(element) else None
+
+
+def _stop(commander: Commander) -> str:
+    if isinstance(commander, bridge.RosActionConnection):
+        return "cancels its goal"
+    return "sends its stop" if stops.has_stop(commander) else ""
+
+
+def _on_silence(commander: Commander) -> Answer | None:
+    if not isinstance(commander, bridge.Connection) or not stops.has_stop(commander):
+        return None
+    return _after(stops.silence_timeout(commander), "sends its stop after {:g} s of silence")
+
+
+def _on_lapse(commander: Commander) -> Answer | None:
+    what, seconds = _stop(commander), int(_owner(commander).controlTimeout)
+    return _after(seconds if what else 0, f"{what} when control is not renewed for {{:g}} s")
+
+
+def _on_end(commander: Commander) -> Answer | None:
+    what = _stop(commander)
+    return Answer(f"{what} when its controller loses control") if what else None
+
+
+def _by_guardian(commander: Commander) -> Answer | None:
+    what = _stop(commander) if _owner(commander).guardian else ""
+    return Answer(f"its guardian {what} when the bridge is dead or stands still") if what else None
+
+
+def _held(commander: Commander) -> Answer | None:
+    if not isinstance(commander, bridge.Connection) or not stops.holds(commander):
+        return None
+    if not commander.map.message.moves:
+        return Answer(f"{commander.map.message.name} sets nothing in motion")
+    reason = stops.hold_reason(commander).strip()
+    return Answer("the last command stands", reason=reason) if stops.is_reason(reason) else None
+
+
+def _peers_lapse(commander: Commander) -> Answer | None:
+    times = [int(each.controlTimeout) for each in commander.peers]
+    lapse = max(times) if times and all(times) and commander.control else 0
+    said = (
+        " (external: if they do what the model says)"
+        if any(e.external for e in commander.peers)
+        else ""
+    )
+    return _after(lapse, f"control of its peers lapses when it is not renewed for {{:g}} s{said}")
+
+
+def _moving(component: jaus.Component) -> Iterator[tuple[jaus.MessageDef, jaus.Service]]:
+    for service in with_inherited(component.provides):
+        if str(service.urn) not in SERVED_BY_RUNTIME:
+            yield from ((e, service) for e in service.inputs if is_command(e) and e.moves)
+
+
+def _known_peers(carrier: Carrier) -> Answer | None:
+    names = ", ".join(str(each.name) for each in carrier.peers)
+    names = "components that it has found" if carrier.search is not None else names
+    return Answer(f"takes messages of {names} alone") if names else None
+
+
+def _known_hosts(element: Carrier | bridge.Bridge) -> Answer | None:
+    owner = element if isinstance(element, bridge.Bridge) else _owner(element)
+    hosts = ", ".join(map(str, owner.allowedHosts))
+    return Answer(f"hears {hosts} and its own host alone") if hosts else None
+
+
+def _fresh(connection: bridge.Connection) -> Answer | None:
+    seconds = freshness_of(connection) or stops.silence_timeout(connection)
+    return _after(seconds, "reports nothing older than {:g} s, but what is safe in its place")
+
+
+def _loss_told(connection: bridge.Connection) -> Answer | None:
+    silence = stops.silence_timeout(connection) if connection.safeValue else 0.0
+    topics = [each.qos for each in connection.topics if each.join is None]
+    deadline = min((float(qos.deadline) if qos is not None else 0.0 for qos in topics), default=0)
+    told = _after(silence, "publishes its safe value after {:g} s of silence")
+    return told or _after(deadline, "its topic has a deadline of {:g} s")
+
+
+def _unknown(carrier: Carrier) -> list[str]:
+    """Returns the targets of which no rule knows both ends, and that no test vector expects."""
+    found = []
+    for used, to_ros in _ways(carrier):
+        way = "jausToRos" if to_ros else "rosToJaus"
+        vectors = [each for each in used.vectors if each.direction.name == way]
+        expected = [_steps(value.path) for each in vectors for value in each.expected]
+        scope = outer_scope(used, to_ros=to_ros)
+        for placed in flattened(used.toRos if to_ros else used.toJaus, scope):
+            assignment = placed.assignment
+            if isinstance(assignment, bridge.FieldAssignment):
+                seen = _is_known(Placed(assignment, placed.scope))
+                for target in () if seen else target_paths(assignment):
+                    # The path of an element of a list begins with that of the list.
+                    ways = [each.find(_steps(target)) for each in expected]
+                    if not any(at == 0 or (at > 0 and placed.scope.is_nested) for at in ways):
+                        found.append(target)
+    return found
+
+
+def _steps(path: str) -> str:
+    return f".{path.strip().replace('[', '.[')}."
+
+
+def _is_known(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Tells whether rules see a wrong unit, and a wrong sign, of an assignment."""
+    sources, targets = placed.source_attributes, placed.target_attributes
+    numbers = [each for each in targets if each.kind in (NUMBER, NUMBERS) and not each.integral]
+    if numbers and not isinstance(result_measure(placed), Measure):
+        return False
+    if any(attribute_measure(each) is None for each in numbers):
+        return False
+    axes = {axis_of(each) is not None for each in (*sources, *targets)}
+    is_followed = True not in axes or passage(steps_of(placed), sources) is not None
+    return bool(sources and targets) and len(axes) == 1 and is_followed
+
+
+# Elements.
+
+
+def _connections(
+    wanted: Callable[[bridge.Connection], bool],
+) -> Callable[[Subject], list[bridge.Connection]]:
+    return lambda subject: [each for each in sound_connections(subject) if wanted(each)]
+
+
+def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list[Commander]]:
+    def find(subject: Subject) -> list[Commander]:
+        found: list[Commander] = [e for e in sound_connections(subject) if stops.is_command(e)]
+        found += subject.instances(bridge.RosActionConnection) if lists else []
+        return [each for each in found if _is_to_ros(each) == to_ros]
+
+    return find
+
+
+_obeyed, _given = _commanders(to_ros=True), _commanders(to_ros=False)
+_sent = _commanders(to_ros=False, lists=False)
+_aged = _connections(lambda each: _is_to_ros(each) or stops.is_command(each))
+_taken = _connections(lambda each: _is_to_ros(each) and each.exchange.name == "message")
+_published = _connections(lambda each: _is_to_ros(each) and not stops.is_command(each))
+_reports = _connections(is_report)
+
+
+def _carriers(subject: Subject) -> list[Carrier]:
+    calls_ = subject.instances(bridge.RosServiceConnection)
+    return [*sound_connections(subject), *calls_, *subject.instances(bridge.RosActionConnection)]
+
+
+def _commandable(subject: Subject) -> list[Carrier]:
+    found: list[Carrier] = list(_obeyed(subject))
+    for each in subject.instances(bridge.RosServiceConnection):
+        asking = calls.asking(each)
+        found += [each] if _is_to_ros(each) and asking is not None and is_command(asking) else []
+    return found
+
+
+def _components(subject: Subject) -> list[jaus.Component]:
+    found = [each for each in subject.instances(jaus.Component) if not each.external]
+    return [e for e in found if not isinstance(e, bridge.Bridge) and any(_moving(e))]
+
+
+def _asking(subject: Subject) -> list[jaus.ServiceConnection]:
+    return subject.instances(jaus.ServiceConnection)
+
+
+def _bridges(subject: Subject) -> list[bridge.Bridge]:
+    return subject.instances(bridge.Bridge)
+
+
+# The table.
+
+
+def _unfresh(connection: bridge.Connection) -> str:
+    if "keep" in (connection.whenStale.name, connection.map.whenStale.name):
+        return "the last report stands (whenStale keep): a person has to accept that"
+    return "no freshness: the last report stands"
+
+
+def _meaningless(carrier: Carrier) -> str:
+    targets = ", ".join(_unknown(carrier))
+    return f"nothing says what is right of {targets}: no unit or axis at both ends, no test vector"
+
+
+_STOPS, _OBEYS = "what {} commands stops", "{} obeys it no longer"
+_NO_STOP = "nothing stops it, and nobody says why its last command may stand"
+_NO_GUARDIAN = "no guardian with a stop, and nobody says why its last command may stand"
+_NO_LAPSE = "control never lapses, or nobody knows whether it does"
+_NO_LIMIT = "no ageLimit: what was late on its way passes like a new message"
+_NO_PEERS = "anybody who gets control may command: no peers, no allowedHosts"
+_NO_DEADLINE = "neither a safe value nor a deadline: readers have to notice by themselves"
+_UNGUARDED = "anyone may give some command of its services"
+_ANYBODY = "neither allowedHosts nor fixedSources: datagrams of anybody are taken"
+_MAPPED = (TEST_RUN, PROOF, MUTATIONS)
+_SHOWN = (TEST_RUN, MODEL_CHECK, FAULT_RUNS, MUTATIONS)
+_keeps_control = _when(lambda e: e.control, "sends only while it has control of the peer")
+_fixed_sources = _when(lambda e: e.fixedSources, "hears each component from one endpoint alone")
+_obeys_controller = _when(
+    lambda e: all(obeys_controller_alone(*each) for each in _moving(e)),
+    "obeys what moves it from its controller alone",
+)
+_meaning = _when(
+    lambda e: not _unknown(e),
+    "units and axes of both ends are known to rules, or test vectors say what is right",
+)
+_lapses = _stated("controlTimeout", "its control lapses when it is not renewed for {:g} s")
+_age = _stated("ageLimit", "passes no message older than {:g} s")
+_told = _stated("silenceTimeout", "is told after {:g} s of silence")
+_cap = _stated("rateCap", "takes {:g} messages/s of one source at most")
+_rate = _stated("maxRate", "passes {:g} messages/s at most")
+
+HAZARDS = (
+    Hazard(
+        "link",
+        "Loss of the link",
+        "JML451 JML452 JML453 JML454 JML497",
+        (
+            Row(_STOPS, _obeyed, _NO_STOP, (_on_silence, _on_lapse, _held), _SHOWN),
+            Row(_STOPS, _given, _NO_LAPSE, (_peers_lapse, _held), (MODEL_CHECK, FAULT_RUNS)),
+            Row(_OBEYS, _components, _NO_LAPSE, (_lapses,), (MODEL_CHECK,)),
+        ),
+        ("network cut*", "TCP, held*", "TCP, connections cut*", "node manager killed"),
+        ("JML931", "JML932", "JML933"),
+    ),
+    Hazard(
+        "operator",
+        "Loss of the operator",
+        "JML451 JML452 JML453 JML454 JML497 JML364 JML366",
+        (
+            Row(_STOPS, _obeyed, _NO_STOP, (_on_silence, _on_lapse, _held), _SHOWN),
+            Row(_STOPS, _given, _NO_STOP, (_on_silence, _held), _SHOWN),
+            Row(_OBEYS, _components, _NO_LAPSE, (_lapses,), (MODEL_CHECK,)),
+        ),
+        ("*operator killed", "operator halted*", "operator restarted", "ros *"),
+        ("JML933",),
+    ),
+    Hazard(
+        "sensor",
+        "Loss of a sensor",
+        "JML455 JML456 JML457 JML465 JML496",
+        (
+            Row("{} reports no old value", _reports, _unfresh, (_fresh,), (FAULT_RUNS,)),
+            Row("readers of {} learn it", _published, _NO_DEADLINE, (_loss_told,), (FAULT_RUNS,)),
+            Row("who asks by {} learns it", _asking, "no silenceTimeout", (_told,)),
+        ),
+        ("*vehicle killed", "*vehicle halted*", "ros killed", "ros halted*"),
+    ),
+    Hazard(
+        "stale",
+        "Stale data",
+        "JML456 JML490 JML494",
+        (
+            Row("{} does not pass it as new", _aged, _NO_LIMIT, (_age,)),
+            Row("{} does not report it as new", _reports, _unfresh, (_fresh, _age)),
+        ),
+    ),
+    Hazard(
+        "unit",
+        "Wrong unit, sign or frame",
+        "JML431 JML432 JML433 JML434 JML437 JML438 JML441 JML458",
+        (Row("a rule or a test of {} shows it", _carriers, _meaningless, (_meaning,), _MAPPED),),
+        checks="*",
+    ),
+    Hazard(
+        "preemption",
+        "Preemption",
+        "JML353 JML364 JML368 JML427",
+        (
+            Row(_STOPS, _obeyed, _NO_STOP, (_on_end, _held), _SHOWN),
+            Row("{} commands no longer", _given, "control false: it sends on", (_keeps_control,)),
+        ),
+        ("*taken over", "emergency*"),
+        ("JML933", "JML934"),
+    ),
+    Hazard(
+        "foreign",
+        "Foreign command",
+        "JML351 JML356 JML477 JML478 JML479",
+        (
+            Row("{} does not obey", _commandable, _NO_PEERS, (_known_peers, _known_hosts)),
+            Row("{} does not obey", _components, _UNGUARDED, (_obeys_controller,), (MODEL_CHECK,)),
+        ),
+        properties=("JML934",),
+    ),
+    Hazard(
+        "crash",
+        "Crash of the bridge",
+        "JML451 JML452",
+        (
+            Row(_STOPS, _obeyed, _NO_GUARDIAN, (_by_guardian, _held), _SHOWN),
+            Row(_STOPS, _sent, _NO_GUARDIAN, (_by_guardian, _held), _SHOWN),
+        ),
+        ("*bridge killed", "bridge halted*", "bridge restarted", "kill -9", "halted for*"),
+    ),
+    Hazard(
+        "overload",
+        "Overload",
+        "JML477 JML478 JML480 JML489 JML490 JML491 JML492 JML493",
+        (
+            Row("others beside {} go on", _taken, "neither rateCap nor maxRate", (_cap, _rate)),
+            Row("peers of {} are heard", _bridges, _ANYBODY, (_known_hosts, _fixed_sources)),
+        ),
+    ),
+)
+
+ASSUMPTIONS = (
+    "Components, nodes and code of users outside of what is generated behave as the model says.",
+    "JAUS has no authentication: who can forge addresses on the network is outside of this case.",
+    "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
+    "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
+    "A stop that the model states does stop the machine: only who knows the machine can say so.",
+)
+"""What no part of a model can argue."""
