@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,7 @@ def test_json_has_all_products_and_steps():
     told = json.loads(run(CARELESS, "--format", "json", status=1).stdout)
     found = {each["name"]: {e["rule"] for e in each["found"]} for each in told["products"]}
     assert found == FOUND
+    assert told["digests"] == {CARELESS.name: sha256(CARELESS.read_bytes()).hexdigest()}
     for product in told["products"]:
         assert product["complete"]
         for each in product["found"]:
