@@ -151,9 +151,10 @@ def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
         if concern.has(str(each["place"]))
         and (is_of_maps or not _ASSIGNMENT.search(str(each["place"])))
     ]
-    alive = [str(each["words"]) for each in tried if each["noticed_by"] == "nothing"]
+    alive = [each for each in tried if each["noticed_by"] == "nothing"]
     if alive:
-        yield False, f"nothing notices: {'; '.join(alive)}"
+        told = (f"{each['words']} ({each.get('by') or 'for no known reason'})" for each in alive)
+        yield False, f"nothing notices: {'; '.join(told)}"
     elif tried:
         yield True, f"{len(tried)} mutations, all noticed or of no effect"
 

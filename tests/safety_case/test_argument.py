@@ -236,7 +236,9 @@ def test_a_mutation_that_nothing_notices_speaks_against_a_goal():
         return {"outcomes": [{"place": place, "words": "0 to 1", "noticed_by": noticed_by}]}
 
     goal = "operator/bridge.cruise_speed"
-    assert says(goal, "mutations", outcome("nothing"))[0] == [(False, "nothing notices: 0 to 1")]
+    assert says(goal, "mutations", outcome("nothing"))[0] == [
+        (False, "nothing notices: 0 to 1 (for no known reason)")
+    ]
     noticed = [(True, "1 mutations, all noticed or of no effect")]
     assert says(goal, "mutations", outcome("tests"))[0] == noticed
     assert says(goal, "mutations", outcome("equal"))[0] == noticed
