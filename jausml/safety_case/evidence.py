@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from jausml.language.model.inputs import read_input
+
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
@@ -83,13 +85,12 @@ def read_evidence(file: Path, path: str, number: int, model: Collection[str]) ->
 
 def _data(file: Path) -> bytes:
     try:
-        if file.exists() and not file.is_file():
-            raise EvidenceError("is no regular file")
-        return file.read_bytes()
+        return read_input(file)
     except FileNotFoundError as error:
         raise EvidenceError("is not there") from error
     except (OSError, ValueError) as error:
-        raise EvidenceError(f"cannot be read: {error}") from error
+        reason = getattr(error, "strerror", None) or error
+        raise EvidenceError(f"cannot be read: {reason}") from error
 
 
 def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:

@@ -14,6 +14,7 @@ from jausml.cli.shared.files import EnvironmentFault, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
+from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -134,7 +135,7 @@ def _former(folder: Path) -> Former:
 
     path = folder / _PLAIN
     try:
-        return former_case(str(path), path.read_text(encoding="utf-8"))
+        return former_case(str(path), read_input(path).decode())
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
     except (UnicodeDecodeError, CaseError) as error:
@@ -166,7 +167,7 @@ def _write(case: SafetyCase, folder: Path) -> None:
     shown = click.format_filename(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        is_ours = not path.exists() or is_untouched(path.read_text("utf-8", "replace"))
+        is_ours = not path.exists() or is_untouched(read_input(path).decode("utf-8", "replace"))
     except OSError as error:
         raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
     if not is_ours:

@@ -418,12 +418,13 @@ public:
     void octets(const Sized& items, Ranges<std::int64_t> ranges) {
         static_assert(sizeof(typename Sized::value_type) == 1, "they lie as on the wire");
         const auto* const begin = reinterpret_cast<const Octet*>(items.data());
-        bool are_legal = true;
+        using Limits = std::numeric_limits<Octet>;
         for (const auto& [low, high] : ranges) {
-            if (low <= std::numeric_limits<Octet>::min() && high >= std::numeric_limits<Octet>::max()) {
+            if (low <= Limits::min() && high >= Limits::max()) {
                 return put(items.data(), items.size());
             }
         }
+        bool are_legal = true;
         for (std::size_t at = 0; at < items.size(); ++at) are_legal &= is_within(begin[at], ranges);
         require(are_legal);
         put(items.data(), items.size());
