@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import re
 from html import escape
 from typing import TYPE_CHECKING
 
 from jausml.proving.text import told, unit_of
+from jausml.views.pages import hashed, page_head
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -116,20 +115,5 @@ def _text(x: float, y: float, text: str, anchor: str = "start") -> str:
 
 
 def _page(title: str, body: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(_STYLE.encode()).digest()).decode()
-    policy = f"default-src 'none'; style-src 'sha256-{digest}'"
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-<h1>{escape(title)}</h1>
-{body}
-</body>
-</html>
-"""
+    beginning = page_head(title, _STYLE, f"default-src 'none'; style-src {hashed(_STYLE)}")
+    return f"{beginning}\n{body}\n</body>\n</html>\n"

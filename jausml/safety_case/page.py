@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from jausml.safety_case.picture import STYLE, names_of
-from jausml.views.diagrams.writers.html import hashed
+from jausml.views.pages import hashed, page_head
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -57,11 +57,7 @@ def _digest(text: str) -> str:
 
 
 def _lines(case: SafetyCase, pictures: Mapping[str, str]) -> Iterator[str]:
-    title = f"Safety case of {escape(case.system)}"
-    yield '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">'
-    yield f"<title>{title}</title>"
-    yield f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-    yield f"<style>{_STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield page_head(f"Safety case of {case.system}", _STYLE, _POLICY)
     yield f"<p>{case.summary}, by jausml {case.jausml}: the model answers the hazard, evidence is "
     yield "for it and none against it. Whether that is enough, a person decides.</p>"
     yield pictures["case"]

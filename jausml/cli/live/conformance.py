@@ -11,10 +11,11 @@ from jausml.cli.live.network import (
     identified_network,
     network_from,
     network_options,
+    reaching,
     target_of,
     waiting_options,
 )
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, write_report
 from jausml.cli.shared.models import open_catalogue
 from jausml.cli.shared.options import CONFORMANCE_FORMATS, format_option
 
@@ -100,9 +101,8 @@ def command(
     wrong, 3 internal error.
     """
     from jausml.live.peers.conformance.groups import CheckFilter
-    from jausml.live.peers.conformance.run import TargetNotReached, opened
+    from jausml.live.peers.conformance.run import opened
     from jausml.live.peers.conformance.session import Limits
-    from jausml.live.peers.network import fault
 
     selection = CheckFilter(frozenset(only), frozenset(skip))
     if list_checks:
@@ -112,25 +112,21 @@ def command(
         raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
     network = network_from(own_id, interface, port, multicast_group, peers)
     limits = Limits(slow=slow, destructive=destructive)
-    try:
-        with (
-            ended_by_signals(),
-            identified_network(network, CLIENTS) as ours,
-            opened(
-                ours,
-                target_of(target, ours),
-                open_catalogue(models),
-                limits=limits,
-                timeout=timeout,
-                quiet=quiet_time,
-            ) as session,
-        ):
-            live = output is None and output_format == "text"
-            report = _checked(session, selection.groups(), live=live)
-    except TargetNotReached as error:
-        raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        raise EnvironmentFault(fault(error, network, _REMEDY)) from error
+    with (
+        reaching(network, _REMEDY),
+        ended_by_signals(),
+        identified_network(network, CLIENTS) as ours,
+        opened(
+            ours,
+            target_of(target, ours),
+            open_catalogue(models),
+            limits=limits,
+            timeout=timeout,
+            quiet=quiet_time,
+        ) as session,
+    ):
+        live = output is None and output_format == "text"
+        report = _checked(session, selection.groups(), live=live)
     _write(report, output_format, output, live=live)
     if report.interrupted or not report.passed:
         raise click.exceptions.Exit(PROBLEMS)

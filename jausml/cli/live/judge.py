@@ -11,10 +11,11 @@ from jausml.cli.live.network import (
     identified_network,
     network_from,
     network_options,
+    reaching,
     target_of,
     waiting_options,
 )
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, write_report
 from jausml.cli.shared.models import open_catalogue
 from jausml.cli.shared.options import COMPETITIONS, FiniteRange, format_option
 
@@ -109,10 +110,8 @@ def command(
     Exit status: 0 full marks, 1 points were lost, 2 the component cannot be reached or an option is
     wrong, 3 internal error.
     """
-    from jausml.live.peers.conformance.run import TargetNotReached
     from jausml.live.peers.judging import competitions, pages, sheets
     from jausml.live.peers.judging.driving import Course
-    from jausml.live.peers.network import fault
 
     _check_names(only, competition)
     course = Course(waypoints or Course().waypoints, drive_time)
@@ -121,26 +120,25 @@ def command(
         own_id or competitions.ID.get(competition), interface, port, multicast_group, peers
     )
     live = output_format == "text"
-    try:
-        with ended_by_signals(), identified_network(network, _IDS) as ours:
-            address = target_of(target, ours)
-            if live:
-                click.echo(f"{rules.title}: {address}\n{rules.source}")
-                click.echo("Ctrl-C ends it, and releases control")
-            sheet = competitions.judged(
-                ours,
-                address,
-                open_catalogue(models),
-                rules,
-                only=only,
-                on_score=_shown() if live else lambda _: None,
-                timeout=timeout,
-                quiet=quiet_time,
-            )
-    except TargetNotReached as error:
-        raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        raise EnvironmentFault(fault(error, network, _REMEDY)) from error
+    with (
+        reaching(network, _REMEDY),
+        ended_by_signals(),
+        identified_network(network, _IDS) as ours,
+    ):
+        address = target_of(target, ours)
+        if live:
+            click.echo(f"{rules.title}: {address}\n{rules.source}")
+            click.echo("Ctrl-C ends it, and releases control")
+        sheet = competitions.judged(
+            ours,
+            address,
+            open_catalogue(models),
+            rules,
+            only=only,
+            on_score=_shown() if live else lambda _: None,
+            timeout=timeout,
+            quiet=quiet_time,
+        )
     if live:
         click.echo("\n".join(sheets.ending(sheet)))
     else:

@@ -334,6 +334,27 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 @contextmanager
+def reaching(network: Network, remedy: str) -> Iterator[None]:
+    """Tells why a component cannot be reached in a block.
+
+    Args:
+        remedy: What to do when the port is in use.
+
+    Raises:
+        EnvironmentFault: It does not answer, or the network cannot be used.
+    """
+    from jausml.live.peers.conformance.run import TargetNotReached
+    from jausml.live.peers.network import fault
+
+    try:
+        yield
+    except TargetNotReached as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise EnvironmentFault(fault(error, network, remedy)) from error
+
+
+@contextmanager
 def until_interrupted() -> Iterator[None]:
     """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
     try:

@@ -7,6 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.evidence import Verdict
+from jausml.views.pages import page_head
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,10 +50,7 @@ def render_html(sheet: Sheet) -> str:
 
 
 def _lines(sheet: Sheet) -> Iterator[str]:
-    title = escape(f"{sheet.competition.title}: score sheet of {sheet.target}")
-    yield '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<title>{title}</title>\n<style>\n{_STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield page_head(f"{sheet.competition.title}: score sheet of {sheet.target}", _STYLE)
     yield f"<dl><dt>Component</dt><dd>{escape(f'{sheet.target} at {sheet.endpoint}')}</dd>"
     begun = sheet.begun.isoformat(" ", timespec="seconds")
     yield f"<dt>Begun</dt><dd>{escape(begun)}</dd>"

@@ -6,6 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.views.analysis.formats import words
+from jausml.views.pages import page_head
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -70,10 +71,7 @@ def render(report: Report) -> str:
 
 
 def _lines(report: Report) -> Iterator[str]:
-    title = escape(f"Load and times of {report.system}")
-    yield '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f"<title>{title}</title>\n<style>\n{_STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>"
+    yield page_head(f"Load and times of {report.system}", _STYLE)
     rows = [(each.name, each.host or "-", each.load) for each in report.components]
     rows += [(f"host {each.name}", each.transport, each.load) for each in report.hosts]
     yield from _table(_SUMS, 2, _sums(rows))

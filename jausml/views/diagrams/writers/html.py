@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import json
 from html import escape
 from pathlib import Path
@@ -13,6 +11,7 @@ from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import Edge
 from jausml.views.diagrams.writers import colours, svg
 from jausml.views.diagrams.writers.shapes import cut
+from jausml.views.pages import hashed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -80,12 +79,6 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
 </body>
 </html>
 """
-
-
-def hashed(text: str) -> str:
-    """Returns the source expression that lets this very text run or style."""
-    digest = hashlib.sha256(text.encode()).digest()
-    return f"'sha256-{base64.b64encode(digest).decode()}'"
 
 
 def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]:
