@@ -14,7 +14,6 @@ from jausml.cli.shared.files import EnvironmentFault, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
-from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -131,6 +130,7 @@ def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCas
 
 
 def _former(folder: Path) -> Former:
+    from jausml.language.model.inputs import read_input
     from jausml.safety_case.comparing import CaseError, former_case
 
     path = folder / _PLAIN
@@ -160,6 +160,7 @@ def _drawn(case: SafetyCase) -> dict[str, str]:
 
 def _write(case: SafetyCase, folder: Path) -> None:
     """Writes a case; a document that somebody has filled in stays."""
+    from jausml.language.model.inputs import read_input
     from jausml.safety_case.argument import to_plain
     from jausml.safety_case.page import is_untouched
 
