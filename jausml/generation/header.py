@@ -65,6 +65,12 @@ def has_valid_header(text: str) -> bool:
     return parts is not None and parts[0] == text_digest(parts[1])
 
 
+def without_header(text: str) -> str:
+    """Returns a text without its jausml header, the same wherever its model lies."""
+    parts = _parse(normalize_newlines(text))
+    return text if parts is None else parts[1]
+
+
 def _comment_style(path: str) -> tuple[str, str] | None:
     pure = PurePosixPath(path)
     return _STYLES.get(pure.name) or _STYLES.get(pure.suffix)

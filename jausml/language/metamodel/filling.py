@@ -143,6 +143,12 @@ def is_set(obj: Any, table: FeatureTable) -> bool:
     return table.name in obj.__dict__ and table.feature in obj._isset
 
 
+def unset(obj: Any, table: FeatureTable) -> None:
+    """Has a feature that holds its default not be given a value."""
+    obj.__dict__.pop(table.name, None)
+    obj._isset.pop(table.feature, None)
+
+
 def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
     """Tells whether a feature has a value already."""
     held = obj.__dict__.get(table.name)

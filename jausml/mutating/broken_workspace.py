@@ -1,0 +1,155 @@
+"""A workspace of generated packages, of which files are replaced, and the tests run, in turn."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.generation.header import without_header
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+_BEFORE = 1_000_000_000
+"""Time of unchanged files: what was compiled of another text must never pass for that of a file."""
+
+_LONGEST = 120
+"""Seconds that the tests of a package may take; what hangs was noticed too."""
+
+_PRELOADED = ("pytest", "_pytest.assertion.rewrite", "hypothesis.strategies", "rclpy.node")
+_ARGUMENTS = ("-q", "-x", "--tb=line", "-c", os.devnull, "--rootdir", ".", "-p", "no:cacheprovider")
+
+
+class BrokenWorkspace:
+    """The files of a model that is not broken, in a folder of their own."""
+
+    def __init__(self, folder: Path, files: Mapping[str, str]) -> None:
+        self._folder = folder
+        self._files = dict(files)
+        self._count = 0
+        for path, text in files.items():
+            self._write(path, text, _BEFORE)
+        tops = sorted({path.partition("/")[0] for path in files if "/" in path})
+        self.packages = [each for each in tops if (folder / each / "test").is_dir()]
+        self._paths = [str(folder / each) for each in tops]
+
+    def preload(self) -> None:
+        """Imports what the tests need of others, which every run then has already."""
+        sys.path[:0] = self._paths
+        os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        for name in (*_PRELOADED, "jausml_runtime"):
+            importlib.import_module(name)
+
+    def differing(self, files: Mapping[str, str]) -> list[str]:
+        """Returns the paths of files but tests that say something else, or that one side lacks."""
+        paths = sorted(each for each in {*files, *self._files} if "/test/" not in each)
+        return [path for path in paths if not _is_same(path, files.get(path), self._files.get(path))]
+
+    def failing(self, files: Mapping[str, str], paths: Iterable[str]) -> str:
+        """Returns the first test that fails with files replaced; empty for none.
+
+        Tests stay those of the model that is not broken.
+        """
+        changed = list(paths)
+        self._count += 1
+        for path in changed:
+            self._write(path, files.get(path), _BEFORE + self._count)
+        try:
+            for package in self._concerned(changed):
+                problem = self._tested(package)
+                if problem:
+                    return problem
+        finally:
+            for path in changed:
+                self._write(path, self._files.get(path), _BEFORE)
+        return ""
+
+    def sound(self) -> dict[str, str]:
+        """Runs all tests on what is not broken, and returns what fails there, by package.
+
+        Those tests say nothing, and do not run again.
+        """
+        found = {each: self._tested(each) for each in self.packages}
+        self.packages = [each for each in self.packages if not found[each]]
+        return {each: problem for each, problem in found.items() if problem}
+
+    def _concerned(self, changed: Iterable[str]) -> list[str]:
+        """Returns the packages whose tests may see a change: all for what others import."""
+        tops = {each.partition("/")[0] for each in changed if each.endswith((".py", ".so"))}
+        return [each for each in self.packages if each in tops or tops - set(self.packages)]
+
+    def _write(self, path: str, text: str | None, at: float) -> None:
+        file = self._folder / path
+        if text is None:
+            file.unlink(missing_ok=True)
+            return
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(text.encode("utf-8"))
+        os.utime(file, (at, at))
+
+    def _tested(self, package: str) -> str:
+        """Returns the first test of a package that fails, run in a process forked from this one."""
+        log = self._folder / f"{package}.log"
+        child = os.fork()
+        if child == 0:
+            os._exit(_run_tests(self._folder / package, log, keeps=self._count == 0))
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        if status == 0:
+            return ""
+        told = [line for line in log.read_text("utf-8", "replace").splitlines() if line]
+        failed = [each for each in told if each.startswith(("FAILED", "ERROR"))]
+        return (failed or told or [f"ended with {status}"])[-1].removeprefix("FAILED ")
+
+
+def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
+    """Runs the tests of a package in this process, and returns the exit status of pytest."""
+    import pytest
+
+    try:
+        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        os.dup2(descriptor, 1)
+        os.dup2(descriptor, 2)
+        os.chdir(package)
+        sys.path.insert(0, str(package))
+        sys.dont_write_bytecode = not keeps
+        signal.alarm(_LONGEST)
+        code = int(pytest.main([*_ARGUMENTS, "test"]))
+        sys.stdout.flush()
+    except BaseException:
+        return 70
+    return code
+
+
+def _is_same(path: str, one: str | None, other: str | None) -> bool:
+    if one == other:
+        return True
+    if one is None or other is None:
+        return False
+    if path.endswith((".py", ".pyi")):
+        return _code(one) == _code(other)
+    return without_header(one) == without_header(other)
+
+
+def _code(text: str) -> str:
+    """Returns what a module does, without its comments and docstrings."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            kept = [each for each in body if not _is_text(each)]
+            node.body = kept  # type: ignore[attr-defined]
+    return ast.dump(tree)
+
+
+def _is_text(node: ast.AST) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
