@@ -7,13 +7,13 @@ import importlib
 import os
 import signal
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.generation.header import without_header
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+    from pathlib import Path
 
 _BEFORE = 1_000_000_000
 """Time of unchanged files: what was compiled of another text must never pass for that of a file."""
@@ -49,7 +49,9 @@ class BrokenWorkspace:
     def differing(self, files: Mapping[str, str]) -> list[str]:
         """Returns the paths of files but tests that say something else, or that one side lacks."""
         paths = sorted(each for each in {*files, *self._files} if "/test/" not in each)
-        return [path for path in paths if not _is_same(path, files.get(path), self._files.get(path))]
+        return [
+            path for path in paths if not _is_same(path, files.get(path), self._files.get(path))
+        ]
 
     def failing(self, files: Mapping[str, str], paths: Iterable[str]) -> str:
         """Returns the first test that fails with files replaced; empty for none.
@@ -109,8 +111,6 @@ class BrokenWorkspace:
 
 def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
     """Runs the tests of a package in this process, and returns the exit status of pytest."""
-    import pytest
-
     try:
         descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
         os.dup2(descriptor, 1)
@@ -119,7 +119,7 @@ def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
         sys.path.insert(0, str(package))
         sys.dont_write_bytecode = not keeps
         signal.alarm(_LONGEST)
-        code = int(pytest.main([*_ARGUMENTS, "test"]))
+        code = int(importlib.import_module("pytest").main([*_ARGUMENTS, "test"]))
         sys.stdout.flush()
     except BaseException:
         return 70

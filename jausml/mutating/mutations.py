@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.subject import Subject
@@ -13,7 +13,9 @@ from jausml.mutating.operators import OPERATORS, Site
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
+    from jausml.language.metamodel import FeatureTable
     from jausml.language.model import Model
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.mutating.changes import Change
     from jausml.mutating.operators import Operator
 
@@ -42,7 +44,9 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
         names: The operators; all of them when there is none.
     """
     subject = Subject(model, [])
-    placed = {each.assignment: each for one in directions(subject) for each in one.assignments}
+    placed: dict[Any, Placed[Any]] = {
+        each.assignment: each for one in directions(subject) for each in one.assignments
+    }
     operators = [each for each in OPERATORS if not names or each.name in names]
     found = []
     for element in model.elements(library=False):
@@ -55,7 +59,7 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
     return found
 
 
-def _features(model: Model, element, operator: Operator) -> Iterator:
+def _features(model: Model, element: Any, operator: Operator) -> Iterator[FeatureTable]:
     table = model.metamodels.class_of(element)
     for name, features in operator.features.items():
         if table in model.metamodels.classes[name].subtypes:
@@ -66,7 +70,7 @@ def sample(found: Sequence[Mutation], limit: int) -> list[Mutation]:
     """Returns at most so many mutations, spread over the operators, the same in each run."""
     if len(found) <= limit:
         return list(found)
-    chance = random.Random(_SEED)  # noqa: S311 - no secret
+    chance = random.Random(_SEED)
     by_operator: dict[str, list[int]] = {}
     for number, each in enumerate(found):
         by_operator.setdefault(each.operator.name, []).append(number)

@@ -14,7 +14,7 @@ from jausml.mutating.changes import Change, exchanged, held, without_each
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.semantics.paths.attributes import Attribute
     from jausml.language.semantics.paths.scopes import Placed
 
@@ -88,12 +88,15 @@ def _moved_on(site: Site) -> Iterator[Any]:
 
 
 def _conversion(site: Site, kind: str, *arguments: float) -> Any:
-    table = site.feature.target
-    assert table is not None
-    made = bridge.Conversion()
-    made.kind = table.features["kind"].data_type.literals[kind]
+    made: Any = bridge.Conversion()
+    made.kind = _literals(site.feature.target, "kind")[kind]
     made.arguments.extend(arguments)
     return made
+
+
+def _literals(table: ClassTable | None, name: str) -> Mapping[str, Any]:
+    data_type = table.features[name].data_type if table is not None else None
+    return data_type.literals if data_type is not None else {}
 
 
 def _times(factor: float) -> Callable[[Site], Iterator[Any]]:
@@ -174,10 +177,10 @@ _UNITS = (
 def _other_unit(site: Site) -> Iterator[Any]:
     """Yields the first unit that measures the same by another factor."""
     try:
-        unit = parse_unit(site.value) if site.value else None
+        unit = parse_unit(site.value or "")
     except UnitError:
         return
-    for each in _UNITS if unit is not None else ():
+    for each in _UNITS:
         try:
             if conversion_between(unit, parse_unit(each)) != (1.0, 0.0):
                 yield each

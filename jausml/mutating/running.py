@@ -115,7 +115,7 @@ def _work(
                 if number >= len(chosen):
                     break
                 queue.put((number, original.outcome(chosen[number], workspace)))
-    except Exception as error:  # noqa: BLE001 - told by the process that asked for it
+    except Exception as error:
         queue.put(CampaignError(f"{type(error).__name__}: {error}"))
     queue.put(None)
 
@@ -200,9 +200,7 @@ class _Original:
         return {each.path: each.text for each in render(model, targets)}
 
 
-def _outcome(
-    mutation: Mutation, noticed_by: str, by: str, files: Sequence[str] = ()
-) -> Outcome:
+def _outcome(mutation: Mutation, noticed_by: str, by: str, files: Sequence[str] = ()) -> Outcome:
     name = mutation.operator.name
     return Outcome(name, mutation.place, mutation.words, noticed_by, by, tuple(files))
 
@@ -213,3 +211,8 @@ def _key(finding: Diagnostic) -> tuple[str, str, str]:
 
 def _told(finding: Diagnostic) -> str:
     return f"{finding.rule} {finding.message}"
+
+
+def processors() -> int:
+    """Returns how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

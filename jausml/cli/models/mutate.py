@@ -1,0 +1,139 @@
+"""`jausml mutate`: breaks a model, one thing at a time, and tells what notices it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.models import model_argument, reading_options, valid_model
+from jausml.cli.shared.options import FiniteRange, format_option
+from jausml.cli.shared.terminal import step
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.language.model import Model
+    from jausml.language.project.reading import Reading
+    from jausml.mutating.mutations import Mutation
+    from jausml.mutating.outcomes import Campaign, Outcome
+    from jausml.mutating.running import Settings
+
+
+@click.command("mutate")
+@model_argument
+@click.option(
+    "--only", "names", multiple=True, metavar="OPERATOR", help="Use this operator. Repeatable."
+)
+@click.option(
+    "--limit",
+    type=click.IntRange(min=1),
+    default=1000,
+    show_default=True,
+    metavar="N",
+    help="Most mutations; of more, a sample that is spread over the operators.",
+)
+@click.option(
+    "--budget",
+    type=FiniteRange(min=0, min_open=True),
+    default=600.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="Time after which no further mutation is begun.",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Processes that work at once; by default, one for each processor.",
+)
+@format_option("Format of the results.")
+@click.option("-o", "--output", metavar="DIR", help="Also write a page into a folder.")
+@reading_options
+def command(
+    model: str,
+    names: tuple[str, ...],
+    limit: int,
+    budget: float,
+    jobs: int | None,
+    output_format: str,
+    output: str | None,
+    reading: Reading,
+) -> None:
+    """Break a model, one thing at a time, and tell what notices it.
+
+    Each mutation changes one thing: a sign, a factor, a rate, a time-out, a stop. It is noticed
+    if a rule finds an error, or if a generated test of the unbroken model fails on the code of
+    the broken one. What nothing notices is listed.
+
+    Exit status: 0 all is noticed, 1 something survives or the model has errors, 2 no such
+    operator, nothing to break or an unreadable model, 3 internal error.
+    """
+    import json
+
+    from jausml.mutating import text
+    from jausml.mutating.mutations import mutations, sample
+    from jausml.mutating.outcomes import Campaign
+    from jausml.mutating.page import page
+    from jausml.mutating.running import Settings, processors
+
+    _check_names(names)
+    broken = valid_model(model, reading, outcome="nothing broken")
+    possible = mutations(broken, names)
+    if not possible:
+        raise EnvironmentFault("the model has nothing that these operators change")
+    chosen = sample(possible, limit)
+    campaign = Campaign(Path(model).name, len(possible), len(chosen))
+    settings = Settings(reading, budget, jobs or processors())
+    _run(campaign, broken, chosen, settings)
+    if output_format == "json":
+        write_report(json.dumps(campaign.to_json(), indent=2) + "\n", None)
+    else:
+        write_report(f"{text.render(campaign)}\n", None)
+    if output is not None:
+        _write_page(page(campaign), Path(output))
+    if campaign.survivors():
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _check_names(names: Sequence[str]) -> None:
+    from jausml.mutating.operators import OPERATORS
+
+    known = [each.name for each in OPERATORS]
+    for name in names:
+        if name not in known:
+            raise EnvironmentFault(f"there is no operator '{name}'; there are {', '.join(known)}")
+
+
+def _run(campaign: Campaign, model: Model, chosen: Sequence[Mutation], settings: Settings) -> None:
+    """Fills a campaign with what becomes of mutations, in their order.
+
+    Raises:
+        EnvironmentFault: The campaign cannot run.
+    """
+    from jausml.mutating.running import CampaignError, outcomes
+
+    found: dict[int, Outcome] = {}
+    try:
+        with step("mutating") as progress:
+            progress.note = lambda: f"{len(found)} of {len(chosen)}"
+            for each in outcomes(model, chosen, settings):
+                if isinstance(each, str):
+                    campaign.remarks.append(each)
+                else:
+                    found[each[0]] = each[1]
+                    progress.at(len(found) / len(chosen))
+    except CampaignError as error:
+        raise EnvironmentFault(str(error)) from error
+    campaign.outcomes = [found[number] for number in sorted(found)]
+
+
+def _write_page(text: str, folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        name = click.format_filename(folder)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+    write_report(text, str(folder / "index.html"))
