@@ -112,9 +112,10 @@ class BrokenWorkspace:
 def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
     """Runs the tests of a package in this process, and returns the exit status of pytest."""
     try:
-        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-        os.dup2(descriptor, 1)
-        os.dup2(descriptor, 2)
+        with log.open("w", encoding="utf-8") as told:
+            for number in (1, 2):
+                os.dup2(told.fileno(), number)
+        sys.stdout = sys.stderr = os.fdopen(1, "w", encoding="utf-8")
         os.chdir(package)
         sys.path.insert(0, str(package))
         sys.dont_write_bytecode = not keeps

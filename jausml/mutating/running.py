@@ -106,7 +106,7 @@ def _work(
     try:
         with tempfile.TemporaryDirectory(prefix="jausml_mutants_") as folder:
             workspace = BrokenWorkspace(Path(folder), {**original.shared, **original.files})
-            for remark in _prepared(workspace):
+            for remark in _prepared(workspace) if time.monotonic() < deadline else ():
                 if tells:
                     queue.put(remark)
             while time.monotonic() < deadline:

@@ -1,0 +1,88 @@
+"""Workspaces of which files are replaced: their tests see the replaced ones, and only these."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.mutating.broken_workspace import BrokenWorkspace
+
+GUARDS = ("jausml/mutating",)
+
+CODE, TEST = "lamp/lamp/code.py", "lamp/test/test_code.py"
+FILES = {
+    "lamp/lamp/__init__.py": "",
+    CODE: '"""Lamp."""\n\nVALUE = 1\nOTHER = 1\n',
+    TEST: "from lamp.code import VALUE\n\n\ndef test_value():\n    assert VALUE == 1\n",
+    "lamp/package.xml": "<package/>\n",
+    "figures/figures/__init__.py": "FIGURE = 1\n",
+    "rest/rest/__init__.py": "",
+    "rest/test/test_rest.py": "def test_rest():\n    import rest\n",
+}
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    """Returns a workspace whose tests pass."""
+    made = BrokenWorkspace(tmp_path, FILES)
+    assert made.sound() == {}
+    return made
+
+
+def noticed(workspace, **changed):
+    """Returns what fails with the code of the lamp, or other files, changed."""
+    files = {**FILES, CODE: changed.pop("code", FILES[CODE]), **changed}
+    return workspace.failing(files, workspace.differing(files))
+
+
+def test_a_test_that_fails_is_named(workspace):
+    # The text has the same size and comes within the same second.
+    assert "test_value" in noticed(workspace, code=FILES[CODE].replace("VALUE = 1", "VALUE = 2"))
+    assert noticed(workspace) == ""
+
+
+def test_what_no_test_sees_survives(workspace):
+    assert noticed(workspace, code=FILES[CODE].replace("OTHER = 1", "OTHER = 2")) == ""
+
+
+def test_files_are_as_before_afterwards(workspace, tmp_path):
+    noticed(workspace, code="VALUE = 2\n", **{"lamp/lamp/more.py": "MORE = 1\n"})
+    assert (tmp_path / CODE).read_text() == FILES[CODE]
+    assert not (tmp_path / "lamp" / "lamp" / "more.py").exists()
+
+
+def test_a_file_that_is_gone_is_noticed(workspace):
+    files = {path: text for path, text in FILES.items() if path != CODE}
+    assert workspace.differing(files) == [CODE]
+    assert workspace.failing(files, [CODE]) == "ERROR test/test_code.py"
+
+
+def test_a_process_that_ends_is_noticed(workspace):
+    assert noticed(workspace, code=f"import os\n{FILES[CODE]}os._exit(3)\n") == "ended with 3"
+
+
+def test_tests_stay_those_of_what_is_not_broken(workspace):
+    files = {**FILES, TEST: "def test_nothing():\n    pass\n"}
+    assert workspace.differing(files) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        FILES[CODE].replace("Lamp.", "A lamp."),
+        f"# lamp\n{FILES[CODE]}",
+    ],
+)
+def test_comments_and_docstrings_are_no_difference(workspace, text):
+    assert workspace.differing({**FILES, CODE: text}) == []
+
+
+def test_a_text_that_is_a_value_is_a_difference(workspace):
+    text = FILES[CODE].replace("VALUE = 1", 'VALUE = "1"')
+    assert workspace.differing({**FILES, CODE: text}) == [CODE]
+
+
+def test_tests_that_fail_without_a_mutation_say_nothing(tmp_path):
+    files = {**FILES, "rest/test/test_rest.py": "def test_rest():\n    assert False\n"}
+    made = BrokenWorkspace(tmp_path, files)
+    assert list(made.sound()) == ["rest"]
+    assert made.packages == ["lamp"]

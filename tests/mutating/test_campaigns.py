@@ -1,0 +1,129 @@
+"""Campaigns: what notices mutations of a model is told, and what nothing notices."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from jausml.cli import main
+from jausml.mutating.outcomes import Campaign, Outcome
+from jausml.mutating.text import render
+
+GUARDS = ("jausml/mutating", "jausml/cli/models/mutate.py")
+ROOT = Path(__file__).resolve().parents[2]
+MODEL = Path(__file__).with_name("drive.ros2jaus").read_text()
+WINCH = ROOT / "models" / "examples" / "winch" / "winch.xmi"
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["mutate", *map(str, arguments)])
+
+
+def outcomes(*arguments):
+    """Returns what became of mutations by operator and words."""
+    done = run(*arguments, "--format", "json")
+    assert done.exit_code in (0, 1), done.output
+    found = json.loads(done.stdout)
+    return {(each["operator"], each["words"]): each for each in found["outcomes"]}
+
+
+@pytest.fixture
+def model(tmp_path):
+    """Returns the path of a model with a bridge."""
+    path = tmp_path / "drive.ros2jaus"
+    path.write_text(MODEL)
+    return path
+
+
+@pytest.mark.live
+@pytest.mark.timeout(120)
+def test_what_notices_a_mutation_is_told(model, tmp_path):
+    pytest.importorskip("rclpy")
+    names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
+    found = outcomes(model, *names, "-o", tmp_path / "page")
+    offset = found["offset", "conversions: nothing -> linear"]
+    assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
+    stop = found["stop", "safeValue: PropulsiveLinearEffortX -> nothing"]
+    assert (stop["noticed_by"], stop["by"][:7]) == ("validate", "JML451 ")
+    # The order of a sign and a factor makes no difference: nothing can notice it.
+    order = found["order", "conversions: negate, scale -> scale, negate"]
+    assert (order["noticed_by"], order["by"]) == ("nothing", "")
+    assert "bridge/bridge/bridge_base.py" in order["files"]
+    assert "order: drive/bridge/drive/toJaus[1]" in (tmp_path / "page" / "index.html").read_text()
+
+
+def test_survivors_are_named():
+    survivor = Outcome("rate", "robot/bridge/pose", "rate: 10.0 -> 5.0", "nothing", "", ("a.py",))
+    noticed = Outcome("sign", "robot/bridge/pose", "x", "tests", "test_pose")
+    text = render(Campaign("robot.xmi", 3, 3, [noticed, survivor], ["no rclpy"]))
+    assert text.splitlines()[0] == (
+        "robot.xmi: 2 of 3 possible mutations tried; the time was over before 1 more; "
+        "nothing notices 1"
+    )
+    assert "note: no rclpy" in text
+    assert text.endswith(
+        "nothing notices:\n  rate: robot/bridge/pose rate: 10.0 -> 5.0 (changes a.py)"
+    )
+    matrix = [line.split() for line in text.splitlines() if line.startswith(("rate", "all"))]
+    assert matrix == [["rate", *".....", "1"], ["all", ".", ".", "1", ".", ".", "1"]]
+
+
+@pytest.mark.live
+@pytest.mark.timeout(120)
+def test_a_campaign_is_the_same_again_with_more_processes():
+    pytest.importorskip("rclpy")
+    first, again = (outcomes(WINCH, "--limit", 6, "--jobs", jobs) for jobs in (1, 2))
+    assert first == again
+    assert len(first) == 6
+
+
+def test_a_budget_ends_a_campaign(model):
+    done = run(model, "--budget", "0.001")
+    assert done.exit_code == 0
+    assert "the time was over before" in done.output
+
+
+def test_other_operators_are_refused(model):
+    done = run(model, "--only", "nobody")
+    assert done.exit_code == 2
+    assert "there is no operator 'nobody'; there are sign, factor" in done.output
+
+
+def test_no_mutation_is_no_campaign(model):
+    done = run(model, "--limit", "0")
+    assert done.exit_code == 2
+    assert "--limit" in done.output
+
+
+def test_a_model_with_errors_is_not_broken_further(model):
+    model.write_text(MODEL.replace("linear.x ->", "linear.w ->"))
+    done = run(model)
+    assert done.exit_code == 1
+    assert "nothing broken" in done.output
+
+
+def test_a_model_without_anything_to_break(model):
+    done = run(model, "--only", "table")
+    assert done.exit_code == 2
+    assert "nothing that these operators change" in done.output
+
+
+def test_no_model(tmp_path):
+    done = run(tmp_path / "nothing.xmi")
+    assert done.exit_code == 2
+    assert "No such file" in done.output
+
+
+def test_maps_alone_generate_nothing(tmp_path):
+    path = tmp_path / "maps.ros2jaus"
+    path.write_text(
+        "import jaus.mobility\n"
+        "speed {\n  JAUS ReportVelocityState\n  ROS geometry_msgs/Twist\n"
+        "  JAUS->ROS ( Velocity_X -> linear.x )\n}\n"
+    )
+    done = run(path)
+    assert done.exit_code == 2, done.output
+    assert "system" in done.output

@@ -1,0 +1,131 @@
+"""Operators: each one changes the one thing that it says, and what it does can be undone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.language.model.xmi.writer import to_xmi
+from jausml.language.validation.project import check_project
+from jausml.mutating.mutations import mutations, sample
+from jausml.mutating.operators import OPERATORS
+
+GUARDS = ("jausml/mutating",)
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "models" / "examples"
+
+IN_MODEL = {
+    ("sign", "conversions: nothing -> negate"),
+    ("sign", "conversions: negate -> nothing"),
+    ("factor", "conversions: nothing -> scale"),
+    ("offset", "conversions: nothing -> linear"),
+    ("figure", "arguments: 10.0 -> 11.0"),
+    ("figure", "minimum: 0.5 -> 0.55"),
+    ("conversion", "conversions: scale -> nothing"),
+    ("member", "source: linear.x -> linear.y"),
+    ("member", "target: PropulsiveLinearEffortX -> PropulsiveLinearEffortY"),
+    ("assignment", "toJaus: ResistiveLinearEffortX -> nothing"),
+    ("constant", "value: 0 -> 1"),
+    ("constant", "value: 1.5 -> 1.625"),
+    ("order", "conversions: negate, scale -> scale, negate"),
+    ("rate", "maxRate: 50.0 -> 25.0"),
+    ("rate", "frequency: 20.0 -> 10.0"),
+    ("time-out", "silenceTimeout: 0.5 -> 5.0"),
+    ("time-out", "silenceTimeout: 0.5 -> nothing"),
+    ("stop", "safeValue: PropulsiveLinearEffortX -> nothing"),
+    ("QoS", "reliability: automatic -> reliable"),
+    ("figure of QoS", "depth: 4 -> 8"),
+    ("figure of QoS", "deadline: 0.5 -> 1.0"),
+    ("policy", "outOfRange: dropField -> error"),
+    ("control", "control: True -> False"),
+    ("authority", "authority: 100 -> 50"),
+    ("wiring", "peers: vehicle -> nothing"),
+    ("wiring", "publishers: speed -> nothing"),
+    ("topic", "name: speed -> speed_2"),
+}
+IN_WINCH = {
+    ("unit", "units: newton -> kilonewton"),
+    ("figure", "upper: 20000.0 -> 22000.0"),
+    ("table", "values: IDLE -> nothing"),
+    ("number of a name", "value: 4 -> 5"),
+    ("number of a name", "code: 0xD401 -> 0xD402"),
+    ("order", "fields: RopeLength, RopeSpeed -> RopeSpeed, RopeLength"),
+    ("control", "isCommand: True -> False"),
+    ("guard", "guard: isControllingClient -> nothing"),
+    ("target", "target: Locked -> Moving.PayingIn"),
+    ("behaviour", "exit: stopMotor -> nothing"),
+}
+TABLES = """\
+lamps {
+    JAUS WinchStatus ( uint16 number  float32 v { units: "meter" frame: localUp } )
+    ROS WinchStatus ( uint16 number  float32 v )
+    table t ( 1 <-> 4  2 <-> 5 )
+    JAUS->ROS ( number -> number : look_up(t)  v -> v )
+}
+"""
+IN_TABLES = {
+    ("table entry", "ros: 4 -> 5"),
+    ("table entry", "jaus: 1 -> 2"),
+    ("table", "entries: 1 -> nothing"),
+    ("frame", "frame: localUp -> localDown"),
+}
+
+
+def model_of(path: Path):
+    report = check_project([path])
+    assert not report.has_errors, report.diagnostics
+    return report.model
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Returns the models by their names."""
+    tables = tmp_path_factory.mktemp("models") / "tables.ros2jaus"
+    tables.write_text(TABLES)
+    return {
+        "drive": model_of(Path(__file__).with_name("drive.ros2jaus")),
+        "tables": model_of(tables),
+        "winch": model_of(EXAMPLES / "winch" / "winch.xmi"),
+    }
+
+
+EXPECTED = {"drive": IN_MODEL, "winch": IN_WINCH, "tables": IN_TABLES}
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_operators_break_what_they_say(written, name):
+    found = {(each.operator.name, each.words) for each in mutations(written[name])}
+    assert EXPECTED[name] - found == set()
+
+
+def test_every_operator_is_among_them():
+    named = {operator for each in EXPECTED.values() for operator, _ in each}
+    assert {each.name for each in OPERATORS} == named
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_a_mutation_changes_the_document_until_it_is_undone(written, name):
+    model = written[name]
+    roots = [root for each in model.documents if not each.is_library for root in each.roots]
+    before = to_xmi(roots, model, "/elsewhere/model.xmi")
+    texts = set()
+    found = mutations(model)
+    for each in found:
+        undoing = each.change.made()
+        texts.add(to_xmi(roots, model, "/elsewhere/model.xmi"))
+        undoing.made()
+        assert to_xmi(roots, model, "/elsewhere/model.xmi") == before, each.words
+    assert before not in texts
+    assert len(texts) > 0.9 * len(found)
+
+
+def test_a_sample_is_spread_over_the_operators_and_the_same_each_time(written):
+    found = mutations(written["drive"])
+    names = {each.operator.name for each in found}
+    chosen = sample(found, len(names))
+    assert {each.operator.name for each in chosen} == names
+    again = sample(mutations(written["drive"]), len(names))
+    assert [each.words for each in again] == [each.words for each in chosen]
+    assert sample(found, 10_000) == found
