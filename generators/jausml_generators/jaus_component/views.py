@@ -11,7 +11,7 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
-from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
@@ -28,13 +28,13 @@ from jausml_generators.jaus_component.handlers import (
 )
 from jausml_generators.python import names
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.message_examples import example_bytes
+from jausml_generators.python.codec.message_examples import example_bytes, example_numbers
 from jausml_generators.python.guards import condition, may_set_limits
 from jausml_generators.python.package import EntryPoint
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
@@ -148,6 +148,12 @@ class ComponentView:
         """
         found = ((view.class_name, example_bytes(view)) for view in self.messages)
         return tuple(_example(*each) for each in found if len(each[1]) <= _LONGEST_EXAMPLE)
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Class names and what the scaled fields of their examples hold, as tuples."""
+        found = ((each.class_name, example_numbers(each)) for each in self.messages)
+        return tuple(_numbers(name, numbers) for name, numbers in found if numbers)
 
     def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:
@@ -415,6 +421,12 @@ class ComponentView:
         )
         methods = (*(method.contract for method in self.methods), *hooks)
         return SkeletonContract(self.class_name, self.base_name, methods)
+
+
+def _numbers(name: str, numbers: Mapping[str, float]) -> str:
+    """Returns a tuple of a name and a dictionary."""
+    items = (f"{python_string(key)}: {python_literal(value)}" for key, value in numbers.items())
+    return f"({python_string(name)}, {{{', '.join(items)}}})"
 
 
 def _example(name: str, data: bytes) -> str:

@@ -14,6 +14,7 @@ from jausml_generators.python.codec.compounds import ArrayValue, ListValue, Part
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
+    from jausml_generators.python.codec.members import Member
     from jausml_generators.python.codec.messages import MessageView
 
 
@@ -23,14 +24,45 @@ def example_bytes(view: MessageView) -> bytes:
     return struct.pack("<H", view.code) + _Examples(bits).container(view.body)
 
 
+def example_numbers(view: MessageView) -> dict[str, float]:
+    """Returns what the scaled fields of the example hold, by attribute.
+
+    Those in lists, variants and inner records are left out.
+    """
+    examples = _Examples({})
+    found = {}
+    for member in _present(view.body):
+        value = member.value
+        if isinstance(value, Fixed) and value.scale is not None:
+            lower, upper = value.scale
+            found[member.attribute] = lower + (upper - lower) * examples.share()
+        elif not isinstance(value, Fixed | Blob):
+            break
+    return found
+
+
+def _present(part: ContainerClass) -> list[Member]:
+    # A definition with more optional members than bits (CBRNDetection) sends those with bits.
+    known = (1 << 8 * part.presence_size) - 1
+    return [member for member in part.members if member.bit <= known]
+
+
 class _Examples:
     def __init__(self, bits: dict[str, BitFieldClass]) -> None:
         self._bits = bits
+        self._scaled = 0
+
+    def share(self) -> float:
+        """Returns where in its range the next scaled field is.
+
+        Neighbours differ, so that no two can be exchanged unseen. A fifteenth of the range is a
+        whole number of steps for every width.
+        """
+        self._scaled += 1
+        return (4 + self._scaled % 7) / 15
 
     def container(self, part: ContainerClass) -> bytes:
-        # A definition with more optional members than bits (CBRNDetection) sends those with bits.
-        known = (1 << 8 * part.presence_size) - 1
-        present = [member for member in part.members if member.bit <= known]
+        present = _present(part)
         presence = sum(member.bit for member in present)
         body = b"".join(self.value(member.value) for member in present)
         return presence.to_bytes(part.presence_size, "little") + body
@@ -66,8 +98,8 @@ class _Examples:
             bits = sum(int(sub.value.default) - sub.value.offset << sub.low for sub in subs)
             return bits.to_bytes(value.size, "little")
         if value.scale is not None:
-            # A third of the range is a whole number of steps for every width.
-            return (((1 << 8 * value.size) - 1) // 3).to_bytes(value.size, "little")
+            steps = (1 << 8 * value.size) - 1
+            return (steps // 15 * round(15 * self.share())).to_bytes(value.size, "little")
         number = float(value.default)
         if value.format in "fd":
             return struct.pack(f"<{value.format}", number)

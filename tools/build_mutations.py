@@ -1,0 +1,115 @@
+"""Writes docs/reference/mutations.md: breaks the examples, and tells what notices it.
+
+python tools/build_mutations.py [--limit N] [--jobs N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.mutating.operators import OPERATORS
+from jausml.mutating.outcomes import NOTHING, NOTICED_BY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "reference" / "mutations.md"
+MODELS = (
+    "models/catvehicle/catvehicle.xmi",
+    "models/examples/winch/winch.xmi",
+    "models/examples/waypoints/waypoints.ros2jaus",
+)
+
+HEAD = """\
+# Mutations
+
+Look up what notices a mistake in the models of the examples. `make mutate` has broken them, one
+thing at a time, as [`jausml mutate`](../how-to/mutate.md) does with any model, and has written this
+page.
+
+| column | meaning |
+|---|---|
+"""
+
+
+def operators() -> Iterator[str]:
+    """Yields the table of the operators."""
+    yield from (
+        "## Operators",
+        "",
+        "| operator | what it does | of which features |",
+        "|---|---|---|",
+    )
+    for each in OPERATORS:
+        features = "; ".join(
+            f"`{name}`: {', '.join(f'`{one}`' for one in of.split())}"
+            for name, of in each.features.items()
+        )
+        yield f"| {each.name} | {each.does} | {features} |"
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Breaks the examples, and writes the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--limit", type=int, default=1000)
+    parser.add_argument("--jobs", type=int, default=2)
+    asked = parser.parse_args(arguments)
+    campaigns = [_campaign(model, asked.limit, asked.jobs) for model in MODELS]
+    PAGE.write_text(page(campaigns), encoding="utf-8")
+
+
+def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:
+    command = [sys.executable, "-m", "jausml", "mutate", model, "--format", "json"]
+    options = ["--limit", str(limit), "--jobs", str(jobs), "--budget", "3600"]
+    done = subprocess.run(
+        [*command, *options], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False
+    )
+    if done.returncode not in (0, 1):
+        sys.exit(done.returncode)
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
+    """Returns the page of some campaigns."""
+    lines = [HEAD + "\n".join(f"| {name} | {words} |" for name, words in NOTICED_BY.items()), ""]
+    for each in campaigns:
+        lines += [*_of_model(each), ""]
+    return "\n".join([*lines, *operators()]) + "\n"
+
+
+def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
+    tried, possible = campaign["tried"], campaign["possible"]
+    survivors = [each for each in campaign["outcomes"] if each["noticed_by"] == NOTHING]
+    yield f"## {campaign['model']}"
+    yield ""
+    yield f"{tried} of {possible} possible mutations were tried; {len(survivors)} survive."
+    yield ""
+    yield f"| operator | {' | '.join(NOTICED_BY)} |"
+    yield f"|---|{'---|' * len(NOTICED_BY)}"
+    for name, row in campaign["matrix"].items():
+        yield f"| {name} | {' | '.join(str(row.get(each, '')) for each in NOTICED_BY)} |"
+    for remark in campaign["remarks"]:
+        yield from ("", f"Note: {remark}.")
+    if survivors:
+        yield from ("", "These survive:", "")
+    # What differs only in where it stands is one thing that nothing notices.
+    found = Counter(_kind(each) for each in survivors)
+    for (operator, words, file), count in found.items():
+        times = f", {count} times" if count > 1 else ""
+        yield f"- {operator}: `{words}`, in `{file}`{times}"
+
+
+def _kind(survivor: Mapping[str, Any]) -> tuple[str, str, str]:
+    return survivor["operator"], survivor["words"], survivor["files"][0]
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
