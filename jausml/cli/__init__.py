@@ -35,7 +35,7 @@ VERBS = {
     "generate": ("models", "Generate a workspace from the system in a model."),
     "build": ("live", "Compile the translations of a generated workspace."),
     "run": ("live", "Start the processes of a generated workspace."),
-    "mutate": ("models", "Break a model, one thing at a time, and tell what notices it."),
+    "mutate": ("models", "Break a model to see what notices it."),
     "report": ("models", "Report the load and the worst-case times of a system."),
     "model-check": ("models", "Check the protocol of a system: control, states and stops."),
     "case": ("models", "Make the safety case of a model, or check it."),

@@ -42,12 +42,14 @@ def model(tmp_path):
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
     pytest.importorskip("rclpy")
-    names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
+    names = [each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)]
     found = outcomes(model, *names, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
     assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
     stop = found["stop", "safeValue: PropulsiveLinearEffortX -> nothing"]
     assert (stop["noticed_by"], stop["by"][:7]) == ("validate", "JML451 ")
+    depths = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
+    assert "test_publishers" in depths[0]["by"]
     # The order of a sign and a factor makes no difference: nothing can notice it.
     order = found["order", "conversions: negate, scale -> scale, negate"]
     assert (order["noticed_by"], order["by"]) == ("nothing", "")
@@ -75,9 +77,13 @@ def test_survivors_are_named():
 @pytest.mark.timeout(120)
 def test_a_campaign_is_the_same_again_with_more_processes():
     pytest.importorskip("rclpy")
-    first, again = (outcomes(WINCH, "--limit", 6, "--jobs", jobs) for jobs in (1, 2))
+    asked = (WINCH, "--only", "figure", "--only", "order", "--limit", 6)
+    first, again = (outcomes(*asked, "--jobs", jobs) for jobs in (1, 2))
     assert first == again
     assert len(first) == 6
+    # Other numbers in the same bytes are noticed.
+    ranges = [each for (operator, _), each in first.items() if operator == "figure"]
+    assert {each["noticed_by"] for each in ranges} == {"tests"}
 
 
 def test_a_budget_ends_a_campaign(model):
