@@ -12,13 +12,14 @@ from jausml.mutating.operators import OPERATORS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-VALIDATE, GENERATE, TESTS, WARNING = "validate", "generate", "tests", "warning"
-EQUAL, NOTHING = "equal", "nothing"
+VALIDATE, GENERATE, TESTS, PROVE = "validate", "generate", "tests", "prove"
+WARNING, EQUAL, NOTHING = "warning", "equal", "nothing"
 
 NOTICED_BY = {
     VALIDATE: "a rule finds an error",
     GENERATE: "nothing can be generated",
     TESTS: "a generated test of the model fails",
+    PROVE: "a proof of its map finds what that of the model does not",
     WARNING: "a rule warns, and nothing else notices it",
     EQUAL: "the same code is generated",
     NOTHING: "it survives",

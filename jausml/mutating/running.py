@@ -17,7 +17,17 @@ from jausml.language.model.xmi.writer import UnwritableError, to_xmi
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 from jausml.mutating.broken_workspace import BrokenWorkspace
-from jausml.mutating.outcomes import EQUAL, GENERATE, NOTHING, TESTS, VALIDATE, WARNING, Outcome
+from jausml.mutating.outcomes import (
+    EQUAL,
+    GENERATE,
+    NOTHING,
+    PROVE,
+    TESTS,
+    VALIDATE,
+    WARNING,
+    Outcome,
+)
+from jausml.mutating.proofs import Proofs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -145,6 +155,7 @@ class _Original:
         targets = select(load_targets()).targets
         self._targets = [each for each in targets if not each.is_shared]
         report = self._report(self._text())
+        self._proofs = Proofs(report)
         self._known = {_key(each) for each in report.diagnostics}
         if report.has_errors:
             raise CampaignError(f"the model as one XMI document: {report.diagnostics[0].message}")
@@ -176,6 +187,9 @@ class _Original:
         failed = workspace.failing(files, changed) if changed else ""
         if failed:
             return _outcome(mutation, TESTS, failed, changed)
+        proved = self._proofs.noticed(report, mutation.change.element) if changed else ""
+        if proved:
+            return _outcome(mutation, PROVE, proved, changed)
         warnings = [each for each in new if each.severity is Severity.WARNING]
         if warnings:
             return _outcome(mutation, WARNING, _told(warnings[0]), changed)
@@ -211,8 +225,3 @@ def _key(finding: Diagnostic) -> tuple[str, str, str]:
 
 def _told(finding: Diagnostic) -> str:
     return f"{finding.rule} {finding.message}"
-
-
-def processors() -> int:
-    """Returns how many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

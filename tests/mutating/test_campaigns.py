@@ -42,7 +42,9 @@ def model(tmp_path):
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
     pytest.importorskip("rclpy")
-    names = [each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)]
+    names = [
+        each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)
+    ]
     found = outcomes(model, *names, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
     assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
@@ -70,7 +72,7 @@ def test_survivors_are_named():
         "nothing notices:\n  rate: robot/bridge/pose rate: 10.0 -> 5.0 (changes a.py)"
     )
     matrix = [line.split() for line in text.splitlines() if line.startswith(("rate", "all"))]
-    assert matrix == [["rate", *".....", "1"], ["all", ".", ".", "1", ".", ".", "1"]]
+    assert matrix == [["rate", *"......", "1"], ["all", ".", ".", "1", ".", ".", ".", "1"]]
 
 
 @pytest.mark.live

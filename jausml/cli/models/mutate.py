@@ -65,8 +65,8 @@ def command(
     """Break a model, one thing at a time, and tell what notices it.
 
     Each mutation changes one thing: a sign, a factor, a rate, a time-out, a stop. It is noticed
-    if a rule finds an error, or if a generated test of the unbroken model fails on the code of
-    the broken one. What nothing notices is listed.
+    if a rule finds an error, if a generated test of the unbroken model fails on the code of the
+    broken one, or if a proof of its map finds a fault. What nothing notices is listed.
 
     Exit status: 0 all is noticed, 1 something survives or the model has errors, 2 no such
     operator, nothing to break or an unreadable model, 3 internal error.
@@ -77,7 +77,8 @@ def command(
     from jausml.mutating.mutations import mutations, sample
     from jausml.mutating.outcomes import Campaign
     from jausml.mutating.page import page
-    from jausml.mutating.running import Settings, processors
+    from jausml.mutating.running import Settings
+    from jausml.proving.running import processors
 
     _check_names(names)
     broken = valid_model(model, reading, outcome="nothing broken")

@@ -1,0 +1,38 @@
+"""Proofs of a broken map find what those of the map do not."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.generation.native import compiler
+from jausml.language.metamodel.classes import bridge
+from jausml.language.validation.project import check_project
+from jausml.mutating.proofs import Proofs
+
+GUARDS = ("jausml/mutating/proofs.py",)
+
+MODEL = """\
+import jaus.mobility
+
+speed {
+    JAUS GlobalWaypointDriver.ReportTravelSpeed
+    ROS ackermann_msgs/AckermannDrive
+    JAUS->ROS ( Speed -> speed )
+    ROS->JAUS ( speed -> Speed )
+}
+"""
+
+
+@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+@pytest.mark.timeout(120)
+def test_a_factor_in_one_direction_is_found(tmp_path):
+    path = tmp_path / "speed.ros2jaus"
+    path.write_text(MODEL)
+    report = check_project([path])
+    [used] = report.model.instances(bridge.AttributeMap, library=False)
+    path.write_text(MODEL.replace("-> speed )", "-> speed : scale(1.1) )"))
+    proofs = Proofs(report)
+    assert proofs.noticed(check_project([path]), used.toRos[0]).startswith("JML922 ")
+    path.write_text(MODEL)
+    assert proofs.noticed(check_project([path]), used.toRos[0]) == ""
+    assert proofs.noticed(report, report.model.root) == ""
