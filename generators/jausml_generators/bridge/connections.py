@@ -357,6 +357,11 @@ class ConnectionView:
         return stops.silence_timeout(self.connection)
 
     @property
+    def longest_silence(self) -> float:
+        """Seconds without a message after which a source is lost or a report is stale."""
+        return self.silence_timeout or freshness_of(self.connection)
+
+    @property
     def has_safe_value(self) -> bool:
         """Whether the model says what is sent when the source is lost, and it can be lost."""
         can_be_lost = self.is_command or self.silence_timeout > 0

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.language.semantics.connections.freshness import freshness_of
 from jausml.language.semantics.connections.topics import reliability, resolve_topic
 from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.topics import JoinView
@@ -133,7 +132,7 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
     if not isinstance(view, ActionView):
         yield ParameterLine(
             f"{name}.silence_timeout",
-            view.silence_timeout or freshness_of(connection),
+            view.longest_silence,
             "Seconds without a message that count as silence; 0 is never.",
         )
         yield from _shape_lines(view)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
+from jausml.generation.literals import python_literal
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.paths.scopes import target_paths
+from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.filling import (
     SINGLE,
@@ -24,12 +26,13 @@ from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml_generators.bridge.checks.ends import Ends
     from jausml_generators.bridge.checks.figures import Chain
     from jausml_generators.bridge.checks.filling import Message, Place, Scalar
     from jausml_generators.bridge.checks.samples import Sample
+    from jausml_generators.bridge.connections import ConnectionView
 
 
 def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
@@ -278,3 +281,18 @@ def forms(ends: Ends, sample: Sample | None) -> Check:
         lines += [*ends.source.fill(sample.values), compared]
     about = "Python, element by element and as a whole, compiled code and rclpy agree."
     return Check(f"{ends.name}_has_the_same_bytes_in_each_form", about, tuple(lines))
+
+
+def times(views: Iterable[ConnectionView]) -> Iterator[Check]:
+    """Yields the check of how often connections ask, and how long they wait, where they do."""
+    lines = []
+    for view in views:
+        if isinstance(view, ActionView):
+            continue
+        if view.rate is not None:
+            lines.append(equals(f"bridge.{view.name}.rate", python_literal(view.rate)))
+        if view.longest_silence > 0:
+            seconds = python_literal(view.longest_silence)
+            lines.append(equals(f"bridge.{view.name}.silence_timeout", seconds))
+    if lines:
+        yield Check("times", "Rates and times of silence are those of the model.", tuple(lines))

@@ -21,6 +21,7 @@ from jausml_generators.bridge.checks.connection_checks import (
     examples,
     forms,
     safe_values,
+    times,
     vectors,
 )
 from jausml_generators.bridge.checks.ends import Ends
@@ -141,6 +142,7 @@ class TestModule:
                 sampled.append((ends, sample))
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
+        yield from times(self.bridge.connections)
         for each in self.bridge.calls:
             for half in each.halves.values():
                 yield from self._translation(self._ends(half, half.name))[1]
