@@ -97,6 +97,18 @@ DAMAGES = {
         "target.propulsive_rotational_effort_z = 0.0",
         "target.propulsive_rotational_effort_z = 1.0",
     ),
+    "a time of silence": (
+        "silence_timeout=1.0,\n            safe_value=self.safe_drive,",
+        "silence_timeout=2.0,\n            safe_value=self.safe_drive,",
+    ),
+    "a rate": (
+        "query=QueryVelocityState(presence_vector=0x014F),\n            rate=1.0,",
+        "query=QueryVelocityState(presence_vector=0x014F),\n            rate=0.5,",
+    ),
+    "a freshness": (
+        "query=QueryVelocityState,\n            freshness=1.0,",
+        "query=QueryVelocityState,\n            freshness=2.0,",
+    ),
     "what is ignored": (
         "header.frame_id = self.speed_frame_id",
         "child_frame_id = target.header.frame_id = self.speed_frame_id",
