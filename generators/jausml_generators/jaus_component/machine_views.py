@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from dataclasses import dataclass
+from os.path import commonprefix
 from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, docstring
@@ -125,7 +126,7 @@ class MachineView:
         name = f"test_{self.attribute}_goes_as_modelled"
         return (
             f'@pytest.mark.parametrize("way", {self.walks_constant})\n'
-            f"def {name}(way: tuple[tuple[str, int, str], ...]) -> None:"
+            f"def {name}(way: _Way) -> None:"
         )
 
     @property
@@ -222,11 +223,16 @@ LONGEST = 200
 
 @dataclass(frozen=True)
 class Step:
-    """What happens to a machine, and the state that it is in then."""
+    """What happens to a machine, and the state that it is in then.
+
+    Attributes:
+        actions: What it does on the way; what it does as the core services change is left out.
+    """
 
     trigger: jaus.MessageDef | str
     refused: int
     state: str
+    actions: tuple[jaus.Action, ...] = ()
 
 
 Walk = tuple[Step, ...]
@@ -276,7 +282,8 @@ def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tup
         for refused, (path, transition) in enumerate(tried):
             after = _after(machine, place, path, transition)
             if after is not None:
-                yield Step(trigger, refused, after.state), after
+                actions = tuple(_actions(machine, place.state, transition, after.state))
+                yield Step(trigger, refused, after.state, actions), after
             if parse_guard(transition.guard) is None:
                 break
 
@@ -293,6 +300,37 @@ def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transit
 
 def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:
     return transition.message or event_name(transition.event) or None
+
+
+def _actions(
+    machine: Machine, state: str, transition: jaus.Transition, after: str
+) -> Iterator[jaus.Action]:
+    """Yields what a transition from a state to another does: exits, its own actions, entries."""
+    kind = transition.kind.name
+    if kind == "internal" or (kind == "simple" and not transition.target):
+        yield from transition.actions
+        return
+    left, entered = (list(_around(each)) for each in (state, after))
+    # Never one of the two: a transition to the present state leaves and enters it.
+    common = len(commonprefix([left[:-1], entered[:-1]]))
+    for path in reversed(left[common:]):
+        yield from _of_states(machine, path, "exit")
+    yield from transition.actions
+    for path in entered[common:]:
+        yield from _of_states(machine, path, "entry")
+
+
+def _around(state: str) -> Iterator[str]:
+    """Yields a state and those that enclose it, the outermost first."""
+    names = state.split(".")
+    for end in range(1, len(names) + 1):
+        yield ".".join(names[:end])
+
+
+def _of_states(machine: Machine, path: str, feature: str) -> Iterator[jaus.Action]:
+    node = machine.nodes.get(path)
+    for state in node.elements if node is not None else ():
+        yield from getattr(state, feature)
 
 
 def _after(

@@ -276,10 +276,19 @@ class Machines:
         for way in walks(machine, listed):
             yield tuple_of(
                 *(
-                    tuple_of(self._named(s.trigger), str(s.refused), python_string(s.state))
-                    for s in way
+                    tuple_of(
+                        self._named(each.trigger),
+                        str(each.refused),
+                        python_string(each.state),
+                        tuple_of(*map(self._called, each.actions)),
+                    )
+                    for each in way
                 )
             )
+
+    def _called(self, action: jaus.Action) -> str:
+        """Returns the name of the method of an action as a Python string."""
+        return python_string(self._action_methods[_key(action)].name)
 
     def _named(self, trigger: jaus.MessageDef | str) -> str:
         """Returns the name of a trigger as a Python string."""
