@@ -111,6 +111,8 @@ def test_generated_tests_drive_the_machines(workspace):
     [
         ('target="On.Bright"', 'target="On.Dim"', "'On.Dim' == 'On.Bright'"),
         ("kind=Kind.PUSH", "kind=Kind.SIMPLE", "== 'On.Dim'"),
+        ("exit=(self.import_,),", "", "== \\('import_',"),
+        ("do=(self.stop_,), ", "", "== \\('"),
     ],
 )
 def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wrong, failure):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from dataclasses import dataclass
-from os.path import commonprefix
 from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, docstring
@@ -312,7 +311,8 @@ def _actions(
         return
     left, entered = (list(_around(each)) for each in (state, after))
     # Never one of the two: a transition to the present state leaves and enters it.
-    common = len(commonprefix([left[:-1], entered[:-1]]))
+    pairs = zip(left[:-1], entered[:-1], strict=False)
+    common = sum(one == other for one, other in pairs)
     for path in reversed(left[common:]):
         yield from _of_states(machine, path, "exit")
     yield from transition.actions
