@@ -81,6 +81,14 @@ class BrokenWorkspace:
         self.packages = [each for each in self.packages if not found[each]]
         return {each: problem for each, problem in found.items() if problem}
 
+    def why_unseen(self, changed: Iterable[str]) -> str:
+        """Returns why no test can see a change; empty where none is known."""
+        if not any(each.endswith(".py") for each in changed):
+            return "no Python code changes, and generated tests run nothing else"
+        if not self._concerned(changed):
+            return "no package that has tests uses it"
+        return ""
+
     def _concerned(self, changed: Iterable[str]) -> list[str]:
         """Returns the packages whose tests may see a change: all for what others import."""
         tops = {each.partition("/")[0] for each in changed if each.endswith((".py", ".so"))}

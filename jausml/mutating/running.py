@@ -193,7 +193,9 @@ class _Original:
         warnings = [each for each in new if each.severity is Severity.WARNING]
         if warnings:
             return _outcome(mutation, WARNING, _told(warnings[0]), changed)
-        return _outcome(mutation, NOTHING if changed else EQUAL, "", changed)
+        if not changed:
+            return _outcome(mutation, EQUAL, "", changed)
+        return _outcome(mutation, NOTHING, workspace.why_unseen(changed), changed)
 
     def _text(self) -> str:
         return to_xmi(self._roots, self._model, self._path)

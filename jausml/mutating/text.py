@@ -41,7 +41,8 @@ def told(survivor: Outcome) -> str:
     """Returns what survived, and what of the generated files it changes."""
     more = len(survivor.files) - _MOST_FILES
     files = ", ".join(survivor.files[:_MOST_FILES]) + (f" and {more} more" if more > 0 else "")
-    return f"{survivor.operator}: {survivor.place} {survivor.words} (changes {files})"
+    reason = f"; {survivor.by}" if survivor.by else ""
+    return f"{survivor.operator}: {survivor.place} {survivor.words} (changes {files}{reason})"
 
 
 def rows(campaign: Campaign) -> Iterator[tuple[str, list[int]]]:

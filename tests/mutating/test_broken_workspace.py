@@ -65,6 +65,11 @@ def test_tests_stay_those_of_what_is_not_broken(workspace):
     assert workspace.differing(files) == []
 
 
+def test_why_no_test_can_see_a_change(workspace):
+    assert "no Python code" in workspace.why_unseen(["lamp/package.xml"])
+    assert workspace.why_unseen([CODE]) == ""
+
+
 @pytest.mark.parametrize(
     "text",
     [
