@@ -73,6 +73,7 @@ def command(
     """
     import json
 
+    from jausml.language.model.digests import digests
     from jausml.mutating import text
     from jausml.mutating.mutations import mutations, sample
     from jausml.mutating.outcomes import Campaign
@@ -90,7 +91,8 @@ def command(
     settings = Settings(reading, budget, jobs or processors())
     _run(campaign, broken, chosen, settings)
     if output_format == "json":
-        write_report(json.dumps(campaign.to_json(), indent=2) + "\n", None)
+        found = {"digests": digests(broken), **campaign.to_json()}
+        write_report(json.dumps(found, indent=2) + "\n", None)
     else:
         write_report(f"{text.render(campaign)}\n", None)
     if output is not None:
