@@ -72,20 +72,23 @@ def outcomes(
     context = multiprocessing.get_context("fork")
     queue, taken = context.SimpleQueue(), context.Value("i", 0)
     deadline = time.monotonic() + settings.budget
-    workers = [
-        context.Process(
-            target=_work, args=(original, chosen, taken, queue, deadline, number == 0), daemon=False
-        )
-        for number in range(max(1, min(settings.jobs, len(chosen))))
-    ]
-    for each in workers:
-        each.start()
-    try:
-        yield from _received(queue, workers)
-    finally:
+    # Here, and not in the processes: these may be ended at any time.
+    with tempfile.TemporaryDirectory(prefix="jausml_mutants_") as folder:
+        workers = [
+            context.Process(
+                target=_work,
+                args=(original, chosen, Path(folder) / str(number), taken, queue, deadline),
+            )
+            for number in range(max(1, min(settings.jobs, len(chosen))))
+        ]
         for each in workers:
-            each.terminate()
-            each.join()
+            each.start()
+        try:
+            yield from _received(queue, workers)
+        finally:
+            for each in workers:
+                each.terminate()
+                each.join()
 
 
 def _received(queue: Any, workers: Sequence[Any]) -> Iterator[tuple[int, Outcome] | str]:
@@ -107,24 +110,22 @@ def _received(queue: Any, workers: Sequence[Any]) -> Iterator[tuple[int, Outcome
 def _work(
     original: _Original,
     chosen: Sequence[Mutation],
+    folder: Path,
     taken: Any,
     queue: Any,
     deadline: float,
-    tells: bool,  # noqa: FBT001 - of a process
 ) -> None:
     """Tries mutations until there are no more, in a process of its own."""
     try:
-        with tempfile.TemporaryDirectory(prefix="jausml_mutants_") as folder:
-            workspace = BrokenWorkspace(Path(folder), {**original.shared, **original.files})
-            for remark in _prepared(workspace) if time.monotonic() < deadline else ():
-                if tells:
-                    queue.put(remark)
-            while time.monotonic() < deadline:
-                with taken.get_lock():
-                    number, taken.value = taken.value, taken.value + 1
-                if number >= len(chosen):
-                    break
-                queue.put((number, original.outcome(chosen[number], workspace)))
+        workspace = BrokenWorkspace(folder, {**original.shared, **original.files})
+        for remark in _prepared(workspace) if time.monotonic() < deadline else ():
+            queue.put(remark)
+        while time.monotonic() < deadline:
+            with taken.get_lock():
+                number, taken.value = taken.value, taken.value + 1
+            if number >= len(chosen):
+                break
+            queue.put((number, original.outcome(chosen[number], workspace)))
     except Exception as error:
         queue.put(CampaignError(f"{type(error).__name__}: {error}"))
     queue.put(None)

@@ -123,8 +123,8 @@ def _run(campaign: Campaign, model: Model, chosen: Sequence[Mutation], settings:
         with step("mutating") as progress:
             progress.note = lambda: f"{len(found)} of {len(chosen)}"
             for each in outcomes(model, chosen, settings):
-                if isinstance(each, str):
-                    campaign.remarks.append(each)
+                if isinstance(each, str):  # of each process
+                    campaign.remarks = list(dict.fromkeys((*campaign.remarks, each)))
                 else:
                     found[each[0]] = each[1]
                     progress.at(len(found) / len(chosen))
