@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -244,11 +245,16 @@ def _take(frame: CapturedFrame | None, reader: UdpReader, recorder: Recorder) ->
 def _until(
     frames: Iterator[CapturedFrame | None], duration: float | None, stop: Event, recorder: Recorder
 ) -> Iterator[CapturedFrame | None]:
-    end = float("inf") if duration is None else time.monotonic() + duration
+    """Yields frames until the end; those that passed before it and are still to be read, too."""
+    end = inf if duration is None else time.monotonic() + duration
+    ended = inf  # by the clock of the frames
     for frame in frames:
-        yield frame
-        if stop.is_set() or recorder.fault is not None or time.monotonic() >= end:
+        is_over = ended < inf and (frame is None or (frame.time or inf) >= ended)
+        if is_over or recorder.fault is not None:
             break
+        yield frame
+        if ended == inf and (stop.is_set() or time.monotonic() >= end):
+            ended = time.time()
 
 
 def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
