@@ -58,6 +58,7 @@ from .clients.query import PendingQuery
 from .component.component import JausComponent
 from .component.modelled import ModelledComponent
 from .component.process import ComponentProgram, run_component, running_transport
+from .component.simulation import Simulation
 from .component.state_machine import (
     Action,
     Condition,
@@ -137,6 +138,7 @@ __all__ = [
     "Scope",
     "ServiceIdentity",
     "Shape",
+    "Simulation",
     "StaleJoinError",
     "State",
     "StateMachine",

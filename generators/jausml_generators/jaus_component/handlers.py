@@ -26,13 +26,18 @@ _BODY = 8
 
 @dataclass(frozen=True)
 class Method:
-    """A method that the base calls and the user's class overrides."""
+    """A method that the base calls and the user's class overrides.
+
+    Attributes:
+        simulation: What the base does in a simulated component; nothing where it cannot.
+    """
 
     name: str
     parameters: tuple[tuple[str, str], ...]
     result: str
     documentation: str
     identity: str
+    simulation: tuple[str, ...] = ()
 
     @property
     def signature(self) -> str:
@@ -48,6 +53,8 @@ class Method:
     @property
     def default(self) -> tuple[str, ...]:
         """Statements of the base: nobody has implemented it."""
+        if self.simulation:
+            return self.simulation
         *messages, (sender, _) = self.parameters
         what = "".join(f" {{{name}.NAME}}" for name, _ in messages)
         detail = f'f"{self.name}:{what} from {{{sender}}}"'

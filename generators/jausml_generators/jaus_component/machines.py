@@ -62,7 +62,7 @@ is_controlling_client is_id_stored lift_emergency loop name note_heard payload_c
 permissions_changed
 permit_control provide provide_by_machines provision query query_found raise_event read_list
 request_core_state run_action run_condition running send services set_emergency set_list settings
-shut_down start status stop subscribe subscribe_to_found supports_element transport
+shut_down simulation start status stop subscribe subscribe_to_found supports_element transport
 unanswered_greetings watch_unwanted when_shut_down when_started
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())

@@ -16,7 +16,7 @@ from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
 from jausml_generators.common import components, runtime
-from jausml_generators.jaus_component import machines
+from jausml_generators.jaus_component import machines, simulation
 from jausml_generators.jaus_component.handlers import (
     GUARD_TEXTS,
     Answer,
@@ -187,6 +187,8 @@ class ComponentView:
                 else:
                     answers[view.code] = self._answer(message, report)
         received = tuple(self._received(each) for each in self.component.connections)
+        if self.component.simulated:
+            return *simulation.simulated(handlers.values(), answers.values()), received
         return tuple(handlers.values()), tuple(answers.values()), received
 
     @functools.cached_property
@@ -213,6 +215,11 @@ class ComponentView:
                 if self._machines.takes(code):
                     found[code] = self._machines.registration(message, service, self._provided)
         return tuple(found.values())
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether methods of the base keep what they are told, and report it."""
+        return any(each.simulation for each in self.methods)
 
     @property
     def superclass(self) -> str:

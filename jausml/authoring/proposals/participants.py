@@ -124,6 +124,7 @@ def new_component(
     provides: Iterable[str] = (),
     uses: Iterable[str] = (),
     address: str = "",
+    simulated: bool = False,
 ) -> Add:
     """Returns what makes a component."""
     values: dict[str, tuple[str, ...]] = {
@@ -134,6 +135,8 @@ def new_component(
         services = [service_of(scope, each) for each in words]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
+    if simulated:
+        values["simulated"] = ("true",)
     return Add(scope.ref(whole), "components", "jaus.Component", values)
 
 

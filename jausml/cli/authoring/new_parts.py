@@ -98,12 +98,18 @@ def _message_line(message: Child) -> str:
     "--uses", metavar="SERVICE", multiple=True, help="Name or URN of a service; may be repeated."
 )
 @click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
+@click.option(
+    "--simulated",
+    is_flag=True,
+    help="Until its methods are written, keep what it is told, and report it.",
+)
 @model_option
 def component(
     name: str,
     provides: tuple[str, ...],
     uses: tuple[str, ...],
     address: str | None,
+    simulated: bool,
     model: Path | None,
 ) -> None:
     """Add a JAUS component named NAME, with services of the model or the library.
@@ -117,7 +123,13 @@ def component(
         check_name(name, at.system)
         scope = at.scope_without_maps
         made = new_component(
-            scope, at.system, name, provides=provides, uses=uses, address=address or ""
+            scope,
+            at.system,
+            name,
+            provides=provides,
+            uses=uses,
+            address=address or "",
+            simulated=simulated,
         )
         return [made]
 

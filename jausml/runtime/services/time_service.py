@@ -75,13 +75,7 @@ class TimeService:
         now = self.now()
         report = ReportTime()
         if query.presence_vector & TIME_STAMP:
-            report.time_stamp = ReportTime.TimeStamp(
-                milliseconds=now.microsecond // 1000,
-                seconds=now.second,
-                minutes=now.minute,
-                hour=now.hour,
-                day=now.day,
-            )
+            report.time_stamp = ReportTime.TimeStamp.of(now)
         if query.presence_vector & DATE_STAMP:
             report.date_stamp = ReportTime.DateStamp(
                 day=now.day, month=now.month, year=now.year - FIRST_YEAR

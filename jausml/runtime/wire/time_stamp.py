@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from .codec import integer
+
+if TYPE_CHECKING:
+    from datetime import datetime
 
 
 @dataclass(slots=True)
@@ -39,6 +43,13 @@ class TimeStamp:
         bits |= integer(self.hour, 0, 23, "hour") << 22
         bits |= integer(self.day, 1, 31, "day") << 27
         return bits
+
+    @classmethod
+    def of(cls, moment: datetime) -> TimeStamp:
+        """Returns the stamp of a moment in UTC; parts of a millisecond are cut off."""
+        return cls(
+            moment.microsecond // 1000, moment.second, moment.minute, moment.hour, moment.day
+        )
 
     @classmethod
     def from_integer(cls, bits: int) -> TimeStamp:

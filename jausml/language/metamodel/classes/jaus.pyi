@@ -632,6 +632,13 @@ class Component(NamedElement):
     else: nothing is generated or started for it, and rules know its address and what it
     provides."""
 
+    simulated: bool
+    """True for a component with no machine behind it yet: what it is told to set it keeps, and
+    reports as if it were so, until its methods are written.
+
+    It says so when it starts. Nothing that moves people or things is to run with it.
+    """
+
     endpoint: str | None
     """Where an external component is reached, for networks on which multicast does not find it.
 

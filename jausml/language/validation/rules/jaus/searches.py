@@ -121,22 +121,31 @@ def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
                 yield Finding(first, message, "coreServices", "let one of them provide it")
 
 
-@rule("JML358", Severity.WARNING, "external component that shall do something")
+@rule("JML358", Severity.WARNING, "component that shall do what nobody carries out")
 def external_is_idle(subject: Subject) -> Iterator[Finding]:
     """An external component has no connections and controls nobody: nothing is generated for it.
 
-    Its address, its type and its services tell others what is there.
+    Its address, its type and its services tell others what is there. Nor is it simulated, and a
+    bridge neither: its maps say what it does.
 
     Bad: `<components name="vehicle" external="true" controls="trailer"/>`
 
     Good: `<components name="vehicle" external="true"/>`
     """
-    for component in subject.instances(jaus.Component, needs=("name", "external")):
+    needs = ("name", "external", "simulated")
+    for component in subject.instances(jaus.Component, needs=needs):
+        is_bridge = isinstance(component, bridge.Bridge)
+        if is_bridge and component.simulated:
+            message = f"the bridge '{component.name}' has no methods that could be simulated"
+            yield Finding(component, message, "simulated")
         if not component.external:
             continue
-        if isinstance(component, bridge.Bridge):
+        if is_bridge:
             message = f"the bridge '{component.name}' is external: it is not generated"
             yield Finding(component, message, "external")
+        if component.simulated:
+            message = f"'{component.name}' is external: nothing simulates it"
+            yield Finding(component, message, "simulated")
         for feature in ("connections", "controls"):
             if getattr(component, feature):
                 message = f"'{component.name}' is external: nobody carries out its {feature}"
