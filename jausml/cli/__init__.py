@@ -58,6 +58,7 @@ VERBS = {
     "top": ("live", "Watch a running system."),
     "conformance": ("live", "Check the conformance of a running component."),
     "judge": ("live", "Let a running component take the tasks of a competition."),
+    "peer": ("live", "Start a rover as other makes have it, to try a robot with."),
     "doctor": ("live", "Show what this machine lacks, and how to fix it."),
     "rules": ("lookup", "List the rules."),
     "explain": ("lookup", "Explain a rule."),
@@ -75,6 +76,7 @@ LASTING = {
     "top",
     "conformance",
     "judge",
+    "peer",
     "studio",
     "language-server",
 }

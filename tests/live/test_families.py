@@ -43,6 +43,8 @@ component vehicle {
 EVENTS = "peers: vehicle exchange: periodicEvent rate: 20"
 CHANGES = "peers: vehicle exchange: everyChangeEvent"
 QUERIES = "peers: vehicle exchange: query rate: 20"
+EFFORT, SPEED = 25, 0.5
+"""Percent of its effort, and metres per second of which it reports then."""
 FOUND = "search: { services: VelocityStateSensor } exchange: periodicEvent rate: 20"
 
 
@@ -87,12 +89,17 @@ def told_of(ros, peer):
     return told
 
 
+def effort_of(command):
+    """Returns the effort of a command that a rover printed, in percent."""
+    return round(command["fields"]["WrenchEffortRec"].get("PropulsiveLinearEffortX", 0))
+
+
 @pytest.mark.parametrize(
     ("family", "speed", "quirks"),
     [
-        ("jauspp", EVENTS, {"acknowledges without the version of JUDP"}),
+        ("jaus++", EVENTS, {"acknowledges without the version of JUDP"}),
         (
-            "jauspp",
+            "jaus++",
             FOUND,
             {"acknowledges without the version of JUDP", "knows no wildcards in QueryServices"},
         ),
@@ -109,19 +116,22 @@ def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, famil
     text = KNOWN + BRIDGE.format(provides="", drive=drive, speed=speed)
     path, port = generate_text(tmp_path, "tolerant", text), str(free_port())
     reports, told = ros.listen(Odometry, "speed"), told_of(ros, PEER)
-    vehicle = start(path, str(FOLDER / "family_vehicle.py"), family, port)
-    wait_for(lambda: vehicle.of_kind("ready"), "start of the vehicle")
+    line = ("-m", "jausml", "peer", family, "--id", PEER, "--port", port, "--format", "json")
+    vehicle = start(path, *line)
+    wait_for(lambda: "rover" in vehicle.log.read_text(), "start of the vehicle")
     bridge = start(path, "-m", "tolerant.main", "--jaus-port", port)
     publisher = ros.publisher(Twist, "cmd_vel")
     command = Twist()
     command.linear.x = 0.5
     with Repeater(publisher, command):
-        wait_for(lambda: len(vehicle.of_kind("effort")) > 100, "commands that are obeyed", 40)
+        wait_for(lambda: len(vehicle.facts) > 100, "commands that are obeyed", 40)
         wait_for(lambda: len(reports) > 60 or (speed is CHANGES and len(reports) > 4), "reports")
         wait_for(lambda: quirks <= set(told()), f"{quirks} in the diagnostics", 40)
-    assert {round(each.twist.twist.linear.x, 1) for each in reports} == {1.5}
-    # At the end the commands stop.
-    assert {each["linear"] for each in vehicle.of_kind("effort")} <= {0, 25}
+    # It stands until it is told to drive, and the commands stop at the end.
+    speeds = {round(each.twist.twist.linear.x, 1) for each in reports}
+    assert {SPEED} <= speeds <= {0.0, SPEED}
+    efforts = {effort_of(each) for each in vehicle.facts}
+    assert {EFFORT} <= efforts <= {0, EFFORT}
     assert int(told()["not acknowledged"]) == 0
     for each in quirks:
         assert bridge.log.read_text().count(f"{PEER} {each}") == 1

@@ -12,6 +12,9 @@ from click.testing import CliRunner
 from ports import free_port
 
 from jausml.cli import main
+from jausml.live.peers.makes.jaus_plus_plus import JausPlusPlus
+from jausml.live.peers.makes.vehicle import Place, Vehicle
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 
 CATVEHICLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
@@ -199,15 +202,10 @@ def test_messages_that_nobody_installed(doctor, tmp_path):
     assert "ros-jazzy-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
 
 
-def test_peers_are_told_of_as_they_are(doctor, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "support")
-    from foreign_vehicle import JausPlusPlus, Vehicle
-
-    from jausml.runtime.base.address import JausAddress
-
+def test_peers_are_told_of_as_they_are(doctor):
     address, port = JausAddress(152, 1, 1), free_port()
-    vehicle = Vehicle(address, lambda _code: None, lambda _payload: None, dies_of_updates=True)
-    peer = JausPlusPlus(vehicle, port)
+    vehicle = Vehicle(address, lambda _code: None, lambda *_: None, dies_of_updates=True)
+    peer = JausPlusPlus(vehicle, Place(port=port))
     try:
         line = ["--port", str(port), "--peer", f"{address}=127.0.0.2:{port}"]
         done = CliRunner().invoke(main, ["doctor", *line])

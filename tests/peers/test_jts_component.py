@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from threading import Event, Thread
 
 import pytest
@@ -14,10 +12,9 @@ from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.groups import CheckFilter
 from jausml.live.peers.conformance.run import opened, run
 from jausml.live.peers.conformance.session import Limits
+from jausml.live.peers.makes.tool_set import JtsComponent
+from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime.base.address import JausAddress
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-from jts_component import JtsComponent
 
 pytestmark = [pytest.mark.ports, pytest.mark.timeout(180)]
 
@@ -29,7 +26,7 @@ _DEAD_FOR = 2.0  # longer than a check waits for an answer
 
 @pytest.fixture
 def waypoint_driver(free_port):
-    with JtsComponent(ADDRESS, free_port) as component:
+    with JtsComponent(ADDRESS, Place(port=free_port)) as component:
         yield component
 
 

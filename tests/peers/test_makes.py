@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
 
+from jausml.cli.shared import options
+from jausml.live.peers.makes import rover
+from jausml.live.peers.makes.jaus_plus_plus import JausPlusPlus
+from jausml.live.peers.makes.vehicle import SERVICES, Place, Vehicle
 from jausml.runtime.base.address import JausAddress
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-from foreign_vehicle import SERVICES, JausPlusPlus, Vehicle
 
 pytestmark = pytest.mark.ports
 
@@ -19,8 +17,8 @@ ADDRESS = JausAddress(152, 1, 1)
 
 @pytest.fixture
 def vehicle(free_port):
-    made = Vehicle(ADDRESS, lambda _code: None, lambda _payload: None, dies_of_updates=True)
-    peer = JausPlusPlus(made, free_port)
+    made = Vehicle(ADDRESS, lambda _code: None, lambda *_: None, dies_of_updates=True)
+    peer = JausPlusPlus(made, Place(port=free_port))
     yield made
     peer.close()
 
@@ -41,3 +39,22 @@ def test_it_is_controlled_and_watched(jausml, vehicle):
     assert result.stdout.count("ReportStatus") > 3
     assert f"note: {ADDRESS} acknowledges without the version of JUDP" in result.stderr
     assert not vehicle.is_dead
+
+
+def test_a_peer_of_each_make_can_be_started():
+    assert tuple(rover.MAKES) == options.MAKES
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (("juniors",), "'junior', 'jts', 'jaus++'"),
+        (("jts", "--id", "1.1"), "not a JAUS address"),
+        (("jts", "--interface", "192.0.2.1"), "the network cannot be used"),
+        (("jts", "--interface", "nowhere"), "nowhere"),
+    ],
+)
+def test_what_a_peer_cannot_be_is_told(arguments, error, jausml):
+    result = jausml("peer", *arguments)
+    assert result.exit_code == 2
+    assert error in result.stderr

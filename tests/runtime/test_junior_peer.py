@@ -6,9 +6,10 @@ import os
 import struct
 
 import pytest
-from jts_component import REPORT_STATUS, STANDBY, JtsComponent
-from junior_peer import JuniorPeer
 
+from jausml.live.peers.makes.junior import JuniorPeer
+from jausml.live.peers.makes.tool_set import REPORT_STATUS, STANDBY, JtsComponent
+from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets import outbox
@@ -26,7 +27,7 @@ QUERY_STATUS = b"\x02\x20"
 @pytest.fixture
 def junior(free_port):
     """A component on Junior, on the same port of another host."""
-    with JuniorPeer(PEER, free_port) as made:
+    with JuniorPeer(PEER, Place(port=free_port)) as made:
         made.transmissions = 50
         yield made
 
@@ -57,7 +58,7 @@ def test_a_broadcast_reaches_it(station, junior, wait_until):
 
 
 def test_an_empty_message_ends_a_generated_component(station, peer, free_port, wait_until):
-    with JtsComponent(PEER, free_port) as component:
+    with JtsComponent(PEER, Place(port=free_port)) as component:
         driver = station().attach(DRIVER)
         driver.transport.send(DRIVER, PEER, QUERY_STATUS)
         wait_until(lambda: driver.payloads == [struct.pack("<HBI", REPORT_STATUS, STANDBY, 0)])

@@ -6,9 +6,10 @@ import socket
 import sys
 
 import pytest
-from junior_peer import JuniorPeer
 from stranger import ROBOT, Stranger, event
 
+from jausml.live.peers.makes.junior import JuniorPeer
+from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
@@ -123,7 +124,7 @@ class TestProof:
 
     def test_junior_proves_itself_by_what_it_does_anyway(self, station, free_port, wait_until):
         here = station(port=free_port).attach(ROBOT)
-        with JuniorPeer(STRANGER, free_port) as junior:
+        with JuniorPeer(STRANGER, Place(port=free_port)) as junior:
             assert junior.send(ROBOT, QueryStatus().encode(), acknowledge=True)
             wait_until(lambda: here.transport.is_proved(STRANGER))
             here.transport.send(ROBOT, STRANGER, QueryStatus().encode())

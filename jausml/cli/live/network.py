@@ -220,7 +220,8 @@ class Settings:
         click.echo(render(source, entry, fields))
 
 
-def _address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
+def parsed_address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
+    """Returns the JAUS id of a component, as a callback of options and arguments."""
     from jausml.live.peers.network import component_address
 
     try:
@@ -283,7 +284,7 @@ def _field_names(context: click.Context, _parameter: click.Parameter, begun: str
     return beginning(begun, (f"{each}=" for each in found))
 
 
-TARGET = click.argument("target", metavar="ID", callback=_address)
+TARGET = click.argument("target", metavar="ID", callback=parsed_address)
 MESSAGE = click.argument("message", metavar="MESSAGE", shell_complete=_message_names)
 FIELDS = click.argument(
     "fields", metavar="[FIELDS]...", nargs=-1, callback=_fields, shell_complete=_field_names

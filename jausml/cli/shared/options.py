@@ -34,6 +34,9 @@ CONFORMANCE_FORMATS = ("text", "json", "junit")
 COMPETITIONS = ("igvc-jaus", "igvc-iop", "conformance")
 """`jausml.live.peers.judging.competitions`."""
 
+MAKES = ("junior", "jts", "jaus++")
+"""`jausml.live.peers.makes.rover`."""
+
 QUESTIONS = ("heartbeat", "identification", "status", "control")
 """`jausml.live.peers.pinging`."""
 

@@ -1,15 +1,7 @@
 """A component on Junior's API and the node manager below it, as peers of other makes meet them.
 
-Written from how Junior behaves on the wire, with real UDP sockets and a thread, for tests of what
-works between two jausml processes and yet not with such a peer::
-
-    with JuniorPeer(JausAddress(300, 1, 1), port) as peer:     # on 127.0.0.2, heard by multicast
-        ...                                                     # make jausml send to it
-        peer.payloads                                           # what its application received
-        peer.send(DRIVER, payload, acknowledge=True)            # blocks, as JrSend does; True is Ok
-        peer.restart()                                          # the component runs again
-
-What it has of Junior:
+Written from how Junior behaves on the wire, with sockets and a thread of its own. It has these
+habits of Junior:
 
 - a receive buffer of 70,000 bytes, of which a manager takes ten datagrams in each round, with a
   pause of a millisecond between two; a datagram above 5000 bytes is cut, and so lost;
@@ -21,12 +13,11 @@ What it has of Junior:
   acknowledged, four times at most, 100 ms apart; without acknowledgement ten in a millisecond;
 - a message for an unknown component is multicast with a request for acknowledgement.
 
-``JtsComponent`` (``jts_component.py``) answers on top of it as generated components do.
+A vehicle whose author wrote the events by himself makes another event of each CreateEvent.
 """
 
 from __future__ import annotations
 
-import socket
 import struct
 import threading
 import time
@@ -40,7 +31,8 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-GROUP = "239.255.0.1"
+    from jausml.live.peers.makes.vehicle import Place, Vehicle
+
 RECEIVE_BUFFER = 70_000
 LARGEST_DATAGRAM = 5000
 DATAGRAMS_IN_A_ROUND = 10
@@ -81,17 +73,21 @@ class JuniorPeer:
             suit tests on a busy computer.
     """
 
-    def __init__(self, address: JausAddress, port: int, host: str = "127.0.0.2") -> None:
+    def __init__(self, address: JausAddress, place: Place) -> None:
+        """Starts the component, and the node manager of its host.
+
+        Raises:
+            OSError: The port is in use, or the network cannot be used.
+        """
         self.address = address
-        self.endpoint = (host, port)
+        self.endpoint = place.endpoint
         self.received: list[tuple[JausAddress, bytes]] = []
         self.transmissions = TRANSMISSIONS
-        self._group = (GROUP, port)
+        self._group = place.group
         self._book: dict[int, tuple[str, int]] = {}
         self._state = threading.Condition(threading.RLock())
         self._start_component()
-        self._unicast = self._unicast_socket()
-        self._multicast = self._multicast_socket()
+        self._unicast, self._multicast = place.sockets(RECEIVE_BUFFER)
         self._running = True
         self._thread = threading.Thread(target=self._run, name=f"junior-{address}", daemon=True)
         self._thread.start()
@@ -274,24 +270,33 @@ class JuniorPeer:
         datagram = b"\x02" + header + payload + _SEQUENCE.pack(sequence)
         self._unicast.sendto(datagram, endpoint)
 
-    def _unicast_socket(self) -> socket.socket:
-        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        interface = socket.inet_aton("127.0.0.1")
-        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
-        sock.setblocking(False)
-        sock.bind(self.endpoint)
-        return sock
 
-    def _multicast_socket(self) -> socket.socket:
-        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        sock.setblocking(False)
-        sock.bind(self._group)
-        member = socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1")
-        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
-        return sock
+class JuniorVehicle(JuniorPeer):
+    """A vehicle on Junior's API."""
+
+    def __init__(self, vehicle: Vehicle, place: Place) -> None:
+        """Joins the node manager of a host."""
+        self._vehicle = vehicle
+        super().__init__(vehicle.address, place)
+        self._reporter = threading.Thread(target=self._report, daemon=True)
+        self._reporter.start()
+
+    def close(self) -> None:
+        """Ends it."""
+        self._running = False
+        self._reporter.join(10)
+        super().close()
+
+    def on_message(self, source: JausAddress, payload: bytes) -> None:
+        """Answers or obeys."""
+        for client, answer in self._vehicle.take(payload, source):
+            self.send(client, answer)
+
+    def _report(self) -> None:
+        while self._running:
+            for client, report in self._vehicle.due():
+                self.send(client, report)
+            time.sleep(0.01)
 
 
 def _parts(packed: int) -> tuple[int, int, int]:

@@ -1,10 +1,6 @@
 """A component as the JAUS Tool Set generates it, on Junior: what it answers, and what it does not.
 
-It is a waypoint driver with AccessControl and Management, which announces its leaf services alone::
-
-    with JtsComponent(JausAddress(126, 1, 199), port) as component:
-        ...                       # operate it with jausml
-        component.alive           # False once an empty message reached it
+It is a waypoint driver with AccessControl and Management, which announces its leaf services alone:
 
 - ReportServices has one record of the node for each service, in all of them the same component.
 - QueryIdentification is answered with query type 2, whatever was asked.
@@ -17,9 +13,12 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING
 
-from junior_peer import JuniorPeer
+from jausml.live.peers.makes.junior import JuniorPeer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.live.peers.makes.vehicle import Place
     from jausml.runtime.base.address import JausAddress
 
 SERVICES = (
@@ -45,9 +44,22 @@ class JtsComponent(JuniorPeer):
         controller: Who controls it, if anybody.
     """
 
-    def __init__(self, address: JausAddress, port: int, host: str = "127.0.0.2") -> None:
+    def __init__(
+        self,
+        address: JausAddress,
+        place: Place,
+        report: Callable[[int], bytes | None] = lambda _: None,
+        obey: Callable[[bytes, JausAddress], None] = lambda *_: None,
+    ) -> None:
+        """Stands by.
+
+        Args:
+            report: Returns what answers a query of its code, besides what all have.
+            obey: Takes a command of the controller, and who that is, in Ready.
+        """
+        self._report, self._further = report, obey
         self._reset()
-        super().__init__(address, port, host)
+        super().__init__(address, place)
 
     def restart(self) -> None:
         """Starts it again, in standby and uncontrolled."""
@@ -60,9 +72,11 @@ class JtsComponent(JuniorPeer):
             self.end()
             return
         (code,) = struct.unpack_from("<H", payload)
-        answer = self._answer(code, source)
+        answer = self._report(code) or self._answer(code, source)
         if answer is not None:
             self.send(source, answer)
+        elif source == self.controller and self.state == READY:
+            self._further(payload, source)
 
     def _reset(self) -> None:
         self.state = STANDBY

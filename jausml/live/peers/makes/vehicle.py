@@ -1,0 +1,225 @@
+"""A vehicle as stacks of other makes have it, above their transports, and where it is."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.runtime import messages as core
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
+
+CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
+SERVICES = (
+    *(f"urn:jaus:jss:core:{name}" for name in CORE),
+    "urn:jaus:jss:mobility:PrimitiveDriver",
+    "urn:jaus:jss:mobility:VelocityStateSensor",
+)
+READY, STANDBY = 1, 2
+COMPONENT, VEHICLE = 4, 10001
+_INPUTS = {
+    each.CODE: each
+    for each in (
+        core.CancelEvent,
+        core.CreateEvent,
+        core.QueryControl,
+        core.QueryEventTimeout,
+        core.QueryIdentification,
+        core.QueryServices,
+        core.QueryStatus,
+        core.QueryTimeout,
+        core.ReleaseControl,
+        core.RequestControl,
+        core.Resume,
+        core.Standby,
+        core.UpdateEvent,
+    )
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a peer is: a host of its own of loopback, or an interface of this one.
+
+    Attributes:
+        interface: IPv4 address that it has.
+        multicast_group: Where it is found.
+    """
+
+    interface: str = "127.0.0.2"
+    port: int = 3794
+    multicast_group: str = "239.255.0.1"
+
+    @property
+    def endpoint(self) -> tuple[str, int]:
+        """Where it receives what is for it alone."""
+        return self.interface, self.port
+
+    @property
+    def group(self) -> tuple[str, int]:
+        """Where it receives what is for all."""
+        return self.multicast_group, self.port
+
+    def sockets(self, buffer: int) -> tuple[socket.socket, socket.socket]:
+        """Opens the sockets for both, which do not block, with receive buffers of so many bytes."""
+        own, group = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+        # Multicast of loopback goes by its usual address alone.
+        is_loopback = self.interface.startswith("127.")
+        by = socket.inet_aton("127.0.0.1" if is_loopback else self.interface)
+        try:
+            for each in (own, group):
+                each.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+                each.settimeout(0)
+            own.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, by)
+            own.bind(self.endpoint)
+            group.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            group.bind(self.group)
+            member = socket.inet_aton(self.multicast_group) + by
+            group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        except OSError:
+            own.close()
+            group.close()
+            raise
+        return own, group
+
+
+@dataclass
+class _Event:
+    """An event that somebody has asked for."""
+
+    client: JausAddress
+    query: bytes
+    period: float
+    due: float
+    sequence: int = 0
+
+
+class Vehicle:
+    """Obeys one controller, and reports at the rate that is asked for.
+
+    Attributes:
+        dies_of_updates: Whether UpdateEvent brings it to a standstill.
+        doubles_events: Whether it makes another event of each CreateEvent.
+        is_dead: Whether it stands still.
+    """
+
+    def __init__(
+        self,
+        address: JausAddress,
+        report: Callable[[int], bytes | None],
+        obey: Callable[[bytes, JausAddress], None],
+        *,
+        dies_of_updates: bool = False,
+        doubles_events: bool = False,
+    ) -> None:
+        """Stands by.
+
+        Args:
+            address: Its component.
+            report: Returns what answers a query of its code.
+            obey: Takes a command of the controller, and who that is, in Ready.
+        """
+        self.address = address
+        self.dies_of_updates, self.doubles_events = dies_of_updates, doubles_events
+        self.is_dead = False
+        self._report, self._obey = report, obey
+        self._state = STANDBY
+        self._controller: JausAddress | None = None
+        self._events: dict[int, _Event] = {}
+
+    def take(self, payload: bytes, source: JausAddress) -> list[tuple[JausAddress, bytes]]:
+        """Answers a message; returns answers with whom they are for."""
+        if len(payload) < 2 or self.is_dead:
+            return []
+        (code,) = struct.unpack_from("<H", payload)
+        report = self._report(code)
+        if report is not None:
+            return [(source, report)]
+        kind = _INPUTS.get(code)
+        if kind is not None:
+            return [(source, each.encode()) for each in self._answers(kind.decode(payload), source)]
+        if source == self._controller and self._state == READY:
+            self._obey(payload, source)
+        return []
+
+    def due(self) -> list[tuple[JausAddress, bytes]]:
+        """Returns the reports whose time has come, with whom they are for."""
+        now, told = time.monotonic(), []
+        for number, event in self._events.items():
+            if now >= event.due and not self.is_dead:
+                ((_, report),) = self.take(event.query, event.client)
+                told.append((event.client, core.Event(number, event.sequence, report).encode()))
+                event.due = max(event.due + event.period, now)
+                event.sequence = event.sequence + 1 & 0xFF
+        return told
+
+    def _answers(self, message: Message, source: JausAddress) -> Sequence[Message]:
+        if isinstance(message, core.QueryStatus):
+            return [core.ReportStatus(self._state)]
+        if isinstance(message, core.QueryTimeout):
+            return [core.ReportTimeout(5)]
+        if isinstance(message, core.QueryEventTimeout):
+            return [core.ReportEventTimeout(1)]
+        if isinstance(message, core.QueryIdentification) and message.query_type == COMPONENT:
+            return [core.ReportIdentification(COMPONENT, VEHICLE, "vehicle")]
+        if isinstance(message, core.QueryServices):
+            return [self._services(message)]
+        if isinstance(message, core.CreateEvent):
+            return self._create(message, source)
+        if isinstance(message, core.CancelEvent):
+            self._events.pop(message.event_id, None)
+        if isinstance(message, core.UpdateEvent):
+            self.is_dead = self.dies_of_updates
+        return self._controlled(message, source)
+
+    def _controlled(self, message: Message, source: JausAddress) -> Sequence[Message]:
+        if isinstance(message, core.QueryControl):
+            by = self._controller
+            parts = (by.subsystem, by.node, by.component) if by else (0, 0, 0)
+            return [core.ReportControl(*parts, 127)]
+        if isinstance(message, core.RequestControl):
+            if self._controller not in (None, source):
+                return [core.ConfirmControl(1)]
+            self._controller = source
+            return [core.ConfirmControl(0)]
+        if source != self._controller:
+            return []
+        if isinstance(message, core.ReleaseControl):
+            self._controller, self._state = None, STANDBY
+            return [core.RejectControl(0)]
+        if isinstance(message, core.Resume):
+            self._state = READY
+        elif isinstance(message, core.Standby):
+            self._state = STANDBY
+        return []
+
+    def _create(self, message: core.CreateEvent, source: JausAddress) -> Sequence[Message]:
+        if not self.take(message.query_message, source):
+            return [core.RejectEventRequest(message.request_id, 5)]
+        number = next(each for each in range(255) if each not in self._events)
+        asked = (source, message.query_message)
+        for known, event in self._events.items():
+            if not self.doubles_events and (event.client, event.query) == asked:
+                number = known
+        rate = message.requested_periodic_rate or 2.0
+        due = time.monotonic() + 1 / rate
+        self._events[number] = _Event(*asked, 1 / rate, due)
+        return [core.ConfirmEventRequest(message.request_id, number, rate)]
+
+    def _services(self, query: core.QueryServices) -> core.ReportServices:
+        kind = core.ReportServices
+        own = self.address
+        for node in query.node_list:
+            for component in node.component_list:
+                if (node.node_rec.node_id, component.component_id) == (own.node, own.component):
+                    records = [kind.ServiceRec(urn, 1, 0) for urn in SERVICES]
+                    parts = [kind.ComponentSeq(kind.ComponentRec(own.component, 0), records)]
+                    return kind([kind.NodeSeq(kind.NodeRec(own.node), parts)])
+        return kind(node_list=[])
