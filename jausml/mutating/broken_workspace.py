@@ -10,6 +10,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from jausml.generation.header import without_header
+from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -112,7 +113,7 @@ class BrokenWorkspace:
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         if status == 0:
             return ""
-        told = [line for line in log.read_text("utf-8", "replace").splitlines() if line]
+        told = [line for line in read_input(log).decode("utf-8", "replace").splitlines() if line]
         failed = [each for each in told if each.startswith(("FAILED", "ERROR"))]
         return (failed or told or [f"ended with {status}"])[-1].removeprefix("FAILED ")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.units import UnitError, conversion_between, parse_unit
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.conversions import NEGATION
 from jausml.language.semantics.paths.attributes import NUMBER
 from jausml.mutating.changes import Change, exchanged, held, without_each
 
@@ -70,11 +71,11 @@ def _ends(site: Site) -> list[Attribute]:
 
 def _negated(site: Site) -> Iterator[Any]:
     kinds = [str(each.kind) for each in site.value]
-    if "negate" in kinds:
-        at = kinds.index("negate")
+    if NEGATION.name in kinds:
+        at = kinds.index(NEGATION.name)
         yield site.value[:at] + site.value[at + 1 :]
     elif _ends(site) and not any(each.named for each in _ends(site)):
-        yield [*site.value, _conversion(site, "negate")]
+        yield [*site.value, _conversion(site, NEGATION.name)]
 
 
 def _scaled_on(site: Site) -> Iterator[Any]:

@@ -28,7 +28,7 @@ from jausml.language.semantics.assignments.frames import axis_of
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import (
     CONVERSIONS,
-    Effect,
+    NEGATION,
     UnitEffect,
     conversions_between,
 )
@@ -54,7 +54,6 @@ _LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
 """What optional angles are that a message leaves out: a heading alone is an orientation."""
 
 _MANY = (LIST, NUMBERS)
-_SIGN = next(each for each in CONVERSIONS.values() if each.effect is Effect.NEGATED)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
 _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
@@ -154,7 +153,7 @@ def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     plain, accepted = judged[0], [each for each in judged if each.is_accepted]
     if accepted:
         if source.attribute.kind == NUMBER and _may_be_turned(source, target):
-            turned = [_Draft(*own, (_SIGN.name,), tuple(each.items())) for each in _POLICIES]
+            turned = [_Draft(*own, (NEGATION.name,), tuple(each.items())) for each in _POLICIES]
             accepted += _judged(scope, used, source, target, turned)
         return _Found(plain, [each for each in accepted if each.is_accepted])
     judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
@@ -232,12 +231,12 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
             yield chain
     if source.attribute.kind == target.attribute.kind == NUMBER and is_of_ratios:
         yield from ((each,) for each in of_authors)
-        yield from ((_SIGN, each) for each in of_authors)
+        yield from ((NEGATION, each) for each in of_authors)
 
 
 def _may_follow(first: Conversion, second: Conversion) -> bool:
     """Tells whether two conversions in a row may mean something: a sign, and something else."""
-    if (first is _SIGN) is (second is _SIGN):
+    if (first is NEGATION) is (second is NEGATION):
         return False
     fitting = second.takes(list(first.outputs))
     return fitting and not (_is_last_choice(first) or _is_last_choice(second))
@@ -249,7 +248,7 @@ def _is_last_choice(conversion: Conversion) -> bool:
     if units in (UnitEffect.SQUARE, UnitEffect.ROOT):
         return True
     is_same = units is UnitEffect.SAME or (isinstance(units, tuple) and units[0] == units[1])
-    return is_same and not conversion.frames and conversion is not _SIGN
+    return is_same and not conversion.frames and conversion is not NEGATION
 
 
 def _with_siblings(

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ANY",
     "CONVERSIONS",
+    "NEGATION",
     "VALUE",
     "Argument",
     "ArgumentKind",
@@ -47,6 +48,9 @@ CONVERSIONS: Mapping[str, Conversion] = {
     each.name: each for module in _MODULES for each in module.CONVERSIONS
 }
 """All conversions by name."""
+
+NEGATION = next(each for each in CONVERSIONS.values() if each.effect is Effect.NEGATED)
+"""The conversion of a number to one of the other sign."""
 
 
 def conversion_of(element: bridge.Conversion) -> Conversion:
