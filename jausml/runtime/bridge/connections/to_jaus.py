@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...base.quirks import Quirk
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
+from .repeated_stops import RepeatedStops
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -65,8 +65,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
         self._slots: dict[JausAddress, int] = {}
-        self._repeated: set[JausAddress] = set()
-        self._has_ended = False
+        self._stops = RepeatedStops(self._peers, lambda _: self.is_silent, self._stop_again)
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -77,8 +76,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
         self._slots.clear()
-        self._repeated.clear()
-        self._has_ended = False
+        self._stops.open(ends)
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
         )
@@ -211,32 +209,16 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             )
         return bool(peers)
 
-    def _stop_sent(self, peer: JausAddress, acknowledged: bool) -> None:  # noqa: FBT001
-        """Sends a stop again that was lost on the way.
-
-        The radio may be away for longer than a message is repeated, and be back before control is
-        lost: the peer would go on for ever with what was commanded before.
-        """
-        component = self._ends.component
-        acknowledges_nothing = component.transport.quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
-        if acknowledged or acknowledges_nothing or self._has_ended or peer in self._repeated:
-            return
-        settings = self._ends.settings.component
-        is_bounded = self._peers.demands_control  # by the loss of control
-        pause = settings.retry_min if is_bounded else settings.watch_interval
-        self._repeated.add(peer)
-        self._ends.loop.call_later(pause, partial(self._stop_again, peer))
-
-    def _stop_again(self, peer: JausAddress) -> None:
-        self._repeated.discard(peer)
-        is_due = self.is_silent and not self._has_ended
-        if is_due and peer in self._prepared and self._peers.obeys(peer):
-            self.send_safe_value(partial(self._send_stop, [peer]))
+    def _stop_sent(self, peer: JausAddress, acknowledged: bool) -> None:  # noqa: FBT001 - a fact
+        self._stops.sent(peer, self._stops.has_arrived(peer, acknowledged))
 
     def end(self) -> bool:
         """Sends the safe value for good; whether messages of the source stood until now."""
-        self._has_ended = True
+        self._stops.end()
         return super().end()
+
+    def _stop_again(self, peer: JausAddress) -> None:
+        self.send_safe_value(partial(self._send_stop, [peer]))
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers of which nothing is heard, though messages go to them: they may not be there."""
@@ -255,9 +237,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._find_route()
         if self._guarded is not None:
             self._guarded.hand()
-        # A peer that was away when the topics fell silent has missed the safe value.
-        if self._peers.obeys(peer) and self.is_silent:
-            self.send_safe_value(partial(self._send_stop, [peer]))
+        self._stops.changed(peer)
 
 
 class TopicsToReport(FromTopics[SourceT, TargetT]):

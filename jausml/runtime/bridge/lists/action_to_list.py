@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...services.definitions import Guard
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
+from ..connections.repeated_stops import RepeatedStops
 from ..connections.transcoding import ros_decoder, uses_ros_classes
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
@@ -73,6 +74,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._messages = driver
         self._peers = ControlledPeers(peers, Guard.READY if control else Guard.ANY)
         self._speed_of = speed_of
+        self._stops = RepeatedStops(self._peers, self._goes_on, self._stop_again)
+        self._runs: dict[JausAddress, ListRun] = {}  # the last one of each peer
         self._run: ListRun | None = None
         self._goal: ServedGoal | None = None
         self._next: tuple[JausAddress, list[bytes], float] | None = None  # what was accepted
@@ -86,6 +89,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         """Begins to acquire control, then serves the action."""
         super().open(ends)
         self._run = self._goal = self._next = None  # of an earlier life
+        self._runs.clear()
+        self._stops.open(ends)
         self._action = parameters.action(ends.ros, self.name, self._action)
         self.speed = ends.ros.parameter(
             parameters.speed(self.name, self.speed), partial(setattr, self, "speed")
@@ -123,6 +128,11 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         run.leave(Outcome.ABORTED, reason.value)
         return True
 
+    def end(self) -> bool:
+        """Ends the goal that is executed for good; whether there was one."""
+        self._stops.end()
+        return super().end()
+
     @property
     def when_lost(self) -> str:
         """What happens when the bridge may not command."""
@@ -159,6 +169,14 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         run = self._run
         if run is not None and run.peer == peer and not self._peers.obeys(peer):
             run.leave(Outcome.ABORTED, f"{peer} does not obey: {self._peers.reason(peer)}")
+        self._stops.changed(peer)
+
+    def _goes_on(self, peer: JausAddress) -> bool:
+        run = self._runs.get(peer)
+        return run is not None and run is not self._run and run.may_go_on
+
+    def _stop_again(self, peer: JausAddress) -> None:
+        self._runs[peer].send_stop()
 
     # ------------------------------------------------------------------ GoalTaker
 
@@ -192,12 +210,22 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._make_way(peer)
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
-        self._run = ListRun(self._ends.component, peer, self._messages, self, self.timeout)
+        run = ListRun(
+            self._ends.component,
+            peer,
+            self._messages,
+            self,
+            self.timeout,
+            self._stops,
+            self._runs.get(peer),
+        )
+        self._runs = {at: each for at, each in self._runs.items() if each.may_go_on} | {peer: run}
+        self._run = run
         first = self._first
         self._first = (first + len(payloads)) % _UIDS or 1
         if self._first < first:
             first, self._first = 1, 1 + len(payloads)
-        self._run.start(payloads, first, speed)
+        run.start(payloads, first, speed)
 
     def _make_way(self, peer: JausAddress) -> None:
         """Ends the goal that is executed; its list is replaced, or stopped at another peer."""

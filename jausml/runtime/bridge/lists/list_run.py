@@ -9,13 +9,14 @@ element was active before that; peers with command events (AS5710 v1.1) tell of 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...services.element_list import ALL_UIDS, NO_UID, chain
 from ..ends.actions import Outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from ...base.address import JausAddress
     from ...base.loop import Timer
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ...clients.list_client import ListRequest
     from ...component.component import JausComponent
     from ...wire.message import Message
+    from ..connections.repeated_stops import RepeatedStops
     from ..ends.list_driver import ListMessages
 
 LONGEST_LIST = 30 * 24 * 3600
@@ -34,6 +36,13 @@ RETRIES = 3
 
 PATIENCE = 3
 """Timeouts in which a peer must begin with a list."""
+
+
+class Settled(Protocol):
+    """Whoever is told whether a peer has emptied its list; the code is that of a refusal."""
+
+    def __call__(self, code: int | None, *, confirmed: bool) -> None:
+        """Takes it."""
 
 
 class RunWatcher(Protocol):
@@ -56,17 +65,23 @@ class ListRun:
         messages: ListMessages,
         watcher: RunWatcher,
         timeout: float,
+        stops: RepeatedStops,
+        former: ListRun | None = None,
     ) -> None:
         """Sends nothing before `start`.
 
         Args:
             timeout: Seconds in which the peer must answer.
+            former: The last list of the peer, which this one replaces.
         """
         self.peer = peer
         self._component = component
         self._messages = messages
         self._watcher = watcher
         self._timeout = timeout
+        self._stops = stops
+        self._is_followed = former is not None and former.may_go_on
+        self._stands = self._is_empty = False
         self._uids: list[int] = []
         self._speed = 0.0
         self._last = -1  # index of the element that was active last
@@ -98,6 +113,11 @@ class ListRun:
             retries=RETRIES,
         )
 
+    @property
+    def may_go_on(self) -> bool:
+        """Whether the peer may follow it, or the one before, whatever was told of its end."""
+        return self._is_followed and not (self._stands and self._is_empty)
+
     def leave(self, outcome: Outcome, reason: str) -> None:
         """Ends it without a word to the peer: another list takes its place, or it is gone."""
         self._end(outcome, reason)
@@ -109,44 +129,68 @@ class ListRun:
         self._is_stopping = True
         self._drop_requests()
 
-        def stopped() -> None:
-            self._end(outcome, reason)
-
-        def unconfirmed(code: int | None) -> None:
+        def settled(code: int | None, *, confirmed: bool) -> None:
             answer = "did not answer" if code is None else f"refused it with code {code}"
-            self._end(Outcome.ABORTED, f"{reason}; {self.peer} should have stopped and {answer}")
+            if confirmed:
+                self._end(outcome, reason)
+            else:
+                why = f"{reason}; {self.peer} should have stopped and {answer}"
+                self._end(Outcome.ABORTED, why)
 
-        self._send_stop(stopped, unconfirmed)
+        self.send_stop(settled)
 
     def _give_up(self, reason: str) -> None:
         """Ends it at a peer that may go on with it, and that may not hear of that."""
-        self._send_stop(None, None)
+        self.send_stop()
         self._end(Outcome.ABORTED, reason)
 
-    def _send_stop(
-        self, on_done: Callable[[], None] | None, on_refused: Callable[[int | None], None] | None
-    ) -> None:
-        """Makes the vehicle stand, and the list empty; some drivers know no speed."""
-        if "speed" in _fields_of(self._messages.execute):
-            execute: Any = self._messages.execute
-            self._component.send(execute(speed=0.0), self.peer, acknowledge=True)
-        self._component.delete_elements(
+    def send_stop(self, on_settled: Settled | None = None) -> None:
+        """Makes the vehicle stand, and the list empty; some drivers know no speed.
+
+        Args:
+            on_settled: Told whether the list is empty, or how that was refused.
+        """
+        component, execute = self._component, self._messages.execute
+        if "speed" in _fields_of(execute):
+            stop: Any = execute
+            component.transport.send(
+                component.address,
+                self.peer,
+                stop(speed=0.0).encode(),
+                acknowledge=True,
+                on_result=self._stood,
+            )
+        else:
+            self._stands = True
+
+        def settled(code: int | None = None, *, confirmed: bool = False) -> None:
+            self._is_empty = self._is_empty or confirmed or code is not None
+            self._stops.sent(self.peer, not self.may_go_on)
+            if on_settled is not None:
+                on_settled(code, confirmed=confirmed)
+
+        component.delete_elements(
             self.peer,
             [ALL_UIDS],
-            on_done=on_done,
-            on_refused=on_refused,
+            on_done=partial(settled, confirmed=True),
+            on_refused=settled,
             timeout=self._timeout / (RETRIES + 1),
             retries=RETRIES,
         )
+
+    def _stood(self, acknowledged: bool) -> None:  # noqa: FBT001 - as transports tell
+        self._stands = self._stands or self._stops.has_arrived(self.peer, acknowledged)
 
     # ------------------------------------------------------------------ answers of the peer
 
     def _refused(self, code: int | None) -> None:
         answer = "does not answer" if code is None else f"refuses the list with code {code}"
-        self._end(Outcome.ABORTED, f"{self.peer} {answer}")
+        end = self._give_up if self.may_go_on else partial(self._end, Outcome.ABORTED)
+        end(f"{self.peer} {answer}")
 
     def _execute(self) -> None:
         component, messages = self._component, self._messages
+        self._is_followed = True
         self._events = component.subscribe(
             self.peer, messages.query(), messages.report, self._reported
         )
@@ -172,6 +216,7 @@ class ListRun:
 
     def _command_done(self, succeeded: bool) -> None:  # noqa: FBT001 - as the client calls it
         if not succeeded and not self._is_stopping:
+            self._is_followed = False
             self._end(Outcome.ABORTED, f"{self.peer} could not do it")
 
     def _ask(self) -> None:
@@ -206,6 +251,7 @@ class ListRun:
 
     def _end_at(self, uid: int) -> None:
         last, count = self._last + 1, len(self._uids)
+        self._is_followed = False
         if uid != NO_UID:
             self._end(Outcome.ABORTED, f"{self.peer} executes another list")
         elif last == count:

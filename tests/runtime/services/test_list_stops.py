@@ -1,0 +1,282 @@
+"""Lists that a bridge has a peer execute, and that are stopped while the radio is away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import pytest
+
+from jausml.runtime import JausComponent, ServiceIdentity, Status
+from jausml.runtime.bridge.ends.actions import ListAction, Outcome
+from jausml.runtime.bridge.ends.list_driver import ListMessages
+from jausml.runtime.bridge.lists.action_to_list import ActionToList
+from jausml.runtime.messages import ConfirmElementRequest, DeleteElement, SetElement
+from jausml.runtime.services.definitions import Guard
+from jausml.runtime.wire.message import Message
+
+from .bridge_support import CORE, PEER, Number, Ros, Setting, number_to_time
+
+SERVICES = (*CORE, ServiceIdentity("urn:jaus:jss:core:ListManager", 1, 1))
+DRIVER_CODES = (0x041E, 0x241E, 0x441E)
+"""ExecuteList, and the query and the report of the active element."""
+
+
+@dataclass
+class Told(Message):
+    """A message of two numbers, as far as this driver needs them."""
+
+    element_uid: int = 0
+    speed: float = 0.0
+
+    NAME: ClassVar[str] = "Told"
+
+    def encode(self) -> bytes:
+        return b"".join(
+            (self.CODE.to_bytes(2, "little"), self.element_uid.to_bytes(2, "little"))
+        ) + int(self.speed * 10).to_bytes(2, "little")
+
+    @classmethod
+    def decode(cls, data) -> Told:
+        uid, speed = (int.from_bytes(data[at : at + 2], "little") for at in (2, 4))
+        return cls(uid, speed / 10)
+
+
+@dataclass
+class ExecuteList(Told):
+    """Begins at an element; without one it changes the speed."""
+
+    CODE = DRIVER_CODES[0]
+
+
+@dataclass
+class QueryActiveElement(Told):
+    """Asks."""
+
+    CODE = DRIVER_CODES[1]
+
+
+@dataclass
+class ReportActiveElement(Told):
+    """Answers."""
+
+    CODE = DRIVER_CODES[2]
+
+
+DRIVER = ListMessages(ExecuteList, QueryActiveElement, ReportActiveElement)
+ACTION = ListAction("test_msgs/action/Follow", "follow", Number, "poses")
+
+
+class Vehicle(JausComponent):
+    """Follows its list until it has none, at the speed that it was told last."""
+
+    speed = 0.0
+    active = 0
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.handle(ExecuteList, self._execute, when=Guard.READY)
+        self.provide(QueryActiveElement, ReportActiveElement, self._report)
+
+    def supports_element(self, _element):
+        return True
+
+    def _execute(self, message, _sender):
+        self.speed = message.speed
+        self.active = message.element_uid or self.active
+
+    def _report(self, _query, _sender):
+        return ReportActiveElement(self.active)
+
+    @property
+    def drives(self):
+        return self.speed > 0 and bool(self.elements) and self.status is Status.READY
+
+
+@dataclass
+class Goal:
+    """A goal of a ROS client."""
+
+    request: Any = None
+    ends: list[tuple[Outcome, str]] = field(default_factory=list)
+
+    def progress(self, number):
+        del number
+
+    def end(self, outcome, reason=""):
+        self.ends.append((outcome, reason))
+
+
+class ActionRos(Ros):
+    """Has an action besides."""
+
+    def serve_action(self, action, taker):
+        assert action == ACTION
+        self.taker = taker
+
+    def send(self, *numbers):
+        goal = Goal()
+        assert self.taker.accepts([Number(each).to_cdr() for each in numbers], None)
+        self.taker.begin(goal)
+        return goal
+
+
+@pytest.fixture
+def setting(world):
+    made = Setting(world, ActionRos())
+    yield made
+    made.bridge.close()
+
+
+def opened(world, setting, *, control_timeout=0, **options):
+    """A bridge that has a vehicle drive along a list; the vehicle."""
+    vehicle = world.component(
+        str(PEER), kind=Vehicle, services=SERVICES, control_timeout=control_timeout
+    )
+    vehicle.start()
+    connection = ActionToList(
+        "follow", number_to_time, action=ACTION, driver=DRIVER, peers=[PEER], speed=1.0, **options
+    )
+    setting.open(connection)
+    world.run(0.5)
+    return vehicle
+
+
+def begun(world, setting, vehicle, *numbers):
+    """A goal that the vehicle follows."""
+    goal = setting.ros.send(*(numbers or (1.0, 2.0)))
+    world.run(0.5)
+    assert vehicle.drives
+    return goal
+
+
+def away(world, *codes):
+    """Loses all that goes to the vehicle, or some of it; returns what ends that."""
+    before = world.lost
+    world.lost = lambda _source, to, code: to == PEER and (not codes or code in codes)
+    return lambda: setattr(world, "lost", before)
+
+
+def deletions(world):
+    return world.count(DeleteElement.CODE)
+
+
+def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world)
+    setting.ros.taker.cancel(goal)
+    world.run(2.0)
+    ((outcome, reason),) = goal.ends
+    assert outcome is Outcome.ABORTED
+    assert "should have stopped and did not answer" in reason
+    restore()
+    world.run(3.0)
+    assert not vehicle.drives
+    assert (vehicle.speed, list(vehicle.elements)) == (0.0, [])
+    before = deletions(world)
+    world.run(20.0)
+    assert deletions(world) == before
+
+
+def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world)
+    world.run(3.8)
+    assert goal.ends == [(Outcome.ABORTED, f"{PEER} is silent")]
+    restore()
+    world.run(3.0)
+    assert not vehicle.drives
+
+
+@pytest.mark.parametrize("code", [ExecuteList.CODE, DeleteElement.CODE])
+def test_half_a_stop_is_no_stop(world, setting, code):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world, code)
+    setting.ros.taker.cancel(goal)
+    world.run(2.0)
+    restore()
+    world.run(3.0)
+    assert (vehicle.speed, list(vehicle.elements)) == (0.0, [])
+
+
+def test_a_vehicle_that_obeys_again_does_not_go_on(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world)
+    world.run(30.0)  # the bridge takes control for lost; the vehicle does not mind
+    assert goal.ends
+    assert vehicle.drives
+    restore()
+    world.run(10.0)
+    assert not vehicle.drives
+
+
+def test_a_list_that_another_should_have_replaced_is_stopped(world, setting):
+    vehicle = opened(world, setting)
+    first = begun(world, setting, vehicle)
+    restore = away(world, SetElement.CODE, DeleteElement.CODE)
+    second = setting.ros.send(3.0)
+    world.run(2.5)
+    assert [goal.ends[0][0] for goal in (first, second)] == [Outcome.ABORTED] * 2
+    restore()
+    world.run(4.0)
+    assert not vehicle.drives
+
+
+def test_a_stop_is_not_sent_after_the_next_goal(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world)
+    setting.ros.taker.cancel(goal)
+    world.run(1.2)
+    restore()
+    following = setting.ros.send(5.0, 6.0, 7.0)
+    world.run(1.5)
+    stops = deletions(world)
+    world.run(10.0)
+    assert vehicle.drives
+    assert following.ends == []
+    assert deletions(world) == stops
+
+
+def test_a_stop_that_arrived_is_not_repeated(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    before = deletions(world)
+    setting.ros.taker.cancel(goal)
+    world.run(10.0)
+    assert goal.ends == [(Outcome.CANCELED, "canceled")]
+    assert not vehicle.drives
+    assert deletions(world) == before + 1
+    assert world.count(ConfirmElementRequest.CODE) > before
+
+
+def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    away(world)
+    setting.ros.taker.cancel(goal)
+    world.run(2.5)
+    setting.bridge.close()
+    before = deletions(world)
+    world.run(20.0)
+    assert deletions(world) == before
+
+
+def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    vehicle.active = list(vehicle.elements)[-1].uid
+    world.run(1.5)
+    vehicle.active = 0
+    world.run(1.5)
+    assert goal.ends == [(Outcome.SUCCEEDED, "")]
+    before = deletions(world)
+    restore = away(world)
+    world.run(30.0)
+    restore()
+    world.run(10.0)
+    assert deletions(world) == before
