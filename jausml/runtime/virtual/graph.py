@@ -1,4 +1,4 @@
-"""ROS in one process: topics, and what publishes and subscribes."""
+"""ROS in one process: topics, and what publishes and subscribes; actions."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from ..bridge.ends.quality import EndpointHealth, conflicts
 from ..bridge.ends.topics import Published, Qos, Topic, TopicCounts
 from ..bridge.messages.errors import RosTypeError
+from .actions import VirtualAction, VirtualActionClient
 from .link import Link, Way
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from random import Random
 
     from ..base.loop import Loop
+    from ..bridge.ends.actions import GoalTaker
 
 RosType: TypeAlias = "type[Any] | str"
 """A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""
@@ -209,7 +211,7 @@ class GraphTopic:
 
 
 class RosGraph:
-    """Topics by name, for nodes of a virtual world and for what stands in for nodes.
+    """Topics and actions by name, for nodes of a virtual world and for what stands in for nodes.
 
     Messages are serialized, as `RosSide` has them. Each subscription is reached by a way of its
     own. What a way loses is lost, whatever quality of service says: it stands for `best_effort`.
@@ -220,6 +222,7 @@ class RosGraph:
         self.watch = watch
         self._random = random
         self._topics: dict[str, GraphTopic] = {}
+        self._actions: dict[str, VirtualAction] = {}
         self._own: dict[tuple[str, Qos], GraphPublisher] = {}
 
     def publish(self, topic: str, ros_type: RosType, data: bytes, qos: Qos | None = None) -> None:
@@ -263,6 +266,26 @@ class RosGraph:
             take(data)
 
         return self.attach(_OUTSIDE, ros_type, wanted, taking, Link() if link is None else link)
+
+    def serve_action(self, name: str, taker: GoalTaker) -> VirtualAction:
+        """Gives the goals of an action to a taker, in the place of the one before.
+
+        Args:
+            name: Its full name.
+        """
+        action = self._action(name)
+        action.server = taker
+        return action
+
+    def action_client(self, name: str, link: Link | None = None) -> VirtualActionClient:
+        """Returns what sends goals of an action.
+
+        Args:
+            name: Its full name.
+            link: What goals, feedback and results pass.
+        """
+        way = Way(self.loop, self._random, Link() if link is None else link)
+        return VirtualActionClient(self._action(name), way)
 
     # ------------------------------------------------------------------ for nodes
 
@@ -309,11 +332,12 @@ class RosGraph:
         joint.add_subscription(made)
         return made
 
+    def _action(self, name: str) -> VirtualAction:
+        return self._actions.setdefault(_full(name), VirtualAction(name))
+
     def _topic(self, name: str, ros_type: RosType) -> GraphTopic:
         kind = type_name(ros_type)
-        if not name.startswith("/"):
-            raise ValueError(f"{name!r} is no full name of a topic, such as /odometry")
-        found = self._topics.setdefault(name, GraphTopic(self, name, kind))
+        found = self._topics.setdefault(_full(name), GraphTopic(self, name, kind))
         if found.kind != kind:
             raise RosTypeError(f"{name} has the type {found.kind}, not {kind}")
         return found
@@ -322,3 +346,9 @@ class RosGraph:
         entity = "publisher" if publishes else "subscription"
         others = partial(topic.others, publishers=not publishes)
         return EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
+
+
+def _full(name: str) -> str:
+    if not name.startswith("/"):
+        raise ValueError(f"{name!r} is no full name of a topic or an action, such as /odometry")
+    return name

@@ -27,9 +27,9 @@ _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 
 
 class VirtualRosNode:
-    """A node for a bridge, without ROS: topics, parameters, and virtual time.
+    """A node for a bridge, without ROS: topics, actions, parameters, and virtual time.
 
-    Services and actions need ROS; a bridge that has some cannot be opened on it.
+    Services need ROS; a bridge that has some cannot be opened on it.
     """
 
     is_simulated = False
@@ -51,6 +51,7 @@ class VirtualRosNode:
         self._declared: dict[str, Parameter] = {}
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
         self._ends: list[GraphPublisher | GraphSubscription] = []
+        self._served: list[Callable[[], None]] = []
         diagnostics = graph.advertise(name, _DIAGNOSTICS, Topic("/diagnostics"))
         self._ends.append(diagnostics)
         self.publish_diagnostics: Callable[[bytes], None] = diagnostics.publish
@@ -70,6 +71,9 @@ class VirtualRosNode:
         for each in self._ends:
             each.close()
         self._ends.clear()
+        for leave in self._served:
+            leave()
+        self._served.clear()
 
     # ------------------------------------------------------------------ time and parameters
 
@@ -185,23 +189,28 @@ class VirtualRosNode:
         return self.codec(ros_type).encode(message)
 
     def _resolved(self, topic: Topic) -> Topic:
-        namespace, _, own = self.name.rpartition("/")
-        if topic.name.startswith("/"):
-            return topic
-        if topic.name.startswith("~/"):
-            return replace(topic, name=f"{namespace}/{own}/{topic.name[2:]}")
-        return replace(topic, name=f"{namespace}/{topic.name}")
+        return replace(topic, name=self._full_name(topic.name))
 
-    # ------------------------------------------------------------------ what needs ROS
+    def _full_name(self, name: str) -> str:
+        namespace, _, own = self.name.rpartition("/")
+        if name.startswith("/"):
+            return name
+        if name.startswith("~/"):
+            return f"{namespace}/{own}/{name[2:]}"
+        return f"{namespace}/{name}"
+
+    # ------------------------------------------------------------------ actions
 
     def action_client(self, action: ListAction) -> ActionClient:
-        """Refuses: actions need ROS."""
-        raise _needs_ros(f"action {action.name}")
+        """Returns what sends goals of an action."""
+        return self._graph.action_client(self._full_name(action.name), self._link)
 
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Refuses: actions need ROS."""
-        del taker
-        raise _needs_ros(f"action {action.name}")
+        """Gives the goals of an action to a taker."""
+        served = self._graph.serve_action(self._full_name(action.name), taker)
+        self._served.append(partial(served.close, taker))
+
+    # ------------------------------------------------------------------ what needs ROS
 
     def serve(
         self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
@@ -216,7 +225,7 @@ class VirtualRosNode:
 
 
 def _needs_ros(what: str) -> NotImplementedError:
-    return NotImplementedError(f"{what}: in virtual time there are topics, no services and actions")
+    return NotImplementedError(f"{what}: in virtual time there are topics and actions, no services")
 
 
 def _checked(parameter: Parameter, value: Any) -> Any:

@@ -167,8 +167,6 @@ class TestNode:
         for refused in (
             lambda: node.serve(Named, None),
             lambda: node.service_client(Named),
-            lambda: node.action_client(Named),
-            lambda: node.serve_action(Named, None),
         ):
             with pytest.raises(NotImplementedError, match="/arm: in virtual time there are topics"):
                 refused()
