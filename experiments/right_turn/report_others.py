@@ -221,8 +221,10 @@ def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     yield "## A robot that drives along waypoints\n"
     yield (
         "This experiment uses another robot and other services. An operator unit gives a list of "
-        "waypoints to a robot with differential drive, whose controller is a ROS node behind ready "
-        f"maps. The robot must pass each waypoint within {number(found['tolerance_m'])} m.\n"
+        "waypoints to a robot with differential drive. In R, its controller is a ROS node behind "
+        "ready maps, which serves the action of Nav2. In J, the robot is a JAUS component with the "
+        "same body and the same law, and there is no ROS. The robot must pass each waypoint within "
+        f"{number(found['tolerance_m'])} m.\n"
     )
     yield figure("waypoints", figures, "Path along waypoints, and the active element", data)
     rows = [
@@ -245,6 +247,28 @@ def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         "as required",
     )
     yield markdown_table(head, rows)
+    yield from _virtual_waypoints(found)
+
+
+def _virtual_waypoints(found: Mapping[str, Any]) -> Iterator[str]:
+    virtual = found["virtual"]
+    yield (
+        "In virtual time, J and R drive the whole list with several seeds, meet an emergency, and "
+        "lose their operator. Their paths may be apart by what one more period of the odometry "
+        "(20 ms) does to the same body and law without any middleware "
+        "(`experiments/waypoints/equivalence.py`); when they are apart in time does not count:\n"
+    )
+    rows = [
+        (name, f"{gap:.4f}", f"{virtual['bound']:.4f}") for name, gap in virtual["gaps"].items()
+    ]
+    rows.append(("R from J, real time", f"{found['gap']:.4f}", ""))
+    yield markdown_table(("farthest point of a path from the other, m", "", "bound"), rows)
+    yield "R with one mistake each must be refused, and is, by these claims:\n"
+    rows = [
+        (each["about"], each["drive"], "; ".join(each["by"]) or "**nothing**")
+        for each in virtual["controls"].values()
+    ]
+    yield markdown_table(("mistake", "drive", "what does not hold"), rows)
 
 
 def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:

@@ -14,5 +14,6 @@ EXAMPLE = ROOT / "models" / "examples" / "waypoint_list"
 TOOLS = ROOT / "tools"
 """Programs of the repository; one makes the action type that no wheel has."""
 
-if str(TOOLS) not in sys.path:
-    sys.path.insert(0, str(TOOLS))
+for _each in map(str, (TOOLS, EXAMPLE)):
+    if _each not in sys.path:
+        sys.path.insert(0, _each)

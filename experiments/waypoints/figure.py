@@ -31,12 +31,12 @@ def draw(folder: Path) -> Figure:
         folder: Folder of the stage.
 
     Raises:
-        OSError: The drive `whole` has no data.
+        OSError: The drive `whole` of R has no data.
     """
     with rc_context(style.SETTINGS):
         figure = style.canvas(HEIGHT)
         path, times = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
-        whole = Result.read(folder / "whole")
+        whole = Result.read(folder / "R" / "whole")
         _path(path, whole, folder)
         _times(times, whole, folder)
     return figure
@@ -50,16 +50,25 @@ def _path(axes: Axes, whole: Result, folder: Path) -> None:
         )
         axes.add_patch(circle)
         axes.annotate(str(number), (x, y), xytext=(5, 4), textcoords="offset points")
-    driven = states(folder / "whole")
+    driven = states(folder / "R" / "whole")
     axes.plot(
         [each.x for each in driven],
         [each.y for each in driven],
         color=style.BLUE,
-        label="whole list",
+        label="R, whole list",
     )
+    if (folder / "J" / "whole" / "result.json").exists():
+        alone = states(folder / "J" / "whole")
+        axes.plot(
+            [each.x for each in alone],
+            [each.y for each in alone],
+            color=style.BLACK,
+            linestyle=(0, (1.0, 3.0)),
+            label="J, whole list",
+        )
     axes.plot(driven[0].x, driven[0].y, "o", color=style.BLUE, markersize=3.5)
-    if (folder / "emergency" / "result.json").exists():
-        _emergency(axes, folder / "emergency")
+    if (folder / "R" / "emergency" / "result.json").exists():
+        _emergency(axes, folder / "R" / "emergency")
     axes.margins(0.12)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x, forward at start (m)")
@@ -74,16 +83,16 @@ def _emergency(axes: Axes, folder: Path) -> None:
         [each.y for each in driven],
         color=style.VERMILION,
         linestyle=(0, (2.5, 1.2)),
-        label="emergency on the way to 3",
+        label="R, emergency on the way to 3",
     )
     axes.plot(driven[-1].x, driven[-1].y, "X", color=style.VERMILION, markersize=7, zorder=3)
 
 
 def _times(axes: Axes, whole: Result, folder: Path) -> None:
     style.name_panel(axes, "b", "active element, as the operator is told")
-    told, truth = events(folder / "whole"), states(folder / "whole")
+    told, truth = events(folder / "R" / "whole"), states(folder / "R" / "whole")
     begin = _begin(told)
-    _steps(axes, told, begin, truth, color=style.BLUE, label="whole list")
+    _steps(axes, told, begin, truth, color=style.BLUE, label="R, whole list")
     passed = [each for each in whole.passages if each.nearest_time is not None]
     axes.plot(
         [each.nearest_time for each in passed],
@@ -94,7 +103,7 @@ def _times(axes: Axes, whole: Result, folder: Path) -> None:
         zorder=3,
         label="nearest to the waypoint",
     )
-    stopped = folder / "emergency"
+    stopped = folder / "R" / "emergency"
     if (stopped / "result.json").exists():
         result, told = Result.read(stopped), events(stopped)
         _steps(
@@ -104,7 +113,7 @@ def _times(axes: Axes, whole: Result, folder: Path) -> None:
             states(stopped),
             color=style.VERMILION,
             linestyle=(0, (2.5, 1.2)),
-            label="with an emergency",
+            label="R, emergency",
         )
         if result.emergency is not None:
             axes.annotate(

@@ -5,32 +5,30 @@ from __future__ import annotations
 import csv
 import json
 import math
-from dataclasses import asdict, dataclass
+from bisect import bisect_left
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from .drives import Drive, Point
+
 TOLERANCE = 0.20
 """Metres within which a waypoint counts as passed: the follower takes it as reached at 0.15 m, by
 an odometry that is 20 ms old, in which the robot drives 0.02 m, and its command is as late."""
-STOP_TIME = 1.0
-"""Seconds after an emergency in which the robot must stand: the wheels need five times their lag of
-0.15 s, and the rest is for the way of the emergency to them, three processes."""
 STANDSTILL = 0.01
 """Speed in m/s below which the robot stands."""
 DRIFT = 0.01
 """Metres that a robot that stands may move all the same."""
-
-Point = tuple[float, float]
 
 
 class State(NamedTuple):
     """The true state of the robot.
 
     Attributes:
-        time: When, s of real time.
+        time: When, s.
         x: Position forward of the start, m.
         y: Position left of the start, m.
         speed: Forward speed, m/s.
@@ -46,14 +44,18 @@ class Event(NamedTuple):
     """What the operator did or was told.
 
     Attributes:
-        kind: `execute`, `active`, `pose`, `emergency` or `ended`.
-        time: When, s of real time.
+        kind: `execute`, `active`, `pose`, `emergency`, `lost` or `ended`.
+        time: When, s.
         value: The active element, or 1 for an end that is done; 0 for others.
+        x: Where the robot is said to be in JAUS axes, m; not a number for no pose.
+        y: The same to the right.
     """
 
     kind: str
     time: float
     value: int
+    x: float = math.nan
+    y: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -85,9 +87,10 @@ class Result:
         passages: What became of each waypoint.
         done: How the end was told: done or not; None for no word of an end.
         duration: Seconds from ExecuteList until the end was told; None likewise.
-        emergency: When there was an emergency, s after ExecuteList; None for none.
+        emergency: When there was one or the operator was lost, s after ExecuteList; else None.
         stop_time: Seconds from the emergency until the robot stood; None for never.
         drift: Metres that the robot moved from then on; None likewise.
+        pose_error: Metres between where the robot was and was said to be, at most.
         claims: What must hold, and whether it does.
     """
 
@@ -100,6 +103,7 @@ class Result:
     emergency: float | None
     stop_time: float | None
     drift: float | None
+    pose_error: float | None
     claims: dict[str, bool]
 
     def write(self, folder: Path) -> None:
@@ -125,25 +129,28 @@ def states(folder: Path) -> list[State]:
 def events(folder: Path) -> list[Event]:
     """Returns what the operator wrote down."""
     return [
-        Event(row["event"], float(row["real_s"]), int(row["value"] or 0))
+        Event(
+            row["event"],
+            float(row["real_s"]),
+            int(row["value"] or 0),
+            float(row["x_m"] or "nan"),
+            float(row["y_m"] or "nan"),
+        )
         for row in _rows(folder / "operator.csv")
     ]
 
 
-def judge(
-    name: str, waypoints: Sequence[Point], truth: Sequence[State], told: Sequence[Event]
-) -> Result:
+def judge(drive: Drive, truth: Sequence[State], told: Sequence[Event]) -> Result:
     """Works out what became of a list.
 
     Args:
-        name: Name of the drive.
-        waypoints: The list, m, in ROS axes.
         truth: Where the robot was.
-        told: What the operator did and was told.
+        told: What the operator did and was told, or what became of it.
 
     Raises:
         ValueError: The list was never executed.
     """
+    name, waypoints = drive.name, drive.waypoints
     begin = _time(told, "execute")
     if begin is None:
         raise ValueError(f"the list of {name} was never executed")
@@ -155,7 +162,7 @@ def judge(
         for number, point in enumerate(waypoints, 1)
     ]
     end = next((each for each in told if each.kind == "ended"), None)
-    emergency = _time(told, "emergency")
+    emergency = _time(told, "lost" if drive.lost_at is not None else "emergency")
     stop_time, drift = _stop(truth, emergency) if emergency is not None else (None, None)
     result = Result(
         name,
@@ -167,10 +174,23 @@ def judge(
         None if emergency is None else emergency - begin,
         stop_time,
         drift,
+        _distance(truth, told),
         {},
     )
-    claims = _claims_of_drive(result) if emergency is None else _claims_of_emergency(result)
-    return Result(**{**result.__dict__, "claims": claims})
+    return replace(result, claims=_claims(drive, result))
+
+
+def _claims(drive: Drive, result: Result) -> dict[str, bool]:
+    far = result.pose_error
+    claims = {
+        f"the operator is told within {TOLERANCE:g} m where the robot is": far is not None
+        and far <= TOLERANCE
+    }
+    if drive.lost_at is not None:
+        return claims | _claims_of_stop(drive, result, "without its operator, the robot stops")
+    if drive.emergency_at is not None:
+        return claims | _claims_of_emergency(drive, result)
+    return claims | _claims_of_drive(result)
 
 
 def _claims_of_drive(result: Result) -> dict[str, bool]:
@@ -183,13 +203,18 @@ def _claims_of_drive(result: Result) -> dict[str, bool]:
     }
 
 
-def _claims_of_emergency(result: Result) -> dict[str, bool]:
+def _claims_of_stop(drive: Drive, result: Result, words: str) -> dict[str, bool]:
     stop, drift = result.stop_time, result.drift
+    return {
+        f"{words} within {drive.stops_in:g} s": stop is not None and stop <= drive.stops_in,
+        "and it stays where it stopped": drift is not None and drift <= DRIFT,
+    }
+
+
+def _claims_of_emergency(drive: Drive, result: Result) -> dict[str, bool]:
     reached = max(result.active, default=0)
     return {
-        f"an emergency stops the robot within {STOP_TIME:g} s": stop is not None
-        and stop <= STOP_TIME,
-        "and it stays where it stopped": drift is not None and drift <= DRIFT,
+        **_claims_of_stop(drive, result, "an emergency stops the robot"),
         "the list ends before its last waypoint": 0 < reached < len(result.waypoints)
         and result.active == [*range(1, reached + 1), 0],
         "its end is reported as not done": result.done is False,
@@ -230,6 +255,17 @@ def _stop(truth: Sequence[State], emergency: float) -> tuple[float | None, float
     stood = after[first]
     drift = math.dist((stood.x, stood.y), (after[-1].x, after[-1].y))
     return stood.time - emergency, drift
+
+
+def _distance(truth: Sequence[State], told: Sequence[Event]) -> float | None:
+    """Returns how far the robot was at most from where it was said to be; None for no word."""
+    times = [each.time for each in truth]
+    apart = []
+    for each in told:
+        if each.kind == "pose" and truth:
+            true = truth[min(bisect_left(times, each.time), len(truth) - 1)]
+            apart.append(math.dist((true.x, -true.y), (each.x, each.y)))
+    return max(apart, default=None)
 
 
 def _time(told: Sequence[Event], kind: str) -> float | None:

@@ -7,59 +7,32 @@ import os
 import shutil
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 from type_support import CannotBuildError, built
 
-from experiments.processes import ExperimentError, Processes, free_port, generate
+from experiments.processes import ExperimentError, Processes, free_port
 
 from . import EXAMPLE
-from .results import TOLERANCE, Point, Result, events, judge, states
+from .drives import EMERGENCY, LIMIT, SHORT, WATCHED, WHOLE
+from .equivalence import path_gap, path_of
+from .results import TOLERANCE, Result, events, judge, states
+from .systems import SYSTEMS, generated
+from .virtual_stage import driven
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from experiments.right_turn.data import Plan
+
+    from .drives import Drive
 
 ACTION = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
 """What is made of nav2_msgs."""
 FIRST_DOMAIN = 81
 """ROS domain of the first drive; each has one of its own."""
-LIMIT = 60.0
-"""Seconds in which a list must have ended."""
-WATCHED = 2.0
-"""Seconds in which the robot is watched after an emergency."""
-
-
-@dataclass(frozen=True)
-class Drive:
-    """A list, and what happens on the way.
-
-    Attributes:
-        name: Its name.
-        waypoints: Where they are, m, in ROS axes: x forward, y left of the start.
-        emergency_at: Element on the way to which there is an emergency; None for none.
-    """
-
-    name: str
-    waypoints: tuple[Point, ...]
-    emergency_at: int | None = None
-
-
-LIST: tuple[Point, ...] = (
-    (2.0, 0.0),
-    (4.0, 1.5),
-    (6.0, 0.0),
-    (6.0, -2.5),
-    (4.0, -3.5),
-    (2.0, -2.0),
-    (0.0, -2.0),
-    (0.0, 0.0),
-)
-DRIVES = (Drive("whole", LIST), Drive("emergency", LIST, emergency_at=3))
-QUICK = (Drive("whole", ((1.0, 0.0), (1.8, -0.8))),)
 
 
 def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:
@@ -74,62 +47,72 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:
         ExperimentError: A drive could not be made, e.g. since there is no compiler for nav2_msgs,
             of which there is no wheel.
     """
-    for each in DRIVES:  # what a longer run has left would be drawn beside this one
-        shutil.rmtree(folder / each.name, ignore_errors=True)
-    return run_drives(folder, QUICK if plan.quick else DRIVES, tell)
+    results = run_drives(folder, (SHORT,) if plan.quick else (WHOLE, EMERGENCY), tell)
+    virtual = driven(folder / "virtual", tell, quick=plan.quick)
+    _summarize(folder, results, virtual)
+    return list(results.values())
 
 
-def run_drives(folder: Path, drives: Sequence[Drive], tell: Callable[[str], None]) -> list[Result]:
-    """Has these lists driven, as `run` does."""
+def run_drives(
+    folder: Path, drives: Sequence[Drive], tell: Callable[[str], None]
+) -> dict[str, Result]:
+    """Has these lists driven by both systems in real time; returns results by system and list."""
     folder.mkdir(parents=True, exist_ok=True)
     tell("making nav2_msgs, twenty seconds at the first time")
     try:
         action = built("nav2_msgs", ACTION)
     except CannotBuildError as error:
         raise ExperimentError(str(error)) from None
-    tell("generating the robot's bridge and the operator")
-    workspace = folder / "ws"
-    generate(EXAMPLE / "waypoint_list.ros2jaus", workspace, EXAMPLE / "src" / "operator_unit")
-    tell(f"driving {len(drives)} lists")
+    tell("generating both systems")
     path = os.pathsep.join(filter(None, [str(action), os.environ.get("PYTHONPATH")]))
-    with ThreadPoolExecutor(len(drives)) as pool:
-        running = [
-            pool.submit(_drive, folder / each.name, workspace, each, FIRST_DOMAIN + at, path)
-            for at, each in enumerate(drives)
-        ]
-        results = []
-        for each in running:
-            results.append(each.result())
-            tell(_told(results[-1]))
-    _summarize(folder, results)
+    wanted = []
+    for system in SYSTEMS:
+        shutil.rmtree(folder / system, ignore_errors=True)  # what a longer run has left, too
+        workspace = generated(system, folder / "ws" / system)
+        wanted += [(system, each, workspace) for each in drives]
+    tell(f"driving {len(wanted)} lists")
+    with ThreadPoolExecutor(len(wanted)) as pool:
+        running = {
+            f"{system}, {each.name}": pool.submit(
+                _drive,
+                folder / system / each.name,
+                system,
+                each,
+                workspace,
+                FIRST_DOMAIN + at,
+                path,
+            )
+            for at, (system, each, workspace) in enumerate(wanted)
+        }
+        results = {}
+        for name, each in running.items():
+            results[name] = each.result()
+            tell(f"{name}: {_told(results[name])}")
     return results
 
 
-def _drive(folder: Path, workspace: Path, drive: Drive, domain: int, path: str) -> Result:
+def _drive(
+    folder: Path, system: str, drive: Drive, workspace: Path, domain: int, path: str
+) -> Result:
     """Has one list driven in its folder, and judges it."""
-    shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    # JAUS has y to the right.
-    plan = {
-        "waypoints": [[x, -y] for x, y in drive.waypoints],
-        "emergency_at": drive.emergency_at,
-    }
-    (folder / "plan.json").write_text(json.dumps(plan) + "\n", encoding="utf-8")
+    (folder / "plan.json").write_text(json.dumps(drive.plan) + "\n", encoding="utf-8")
     environment = {
         "WAYPOINT_LOG": str(folder),
         "ROS_DOMAIN_ID": str(domain),
         "PYTHONPATH": path,
     }
     with Processes(folder, environment) as processes:
-        log = f"log:={folder / 'wheels.csv'}"
-        processes.start("wheels", EXAMPLE / "wheels.py", "--ros-args", "-p", log)
-        processes.start("follower", EXAMPLE / "follower.py")
+        if system == "R":
+            log = f"log:={folder / 'wheels.csv'}"
+            processes.start("wheels", EXAMPLE / "wheels.py", "--ros-args", "-p", log)
+            processes.start("follower", EXAMPLE / "follower.py")
         command = ("-m", "jausml", "run", workspace, "--jaus-port", str(free_port()))
-        system = processes.start("system", *command)
-        system.wait_for("the list ended", LIMIT)
+        running = processes.start("system", *command)
+        running.wait_for("the list ended", LIMIT)
         if drive.emergency_at is not None:
             time.sleep(WATCHED)
-    result = judge(drive.name, drive.waypoints, states(folder), events(folder))
+    result = judge(drive, states(folder), events(folder))
     result.write(folder)
     return result
 
@@ -138,19 +121,23 @@ def _told(result: Result) -> str:
     """Returns a line on a drive."""
     passed = [each for each in result.passages if each.nearest is not None]
     held = sum(result.claims.values())
-    line = f"{result.name}: {len(passed)} of {len(result.waypoints)} waypoints were active"
+    line = f"{len(passed)} of {len(result.waypoints)} waypoints were active"
     return f"{line}, {held} of {len(result.claims)} claims hold"
 
 
-def _summarize(folder: Path, results: list[Result]) -> None:
+def _summarize(folder: Path, results: Mapping[str, Result], virtual: Mapping[str, Any]) -> None:
+    paths = [path_of(states(folder / system / WHOLE.name)) for system in SYSTEMS]
     summary = {
         "tolerance_m": TOLERANCE,
         "claims": [
-            {"text": f"waypoints, {each.name}: {text}", "holds": holds}
-            for each in results
+            {"text": f"waypoints, {name}: {text}", "holds": holds}
+            for name, each in results.items()
             for text, holds in each.claims.items()
-        ],
-        "runs": {each.name: asdict(each) for each in results},
+        ]
+        + virtual["claims"],
+        "runs": {name: asdict(each) for name, each in results.items()},
+        "gap": path_gap(*paths),
+        "virtual": {name: each for name, each in virtual.items() if name != "claims"},
     }
     text = json.dumps(summary, indent=2, sort_keys=True, allow_nan=False)
     (folder / "summary.json").write_text(text + "\n", encoding="utf-8")

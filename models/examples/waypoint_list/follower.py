@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Follows waypoints as Nav2 does: serves robot/follow_waypoints, reads odom, writes cmd_vel.
 
-A waypoint is reached within 0.15 m; its orientation is not looked at. A canceled goal stops the
-robot. Usage: python follower.py
+`driving.py` says how. Waypoints are in the frame odom. A canceled goal stops the robot.
+
+Usage: python follower.py
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import threading
 from typing import TYPE_CHECKING
 
 import rclpy
-from geometry_msgs.msg import Point, Twist
+from driving import Course
+from geometry_msgs.msg import Twist
 from nav2_msgs.action import FollowWaypoints
 from nav_msgs.msg import Odometry
 from rclpy.action import ActionServer, CancelResponse
@@ -26,32 +28,10 @@ from rclpy.signals import SignalHandlerOptions
 if TYPE_CHECKING:
     from rclpy.action.server import ServerGoalHandle
 
-REACHED = 0.15
-"""Distance in metres at which the robot has reached a waypoint."""
-SPEED = 1.0
-"""Largest speed, m/s."""
-TURN = 2.0
-"""Largest yaw rate, rad/s."""
+FRAME = "odom"
+"""The only frame that it knows; Nav2 would look for a transform."""
 SILENCE = 1.0
 """Seconds without odometry after which a goal is given up."""
-
-
-def steer(x: float, y: float, psi: float, goal: Point, *, is_last: bool) -> tuple[float, float]:
-    """Returns the speed (m/s) and the yaw rate (rad/s) that lead to a waypoint.
-
-    Args:
-        x: Position of the robot, m.
-        y: The same to the left.
-        psi: Its yaw, rad.
-        goal: The waypoint, m.
-        is_last: Whether the robot shall stop there.
-    """
-    off = math.remainder(math.atan2(goal.y - y, goal.x - x) - psi, math.tau)
-    yaw_rate = min(max(3.0 * off, -TURN), TURN)
-    speed = SPEED * max(math.cos(off), 0.0) ** 3
-    if is_last:
-        speed = min(speed, math.hypot(goal.x - x, goal.y - y) + 0.1)
-    return speed, yaw_rate
 
 
 class Follower(Node):
@@ -84,35 +64,39 @@ class Follower(Node):
 
     def _follow(self, handle: ServerGoalHandle) -> FollowWaypoints.Result:
         """Drives to one waypoint after the other, and stops."""
-        poses = handle.request.poses
         try:
-            for at, pose in enumerate(poses):
-                handle.publish_feedback(FollowWaypoints.Feedback(current_waypoint=at))
-                reason = self._drive(handle, pose.pose.position, is_last=at == len(poses) - 1)
-                if reason:
-                    handle.canceled() if handle.is_cancel_requested else handle.abort()
-                    return FollowWaypoints.Result(error_msg=reason)
-            handle.succeed()
-            return FollowWaypoints.Result()
+            reason = self._drive(handle)
         finally:
             self._commands.publish(Twist())
+        if not reason:
+            handle.succeed()
+        elif handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return FollowWaypoints.Result(error_msg=reason)
 
-    def _drive(self, handle: ServerGoalHandle, goal: Point, *, is_last: bool) -> str:
-        """Drives to a waypoint; returns why the robot has not reached it."""
-        seen = 0
-        while True:
+    def _drive(self, handle: ServerGoalHandle) -> str:
+        """Drives along the waypoints of a goal; returns why the robot has not come to its end."""
+        poses = handle.request.poses
+        for frame in {each.header.frame_id for each in poses} - {FRAME}:
+            return f"no transform from {frame} to {FRAME}"
+        course = Course([(each.pose.position.x, each.pose.position.y) for each in poses])
+        seen, told = 0, -1
+        while not course.is_over:
+            if course.active != told:
+                told = course.active
+                handle.publish_feedback(FollowWaypoints.Feedback(current_waypoint=told))
             with self._moved:
                 if not self._moved.wait_for(lambda seen=seen: self._count > seen, SILENCE):
                     return "no odometry"
-                seen = self._count
-                x, y, psi = self._pose
+                seen, pose = self._count, self._pose
             if handle.is_cancel_requested:
                 return "canceled"
-            if math.hypot(goal.x - x, goal.y - y) < REACHED:
-                return ""
             command = Twist()
-            command.linear.x, command.angular.z = steer(x, y, psi, goal, is_last=is_last)
+            command.linear.x, command.angular.z = course.command(*pose)
             self._commands.publish(command)
+        return ""
 
 
 def main() -> None:

@@ -14,66 +14,18 @@ import math
 import signal
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 import rclpy
+from driving import COLUMNS, PERIOD, Body
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-TRACK = 0.4
-"""Metres between the wheels."""
-FASTEST = 1.5
-"""Largest speed of a wheel, m/s."""
-LAG = 0.15
-"""Time constant of the wheels, s."""
 PATIENCE = 0.5
 """Seconds after the last command when the wheels stop."""
-PERIOD = 0.02
-"""Seconds between two steps."""
-
-
-@dataclass
-class Robot:
-    """Pose of the middle of the axle and speeds of the wheels; x forward, y left of the start.
-
-    Attributes:
-        x: Metres.
-        y: Metres.
-        psi: Yaw, rad, counter-clockwise.
-        left: Speed of the left wheel, m/s.
-        right: Speed of the right wheel, m/s.
-    """
-
-    x: float = 0.0
-    y: float = 0.0
-    psi: float = 0.0
-    left: float = 0.0
-    right: float = 0.0
-
-    @property
-    def speed(self) -> float:
-        """Forward speed, m/s."""
-        return (self.left + self.right) / 2
-
-    @property
-    def yaw_rate(self) -> float:
-        """Yaw rate, rad/s."""
-        return (self.right - self.left) / TRACK
-
-    def advance(self, speed: float, yaw_rate: float, seconds: float) -> None:
-        """Moves on with a wanted speed (m/s) and yaw rate (rad/s), which the wheels follow."""
-        share = 1 - math.exp(-seconds / LAG)
-        turn = yaw_rate * TRACK / 2
-        self.left += (_limited(speed - turn) - self.left) * share
-        self.right += (_limited(speed + turn) - self.right) * share
-        middle = self.psi + self.yaw_rate * seconds / 2
-        self.x += self.speed * seconds * math.cos(middle)
-        self.y += self.speed * seconds * math.sin(middle)
-        self.psi += self.yaw_rate * seconds
 
 
 class Wheels(Node):
@@ -85,8 +37,8 @@ class Wheels(Node):
         self._rows: TextIO | None = None
         if log := self.declare_parameter("log", "").value:
             self._rows = Path(log).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 - kept
-            self._rows.write("real_s,x_m,y_m,psi_rad,v_m_s,yaw_rate_rad_s\n")
-        self._robot = Robot()
+            self._rows.write(f"{COLUMNS}\n")
+        self._robot = Body()
         self._wanted = (0.0, 0.0)
         self._now = time.monotonic()
         self._commanded = self._now
@@ -113,8 +65,7 @@ class Wheels(Node):
         robot.advance(*wanted, now - self._now)
         self._now = now
         if self._rows is not None:
-            state = (robot.x, robot.y, robot.psi, robot.speed, robot.yaw_rate)
-            self._rows.write(",".join(map(str, (now, *state))) + "\n")
+            self._rows.write(robot.row(now))
         odometry = Odometry(child_frame_id="base_link")
         odometry.header.stamp = self.get_clock().now().to_msg()
         odometry.header.frame_id = "odom"
@@ -124,10 +75,6 @@ class Wheels(Node):
         odometry.twist.twist.linear.x = robot.speed
         odometry.twist.twist.angular.z = robot.yaw_rate
         self._odometry.publish(odometry)
-
-
-def _limited(speed: float) -> float:
-    return min(max(speed, -FASTEST), FASTEST)
 
 
 def main() -> None:

@@ -11,7 +11,6 @@ import json
 import logging
 import math
 import os
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -163,4 +162,4 @@ class OperatorUnit(OperatorUnitBase):
         self, event: str, value: int | str = "", x: float | str = "", y: float | str = ""
     ) -> None:
         if self._events is not None:
-            self._events.write(f"{event},{time.monotonic()},{value},{x},{y}\n")
+            self._events.write(f"{event},{self.clock.now()},{value},{x},{y}\n")

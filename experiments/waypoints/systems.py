@@ -1,0 +1,38 @@
+"""The two systems of the scenario: J, by JAUS alone, and R, whose follower is a ROS node."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+from experiments.right_turn.systems import System, generate
+
+from . import EXAMPLE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_ALONE = EXAMPLE / "jaus_only"
+_OPERATOR = EXAMPLE / "src" / "operator_unit"
+
+SYSTEMS = {
+    "J": System("J", _ALONE / "jaus_only.ros2jaus", (_OPERATOR, _ALONE / "src" / "robot")),
+    "R": System("R", EXAMPLE / "waypoint_list.ros2jaus", (_OPERATOR,)),
+}
+
+
+def generated(name: str, folder: Path) -> Path:
+    """Generates a system into a folder that is made anew, with the code of its users.
+
+    Raises:
+        RuntimeError: The model cannot be generated; says what jausml said.
+    """
+    generate(SYSTEMS[name], folder)
+    if name == "J":
+        add_driving(folder)
+    return folder
+
+
+def add_driving(workspace: Path) -> None:
+    """Puts what all robots share beside the code of the robot of J."""
+    shutil.copy(EXAMPLE / "driving.py", workspace / "robot" / "robot")
