@@ -6,15 +6,20 @@ import ast
 import importlib
 import os
 import signal
+import subprocess
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from jausml.generation.header import without_header
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
+
+FOLDER = "JAUSML_WORKSPACE"
+"""Environment variable that names the folder of the packages to a command."""
 
 _BEFORE = 1_000_000_000
 """Time of unchanged files: what was compiled of another text must never pass for that of a file."""
@@ -29,8 +34,14 @@ _ARGUMENTS = ("-q", "-x", "--tb=line", "-c", os.devnull, "--rootdir", ".", "-p",
 class BrokenWorkspace:
     """The files of a model that is not broken, in a folder of their own."""
 
-    def __init__(self, folder: Path, files: Mapping[str, str]) -> None:
+    def __init__(self, folder: Path, files: Mapping[str, str], command: Sequence[str] = ()) -> None:
+        """Writes the files.
+
+        Args:
+            command: What tries the packages besides their tests; see `refusing`.
+        """
         self._folder = folder
+        self._command = command
         self._files = dict(files)
         self._count = 0
         for path, text in files.items():
@@ -60,18 +71,71 @@ class BrokenWorkspace:
         Tests stay those of the model that is not broken.
         """
         changed = list(paths)
-        self._count += 1
-        for path in changed:
-            self._write(path, files.get(path), _BEFORE + self._count)
-        try:
+        with self._replaced(files, changed):
             for package in self._concerned(changed):
                 problem = self._tested(package)
                 if problem:
                     return problem
+        return ""
+
+    def refusing(self, files: Mapping[str, str], paths: Iterable[str]) -> str:
+        """Returns what the command says that fails with files replaced; empty where it does not.
+
+        It runs where the campaign was begun, finds the packages on its path, and their folder in
+        the environment.
+        """
+        if not self._command:
+            return ""
+        with self._replaced(files, paths):
+            return self._tried()
+
+    def sound_command(self) -> str:
+        """Runs the command on what is not broken; one that fails there does not run again."""
+        problem = self._tried() if self._command else ""
+        if problem:
+            self._command = ()
+        return problem
+
+    @contextmanager
+    def _replaced(self, files: Mapping[str, str], paths: Iterable[str]) -> Iterator[None]:
+        changed = list(paths)
+        self._count += 1
+        for path in changed:
+            self._write(path, files.get(path), _BEFORE + self._count)
+        try:
+            yield
         finally:
             for path in changed:
                 self._write(path, self._files.get(path), _BEFORE)
-        return ""
+
+    def _tried(self) -> str:
+        """Returns the last line of the command if it fails; empty else."""
+        paths = [*self._paths, *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment = {
+            **os.environ,
+            FOLDER: str(self._folder),
+            "PYTHONPATH": os.pathsep.join(paths),
+        }
+        log = self._folder / "command.log"
+        with log.open("wb") as told:
+            try:
+                done = subprocess.run(  # noqa: S603 - as the user asks
+                    list(self._command),
+                    env=environment,
+                    stdin=subprocess.DEVNULL,
+                    stdout=told,
+                    stderr=told,
+                    timeout=_LONGEST,
+                    check=False,
+                )
+            except subprocess.TimeoutExpired:
+                return f"no end after {_LONGEST} s"
+            except OSError as error:
+                return f"{self._command[0]}: {error.strerror}"
+        if not done.returncode:
+            return ""
+        lines = [line for line in log.read_text("utf-8", "replace").splitlines() if line.strip()]
+        return (lines or [f"ended with {done.returncode}"])[-1]
 
     def sound(self) -> dict[str, str]:
         """Runs all tests on what is not broken, and returns what fails there, by package.

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 VALIDATE, GENERATE, TESTS, PROVE = "validate", "generate", "tests", "prove"
+CHECK, RUN = "check", "run"
 WARNING, EQUAL, NOTHING = "warning", "equal", "nothing"
 
 NOTICED_BY = {
@@ -20,6 +21,8 @@ NOTICED_BY = {
     GENERATE: "nothing can be generated",
     TESTS: "a generated test of the model fails",
     PROVE: "a proof of its map finds what that of the model does not",
+    CHECK: "a product check finds a violation that the model does not have",
+    RUN: "the command of `--run` fails",
     WARNING: "a rule warns, and nothing else notices it",
     EQUAL: "the same code is generated",
     NOTHING: "it survives",

@@ -18,15 +18,18 @@ from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.outcomes import (
+    CHECK,
     EQUAL,
     GENERATE,
     NOTHING,
     PROVE,
+    RUN,
     TESTS,
     VALIDATE,
     WARNING,
     Outcome,
 )
+from jausml.mutating.products import Products
 from jausml.mutating.proofs import Proofs
 
 if TYPE_CHECKING:
@@ -50,11 +53,13 @@ class Settings:
     Attributes:
         budget: Seconds after which no further mutation is begun.
         jobs: How many processes work at once.
+        command: What else tries the packages of a model, as arguments of a process.
     """
 
     reading: Reading
     budget: float
     jobs: int
+    command: Sequence[str] = ()
 
 
 def outcomes(
@@ -68,7 +73,7 @@ def outcomes(
     """
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
-    original = _Original(model, settings.reading)
+    original = _Original(model, settings.reading, settings.command)
     context = multiprocessing.get_context("fork")
     queue, taken = context.SimpleQueue(), context.Value("i", 0)
     deadline = time.monotonic() + settings.budget
@@ -117,7 +122,8 @@ def _work(
 ) -> None:
     """Tries mutations until there are no more, in a process of its own."""
     try:
-        workspace = BrokenWorkspace(folder, {**original.shared, **original.files})
+        files = {**original.shared, **original.files}
+        workspace = BrokenWorkspace(folder, files, original.command)
         for remark in _prepared(workspace) if time.monotonic() < deadline else ():
             queue.put(remark)
         while time.monotonic() < deadline:
@@ -132,7 +138,9 @@ def _work(
 
 
 def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
-    """Runs the tests on what is not broken, and yields what of them says nothing."""
+    """Runs command and tests on what is not broken, and yields what of them says nothing."""
+    if problem := workspace.sound_command():
+        yield f"the command fails without a mutation: {problem}"
     try:
         workspace.preload()
     except ImportError as error:
@@ -146,17 +154,19 @@ def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
 class _Original:
     """A model as one XMI document, what it generates, and what is found in it."""
 
-    def __init__(self, model: Model, reading: Reading) -> None:
+    def __init__(self, model: Model, reading: Reading, command: Sequence[str]) -> None:
         self._model = model
         self._roots = [each for one in model.documents if not one.is_library for each in one.roots]
         self._path = model.documents[0].path.with_suffix(".xmi")
         self._root = reading.project_root or self._path.parent
         self._reading = reading
+        self.command = command
         self._cache = LibraryCache()
         targets = select(load_targets()).targets
         self._targets = [each for each in targets if not each.is_shared]
         report = self._report(self._text())
         self._proofs = Proofs(report)
+        self._products = Products(report.model)
         self._known = {_key(each) for each in report.diagnostics}
         if report.has_errors:
             raise CampaignError(f"the model as one XMI document: {report.diagnostics[0].message}")
@@ -191,6 +201,12 @@ class _Original:
         proved = self._proofs.noticed(report, mutation.change.element) if changed else ""
         if proved:
             return _outcome(mutation, PROVE, proved, changed)
+        violated = self._products.noticed(report.model) if changed else ""
+        if violated:
+            return _outcome(mutation, CHECK, violated, changed)
+        refused = workspace.refusing(files, changed) if changed else ""
+        if refused:
+            return _outcome(mutation, RUN, refused, changed)
         warnings = [each for each in new if each.severity is Severity.WARNING]
         if warnings:
             return _outcome(mutation, WARNING, _told(warnings[0]), changed)

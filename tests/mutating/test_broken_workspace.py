@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from jausml.mutating.broken_workspace import BrokenWorkspace
@@ -91,3 +93,37 @@ def test_tests_that_fail_without_a_mutation_say_nothing(tmp_path):
     made = BrokenWorkspace(tmp_path, files)
     assert list(made.sound()) == ["rest"]
     assert made.packages == ["lamp"]
+
+
+COMMAND = [sys.executable, "-c", "from lamp.code import OTHER; assert OTHER == 1, 'not lit'"]
+
+
+def refused(folder, text, command=COMMAND):
+    """Returns what a command says of another code of the lamp."""
+    made = BrokenWorkspace(folder, FILES, command)
+    assert made.sound_command() == ""
+    return made.refusing({**FILES, CODE: text}, [CODE])
+
+
+def test_a_command_notices_what_no_test_sees(tmp_path):
+    text = FILES[CODE].replace("OTHER = 1", "OTHER = 2")
+    assert refused(tmp_path, text) == "AssertionError: not lit"
+    assert refused(tmp_path, FILES[CODE]) == ""
+    assert (tmp_path / CODE).read_text() == FILES[CODE]
+
+
+def test_a_command_is_told_the_folder(tmp_path):
+    path = f"os.environ['JAUSML_WORKSPACE'] + '/{CODE}'"
+    command = [sys.executable, "-c", f"import os; assert 'VALUE = 1' in open({path}).read()"]
+    assert refused(tmp_path, "VALUE = 2\n", command) == "AssertionError"
+
+
+def test_a_command_that_fails_without_a_mutation_says_nothing(tmp_path):
+    made = BrokenWorkspace(tmp_path, FILES, [sys.executable, "-c", "raise SystemExit('no robot')"])
+    assert made.sound_command() == "no robot"
+    assert made.refusing({**FILES, CODE: "VALUE = 2\n"}, [CODE]) == ""
+
+
+def test_a_command_that_cannot_begin(tmp_path):
+    made = BrokenWorkspace(tmp_path, FILES, [str(tmp_path)])
+    assert "Permission denied" in made.sound_command()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -72,7 +73,7 @@ def test_survivors_are_named():
         "nothing notices:\n  rate: robot/bridge/pose rate: 10.0 -> 5.0 (changes a.py)"
     )
     matrix = [line.split() for line in text.splitlines() if line.startswith(("rate", "all"))]
-    assert matrix == [["rate", *"......", "1"], ["all", ".", ".", "1", ".", ".", ".", "1"]]
+    assert matrix == [["rate", *"........", "1"], ["all", *"..1.....1"]]
 
 
 @pytest.mark.live
@@ -98,6 +99,29 @@ def test_other_operators_are_refused(model):
     done = run(model, "--only", "nobody")
     assert done.exit_code == 2
     assert "there is no operator 'nobody'; there are sign, factor" in done.output
+
+
+@pytest.mark.timeout(120)
+def test_a_command_of_the_user_notices(model, tmp_path):
+    check = tmp_path / "check.py"
+    check.write_text(
+        "from bridge.bridge import Bridge\nassert Bridge().settings.authority == 100\n"
+    )
+    asked = (model, "--only", "authority", "--only", "control", "--jobs", 1)
+    found = outcomes(*asked, "--run", f"{sys.executable} {check}")
+    authority = found["authority", "authority: 100 -> 50"]
+    assert (authority["noticed_by"], authority["by"]) == ("run", "AssertionError")
+    assert found["control", "control: True -> False"]["noticed_by"] == "check"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [("no_such_program", "there is no program 'no_such_program'"), ("'", "No closing quotation")],
+)
+def test_a_command_that_is_none(model, given, told):
+    done = run(model, "--run", given)
+    assert done.exit_code == 2
+    assert told in done.output
 
 
 def test_no_mutation_is_no_campaign(model):

@@ -42,5 +42,5 @@ def test_survivors_of_a_kind_stand_once():
     }
     lines = build_mutations.page([campaign]).splitlines()
     assert "2 of 3 possible mutations were tried; 2 survive." in lines
-    assert "| QoS |  |  |  |  |  |  | 2 |" in lines
+    assert "| QoS |  |  |  |  |  |  |  |  | 2 |" in lines
     assert "- QoS: `depth: 1 -> 2`, in `a/a.py`, 2 times" in lines

@@ -49,6 +49,13 @@ if TYPE_CHECKING:
     metavar="N",
     help="Processes that work at once; by default, one for each processor.",
 )
+@click.option(
+    "--run",
+    "run",
+    metavar="COMMAND",
+    help="Also try the packages by this command, which fails for a mutation. PYTHONPATH leads "
+    "to the packages, JAUSML_WORKSPACE names their folder.",
+)
 @format_option("Format of the results.")
 @click.option("-o", "--output", metavar="DIR", help="Also write a page into a folder.")
 @reading_options
@@ -58,6 +65,7 @@ def command(
     limit: int,
     budget: float,
     jobs: int | None,
+    run: str | None,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -66,7 +74,8 @@ def command(
 
     Each mutation changes one thing: a sign, a factor, a rate, a time-out, a stop. It is noticed
     if a rule finds an error, if a generated test of the unbroken model fails on the code of the
-    broken one, or if a proof of its map finds a fault. What nothing notices is listed.
+    broken one, if a proof of its map finds a fault, if a product check finds a violation, or if a
+    command of yours fails. What nothing notices is listed.
 
     Exit status: 0 all is noticed, 1 something survives or the model has errors, 2 no such
     operator, nothing to break or an unreadable model, 3 internal error.
@@ -88,7 +97,7 @@ def command(
         raise EnvironmentFault("the model has nothing that these operators change")
     chosen = sample(possible, limit)
     campaign = Campaign(Path(model).name, len(possible), len(chosen))
-    settings = Settings(reading, budget, jobs or processors())
+    settings = Settings(reading, budget, jobs or processors(), _arguments(run))
     _run(campaign, broken, chosen, settings)
     if output_format == "json":
         found = {"digests": digests(broken), **campaign.to_json()}
@@ -99,6 +108,19 @@ def command(
         _write_page(page(campaign), Path(output))
     if campaign.survivors():
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _arguments(command: str | None) -> list[str]:
+    import shlex
+    import shutil
+
+    try:
+        found = shlex.split(command or "")
+    except ValueError as error:
+        raise EnvironmentFault(f"--run: {error}") from error
+    if found and shutil.which(found[0]) is None:
+        raise EnvironmentFault(f"--run: there is no program '{found[0]}'")
+    return found
 
 
 def _check_names(names: Sequence[str]) -> None:
