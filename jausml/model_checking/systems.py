@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.list_drivers import driver_messages
 from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import machines_of
@@ -75,10 +76,15 @@ def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subje
             if not stops.is_command(connection):
                 continue
             if connection.direction.name == "jausToRos":
-                yield _obeying(owner, connection, demanded)
+                yield _obeying_messages(owner, connection, demanded)
             else:
                 for peer in connection.peers or (None,):
                     yield _commanding(owner, connection, peer, demanded)
+        for action in () if owner.external else owner.actionConnections:
+            driver = driver_messages(action.driver)
+            if driver is not None and action.direction.name == "jausToRos":
+                # The goal is canceled when control is lost; a list has no other end than its own.
+                yield _obeying(owner, action, driver.execute, demanded)
 
     for component in system_.components:
         if not component.external and not isinstance(component, bridge.Bridge):
@@ -179,31 +185,43 @@ def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> flo
     return next((each for each in taken if each), 0.0)
 
 
-def _obeying(owner: bridge.Bridge, connection: bridge.Connection, demanded: float) -> Subject:
-    clock = _Clock([stops.silence_timeout(connection), float(owner.controlTimeout), demanded])
+def _obeying_messages(
+    owner: bridge.Bridge, connection: bridge.Connection, demanded: float
+) -> Subject:
+    held = None if stops.has_stop(connection) else stops.hold_reason(connection)
+    silence = stops.silence_timeout(connection)
+    return _obeying(owner, connection, connection.map.message, demanded, silence, held)
+
+
+def _obeying(
+    owner: bridge.Bridge,
+    connection: bridge.Connection | bridge.RosActionConnection,
+    message: jaus.MessageDef,
+    demanded: float,
+    silence: float = 0.0,
+    held: str | None = None,
+) -> Subject:
+    """Returns the product of what takes a command; `held` is why it has no stop, None if it has."""
+    clock = _Clock([silence, float(owner.controlTimeout), demanded])
     peers = [str(each.name) for each in connection.peers]
     client = peers[0] if peers else _ANYBODY
     services = core_services_of(owner, clock, _authorities(owner, connection, client))
-    guard = guard_of_receivers(connection.map.message, [owner], None)
-    has_stop = stops.has_stop(connection)
-    connection_state = CommandConnection(
-        guard, clock.ticks(stops.silence_timeout(connection)), peers=peers or None
-    )
+    guard = guard_of_receivers(message, [owner], None)
+    connection_state = CommandConnection(guard, clock.ticks(silence), peers=peers or None)
     product = ObeyingProduct(
         str(owner.name),
-        str(connection.map.message.name),
+        str(message.name),
         services,
         connection_state,
         (client, _TAKES_OVER),
-        has_stop,
+        held is None,
         clock.ticks(demanded),
     )
-    held = "" if has_stop else stops.hold_reason(connection)
-    return Subject(f"{owner.name}.{connection.name}", connection, product, clock.tick, held)
+    return Subject(f"{owner.name}.{connection.name}", connection, product, clock.tick, held or "")
 
 
 def _authorities(
-    owner: bridge.Bridge, connection: bridge.Connection, client: str
+    owner: bridge.Bridge, connection: bridge.Connection | bridge.RosActionConnection, client: str
 ) -> dict[str, int]:
     stated = [int(each.authority) for each in connection.peers if owner in each.controls]
     own = stated[0] if stated else int(owner.defaultAuthority)

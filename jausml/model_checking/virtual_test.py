@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.model_checking.commanding import PUBLISHER, RADIO, CommandingProduct
 from jausml.model_checking.core_services import EMERGENCY_CLIENT
@@ -17,7 +18,6 @@ from jausml_generators.python.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.model_checking.checking import CounterExample, Moment
     from jausml.model_checking.properties import CheckedProduct
@@ -74,11 +74,12 @@ class Peer(JausComponent):
 
 
 def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str | None:
-    """Returns a test module; None for what no module can be made of, such as a machine."""
-    product = subject.product
+    """Returns a test module; None for what no module can be made of: machines, and lists."""
+    product, connection = subject.product, subject.element
     if not isinstance(product, (ObeyingProduct, CommandingProduct)):
         return None
-    connection: bridge.Connection = subject.element  # type: ignore[assignment]
+    if not isinstance(connection, bridge.Connection):
+        return None
     view = next(each for each in bridge_views(model) if each.bridge is connection.eContainer())
     own = next(each for each in view.connections if each.connection is connection)
     message = " ".join(example.message.split())

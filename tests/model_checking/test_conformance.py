@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+LISTER = Path(__file__).with_name("lister.ros2jaus")
 # Of what the abstract ones can be like but for their timers, which walks go through.
 OBEYING = {
     "front.velocity": 13,
@@ -19,6 +22,13 @@ def test_a_bridge_that_obeys(subject, run_script):
     happened = run_script("walk.py", subject)
     assert happened["difference"] is None
     assert happened["states"] >= OBEYING[subject]
+    assert happened["steps"] > 1000
+
+
+def test_a_bridge_that_drives_along_lists(run_script):
+    happened = run_script("walk_list.py", "lister.along", model=LISTER)
+    assert happened["difference"] is None
+    assert happened["states"] >= 10
     assert happened["steps"] > 1000
 
 

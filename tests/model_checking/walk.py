@@ -76,13 +76,17 @@ class Walk:
         names = [*self.product.clients, EMERGENCY_CLIENT]
         self.clients = {name: self._client(number, name) for number, name in enumerate(names)}
         self.said = 0.0
+        self.listen()
+        self.world.run_for(self.tick)
+        self.at_once = 0
+
+    def listen(self):
+        """Hears what the bridge says to ROS."""
         ros_type, (topic,) = self.connection._type, (each.name for each in self.connection._topics)
         read = READ[ros_type.__name__]
         self.world.ros.subscribe(
             f"/{topic}", ros_type, lambda data: self._hear(read(ros_type.from_cdr(data)))
         )
-        self.world.run_for(self.tick)
-        self.at_once = 0
 
     def _client(self, number, name):
         made = JausComponent(
@@ -118,8 +122,12 @@ class Walk:
         elif step.what in ("is deactivated", "is activated"):
             bridge.set_active(step.what == "is activated")
         else:
-            self.clients[step.actor].send(self._message(step), self.address)
+            self.send(step)
         self.world.run_for(0)
+
+    def send(self, step):
+        """Sends what a client says."""
+        self.clients[step.actor].send(self._message(step), self.address)
 
     def _message(self, step):
         if step.what == "RequestControl":
@@ -165,9 +173,9 @@ class Walk:
         }
 
 
-def walked(subject, seed, steps):
+def walked(kind, subject, seed, steps):
     """Returns the first difference of a walk, if any, and what was seen on it."""
-    walk, way, seen = Walk(subject, seed), [], Counter()
+    walk, way, seen = kind(subject, seed), [], Counter()
     for _ in range(steps):
         step = walk.step()
         way.append(f"{walk.world.now():g} s {step.actor}: {step.what}")
@@ -182,7 +190,7 @@ def walked(subject, seed, steps):
     return None, seen
 
 
-def main():
+def main(kind=Walk, model="rover.ros2jaus"):
     """Reads the command line and prints what was seen."""
     parser = argparse.ArgumentParser()
     parser.add_argument("subject")
@@ -190,12 +198,12 @@ def main():
     parser.add_argument("--steps", type=int, default=150)
     asked = parser.parse_args()
     logging.disable()
-    model = read_models([Path(__file__).with_name("rover.ros2jaus")], notations=NOTATIONS).model
+    model = read_models([Path(__file__).with_name(model)], notations=NOTATIONS).model
     (subject,) = [each for each in subjects_of(system_of(model)) if each.name == asked.subject]
     states = Counter()
     difference = None
     for seed in range(asked.walks):
-        difference, seen = walked(subject, seed, asked.steps)
+        difference, seen = walked(kind, subject, seed, asked.steps)
         states += seen
         if difference:
             break
@@ -203,4 +211,5 @@ def main():
     sys.stdout.write(json.dumps(told))
 
 
-main()
+if __name__ == "__main__":
+    main()
