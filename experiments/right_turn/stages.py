@@ -54,7 +54,7 @@ STAGES = (
     Stage("polling", "experiments.right_turn.polling", "bridges that poll, in virtual time", 100),
     Stage("stress_virtual", "experiments.right_turn.stress_virtual", "cuts in virtual time", 80),
     Stage("simulator", "experiments.simulator.stage", "a simulator that is not in real time", 80),
-    Stage("waypoints", "experiments.waypoints.stage", "a robot along waypoints", 80),
+    Stage("waypoints", "experiments.waypoints.stage", "a robot along waypoints", 120, 80),
 )
 
 

@@ -48,7 +48,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:
             of which there is no wheel.
     """
     results = run_drives(folder, (SHORT,) if plan.quick else (WHOLE, EMERGENCY), tell)
-    virtual = driven(folder / "virtual", tell, quick=plan.quick)
+    virtual = driven(folder / "ws", tell, quick=plan.quick)
     _summarize(folder, results, virtual)
     return list(results.values())
 

@@ -12,11 +12,11 @@ from . import EXAMPLE
 if TYPE_CHECKING:
     from pathlib import Path
 
-_ALONE = EXAMPLE / "jaus_only"
+_ALONE = EXAMPLE / "without_ros"
 _OPERATOR = EXAMPLE / "src" / "operator_unit"
 
 SYSTEMS = {
-    "J": System("J", _ALONE / "jaus_only.ros2jaus", (_OPERATOR, _ALONE / "src" / "robot")),
+    "J": System("J", _ALONE / "without_ros.ros2jaus", (_OPERATOR, _ALONE / "src" / "robot")),
     "R": System("R", EXAMPLE / "waypoint_list.ros2jaus", (_OPERATOR,)),
 }
 

@@ -10,7 +10,7 @@ from experiments.right_turn.generated import Workspace
 from . import drives
 from .controls import CONTROLS, LATE
 from .equivalence import bound, path_gap, path_of
-from .systems import SYSTEMS, generated
+from .systems import SYSTEMS
 from .virtual import Conditions, VirtualDrive
 
 if TYPE_CHECKING:
@@ -25,15 +25,14 @@ SEEDS = 5
 KINDS = (drives.WHOLE, drives.EMERGENCY, drives.LOST)
 
 
-def driven(folder: Path, tell: Callable[[str], None], *, quick: bool = False) -> dict[str, Any]:
+def driven(workspaces: Path, tell: Callable[[str], None], *, quick: bool = False) -> dict[str, Any]:
     """Drives in virtual time, and returns what came of it, with its claims.
 
     Args:
-        folder: Where the systems are generated.
+        workspaces: Folder of the generated systems.
         quick: Whether one pair is enough.
     """
-    tell("generating both systems for virtual time")
-    places = {name: Workspace.at(generated(name, folder / name)) for name in SYSTEMS}
+    places = {name: Workspace.at(workspaces / name) for name in SYSTEMS}
 
     def drive(
         conditions: Conditions, kind: drives.Drive = drives.WHOLE

@@ -21,11 +21,18 @@ EXAMPLES = [
     "minimal",
     "examples/simulator",
     "examples/waypoint_list",
+    "examples/waypoint_list/without_ros",
     "examples/winch",
 ]
 NOTATIONS = {".xmi", ".ros2jaus"}
-SHARED = {"examples/simulator": "catvehicle/src/catvehicle"}
-"""Packages that examples take from others."""
+SHARED = {
+    "examples/simulator": {"catvehicle/src/catvehicle": "catvehicle"},
+    "examples/waypoint_list/without_ros": {
+        "examples/waypoint_list/src/operator_unit": "operator_unit",
+        "examples/waypoint_list/driving.py": "robot/robot/driving.py",
+    },
+}
+"""Packages and modules that examples take from others, and where they belong."""
 RUNTIME = "jausml_runtime"
 RULES = "E,F,W,UP,B,SIM,D,N,PIE,RET"
 # What ROS itself leaves untyped.
@@ -47,9 +54,12 @@ def workspace(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     ignored = shutil.ignore_patterns("__pycache__")
     if (source / "src").is_dir():
         shutil.copytree(source / "src", folder, ignore=ignored)
-    if shared := SHARED.get(request.param):
-        package = ROOT / "models" / shared
-        shutil.copytree(package, folder / package.name, ignore=ignored)
+    for shared, place in SHARED.get(request.param, {}).items():
+        taken = ROOT / "models" / shared
+        if taken.is_dir():
+            shutil.copytree(taken, folder / place, ignore=ignored)
+        else:
+            shutil.copy(taken, folder / place)
     generate(model_in(source), "-o", str(folder))
     return folder
 

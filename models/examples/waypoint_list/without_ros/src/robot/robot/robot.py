@@ -23,6 +23,7 @@ from .messages import (
     ReportLocalPose,
     ReportLocalWaypoint,
     ReportTravelSpeed,
+    SetLocalPose,
     SetLocalWaypoint,
 )
 from .robot_base import ADDRESS, SETTINGS, RobotBase
@@ -79,6 +80,19 @@ class Robot(RobotBase):
         self._completion = Completion()
         self._reach(next(iter(self._uids), 0))
         return self._completion
+
+    def on_set_local_waypoint(
+        self, message: SetLocalWaypoint, sender: JausAddress
+    ) -> Completion | None:
+        """Follows no waypoint outside of a list."""
+        return super().on_set_local_waypoint(message, sender)
+
+    def on_set_local_pose(self, message: SetLocalPose, sender: JausAddress) -> None:
+        """Takes the parts of a pose that are present as where the robot is."""
+        body = self._body
+        body.x = body.x if message.x is None else message.x
+        body.y = body.y if message.y is None else -message.y
+        body.psi = body.psi if message.yaw is None else -message.yaw
 
     def on_not_ready(self) -> None:
         """Stops: nobody may drive."""
