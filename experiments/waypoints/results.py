@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 TOLERANCE = 0.20
 """Metres within which a waypoint counts as passed: the follower takes it as reached at 0.15 m, by
 an odometry that is 20 ms old, in which the robot drives 0.02 m, and its command is as late."""
+AGE = 0.5
+"""Seconds by which a pose may be older than the word of it."""
 STANDSTILL = 0.01
 """Speed in m/s below which the robot stands."""
 DRIFT = 0.01
@@ -183,7 +185,8 @@ def judge(drive: Drive, truth: Sequence[State], told: Sequence[Event]) -> Result
 def _claims(drive: Drive, result: Result) -> dict[str, bool]:
     far = result.pose_error
     claims = {
-        f"the operator is told within {TOLERANCE:g} m where the robot is": far is not None
+        f"where the robot is said to be, it is within {TOLERANCE:g} m, or was {AGE:g} s ago": far
+        is not None
         and far <= TOLERANCE
     }
     if drive.lost_at is not None:
@@ -258,13 +261,18 @@ def _stop(truth: Sequence[State], emergency: float) -> tuple[float | None, float
 
 
 def _distance(truth: Sequence[State], told: Sequence[Event]) -> float | None:
-    """Returns how far the robot was at most from where it was said to be; None for no word."""
+    """Returns how far the robot was at most from where it was said to be; None for no word.
+
+    Of what it did in the last moments, the nearest counts.
+    """
     times = [each.time for each in truth]
     apart = []
     for each in told:
         if each.kind == "pose" and truth:
-            true = truth[min(bisect_left(times, each.time), len(truth) - 1)]
-            apart.append(math.dist((true.x, -true.y), (each.x, each.y)))
+            last = bisect_left(times, each.time) + 1
+            first = min(bisect_left(times, each.time - AGE), len(truth) - 1)
+            near = (math.dist((at.x, -at.y), (each.x, each.y)) for at in truth[first:last])
+            apart.append(min(near))
     return max(apart, default=None)
 
 

@@ -82,7 +82,7 @@ def test_judges_a_drive() -> None:
         (driven(1.5), WHOLE, "passed"),
         (driven(2.0), [*WHOLE[:3], WHOLE[4], WHOLE[5]], "order"),
         (driven(2.0), WHOLE[:-1], "done"),
-        (driven(2.0), [*WHOLE, Event("pose", 12.0, 0, 0.0, 2.0)], "told within"),
+        (driven(2.0), [*WHOLE, Event("pose", 12.0, 0, 0.0, 2.0)], "said to be"),
         (driven(2.0), [*WHOLE[:-1], Event("ended", 12.0, 0)], "done"),
     ],
 )

@@ -51,7 +51,7 @@ REASONS = {
     "axes": "each waypoint is passed",
     "unit": "each waypoint is passed",
     "frame": "each waypoint is passed",
-    "poses": "the operator is told",
+    "poses": "where the robot is said to be",
     "cancel": "an emergency stops the robot",
     "stop": "without its operator, the robot stops",
 }
