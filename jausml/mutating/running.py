@@ -73,7 +73,7 @@ def outcomes(
     """
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
-    original = _Original(model, settings.reading, settings.command)
+    original = _Original(model, settings.reading)
     context = multiprocessing.get_context("fork")
     queue, taken = context.SimpleQueue(), context.Value("i", 0)
     deadline = time.monotonic() + settings.budget
@@ -82,7 +82,15 @@ def outcomes(
         workers = [
             context.Process(
                 target=_work,
-                args=(original, chosen, Path(folder) / str(number), taken, queue, deadline),
+                args=(
+                    original,
+                    chosen,
+                    Path(folder) / str(number),
+                    settings.command,
+                    taken,
+                    queue,
+                    deadline,
+                ),
             )
             for number in range(max(1, min(settings.jobs, len(chosen))))
         ]
@@ -116,6 +124,7 @@ def _work(
     original: _Original,
     chosen: Sequence[Mutation],
     folder: Path,
+    command: Sequence[str],
     taken: Any,
     queue: Any,
     deadline: float,
@@ -123,7 +132,7 @@ def _work(
     """Tries mutations until there are no more, in a process of its own."""
     try:
         files = {**original.shared, **original.files}
-        workspace = BrokenWorkspace(folder, files, original.command)
+        workspace = BrokenWorkspace(folder, files, command)
         for remark in _prepared(workspace) if time.monotonic() < deadline else ():
             queue.put(remark)
         while time.monotonic() < deadline:
@@ -154,13 +163,12 @@ def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
 class _Original:
     """A model as one XMI document, what it generates, and what is found in it."""
 
-    def __init__(self, model: Model, reading: Reading, command: Sequence[str]) -> None:
+    def __init__(self, model: Model, reading: Reading) -> None:
         self._model = model
         self._roots = [each for one in model.documents if not one.is_library for each in one.roots]
         self._path = model.documents[0].path.with_suffix(".xmi")
         self._root = reading.project_root or self._path.parent
         self._reading = reading
-        self.command = command
         self._cache = LibraryCache()
         targets = select(load_targets()).targets
         self._targets = [each for each in targets if not each.is_shared]
