@@ -4,6 +4,9 @@ The bound follows from one choice: a bridge may make the answer to an odometry o
 later. That is the age that the odometry of a robot has anyway when its wheels obey. What it does
 to the same body and the same law, without any middleware, is the most that paths may differ; what
 the experiment cannot tell apart is a floor: the robot moves 0.02 m between two samples.
+
+In real time, each process of the loop may be late by a period besides, since the computer decides
+when it runs: the wheels and the follower of R, and the robot of J.
 """
 
 from __future__ import annotations
@@ -24,8 +27,8 @@ if TYPE_CHECKING:
     from .drives import Point
     from .results import State
 
-TOLERATED_PERIODS = 1
-"""Periods of the odometry by which an answer may be later."""
+TOLERATED, IN_REAL_TIME = 1, 4
+"""Periods of the odometry by which an answer may be later, in virtual and in real time."""
 _EACH = 5
 """Every how many samples of a path are looked for in the other one."""
 
@@ -42,9 +45,9 @@ def path_of(truth: Sequence[State]) -> list[Point]:
 
 
 @lru_cache
-def bound(waypoints: Sequence[Point] = LIST) -> float:
+def bound(waypoints: Sequence[Point] = LIST, periods: int = TOLERATED) -> float:
     """Returns how far two paths along a list may be apart, m."""
-    moved = path_gap(_driven(waypoints, 0), _driven(waypoints, TOLERATED_PERIODS))
+    moved = path_gap(_driven(waypoints, 0), _driven(waypoints, periods))
     return max(moved, SPEED * PERIOD)
 
 

@@ -55,7 +55,7 @@ def _path(axes: Axes, whole: Result, folder: Path) -> None:
         [each.x for each in driven],
         [each.y for each in driven],
         color=style.BLUE,
-        label="R, whole list",
+        label="R",
     )
     if (folder / "J" / "whole" / "result.json").exists():
         alone = states(folder / "J" / "whole")
@@ -64,7 +64,7 @@ def _path(axes: Axes, whole: Result, folder: Path) -> None:
             [each.y for each in alone],
             color=style.BLACK,
             linestyle=(0, (1.0, 3.0)),
-            label="J, whole list",
+            label="J",
         )
     axes.plot(driven[0].x, driven[0].y, "o", color=style.BLUE, markersize=3.5)
     if (folder / "R" / "emergency" / "result.json").exists():
@@ -73,7 +73,7 @@ def _path(axes: Axes, whole: Result, folder: Path) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x, forward at start (m)")
     axes.set_ylabel("y, left at start (m)")
-    axes.legend(loc="lower left")
+    axes.legend(loc="center", bbox_to_anchor=(0.57, 0.52))
 
 
 def _emergency(axes: Axes, folder: Path) -> None:
@@ -83,7 +83,7 @@ def _emergency(axes: Axes, folder: Path) -> None:
         [each.y for each in driven],
         color=style.VERMILION,
         linestyle=(0, (2.5, 1.2)),
-        label="R, emergency on the way to 3",
+        label="R, emergency",
     )
     axes.plot(driven[-1].x, driven[-1].y, "X", color=style.VERMILION, markersize=7, zorder=3)
 
@@ -92,7 +92,7 @@ def _times(axes: Axes, whole: Result, folder: Path) -> None:
     style.name_panel(axes, "b", "active element, as the operator is told")
     told, truth = events(folder / "R" / "whole"), states(folder / "R" / "whole")
     begin = _begin(told)
-    _steps(axes, told, begin, truth, color=style.BLUE, label="R, whole list")
+    _steps(axes, told, begin, truth, color=style.BLUE, label="R")
     passed = [each for each in whole.passages if each.nearest_time is not None]
     axes.plot(
         [each.nearest_time for each in passed],

@@ -16,7 +16,7 @@ from experiments.processes import ExperimentError, Processes, free_port
 
 from . import EXAMPLE
 from .drives import EMERGENCY, LIMIT, SHORT, WATCHED, WHOLE
-from .equivalence import path_gap, path_of
+from .equivalence import IN_REAL_TIME, bound, path_gap, path_of
 from .results import TOLERANCE, Result, events, judge, states
 from .systems import SYSTEMS, generated
 from .virtual_stage import driven
@@ -127,6 +127,9 @@ def _told(result: Result) -> str:
 
 def _summarize(folder: Path, results: Mapping[str, Result], virtual: Mapping[str, Any]) -> None:
     paths = [path_of(states(folder / system / WHOLE.name)) for system in SYSTEMS]
+    gap = path_gap(*paths)
+    most = bound(tuple(results[f"R, {WHOLE.name}"].waypoints), IN_REAL_TIME)
+    apart = f"waypoints, real time: the path of R lies within {most:.3f} m of that of J"
     summary = {
         "tolerance_m": TOLERANCE,
         "claims": [
@@ -134,9 +137,10 @@ def _summarize(folder: Path, results: Mapping[str, Result], virtual: Mapping[str
             for name, each in results.items()
             for text, holds in each.claims.items()
         ]
-        + virtual["claims"],
+        + [{"text": apart, "holds": gap <= most}, *virtual["claims"]],
         "runs": {name: asdict(each) for name, each in results.items()},
-        "gap": path_gap(*paths),
+        "gap": gap,
+        "bound": most,
         "virtual": {name: each for name, each in virtual.items() if name != "claims"},
     }
     text = json.dumps(summary, indent=2, sort_keys=True, allow_nan=False)
