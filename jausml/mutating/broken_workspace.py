@@ -134,7 +134,9 @@ class BrokenWorkspace:
                 return f"{self._command[0]}: {error.strerror}"
         if not done.returncode:
             return ""
-        lines = [line for line in log.read_text("utf-8", "replace").splitlines() if line.strip()]
+        lines = [
+            line for line in read_input(log).decode("utf-8", "replace").splitlines() if line.strip()
+        ]
         return (lines or [f"ended with {done.returncode}"])[-1]
 
     def sound(self) -> dict[str, str]:
