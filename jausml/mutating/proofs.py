@@ -9,7 +9,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import ProgramError
 from jausml.proving.findings import PROOF_RULES, with_proofs
-from jausml.proving.proof_bridge import maps_of
+from jausml.proving.proof_bridge import round_trips
 from jausml.proving.running import Settings, prove
 
 if TYPE_CHECKING:
@@ -59,9 +59,9 @@ def _demanding_map(element: Any) -> str:
 
 def _found(report: Report, name: str) -> dict[tuple[str, str], str]:
     """Returns what proofs find of a map, by rule and place."""
-    maps = [each for each in maps_of(report.model) if str(each.name) == name]
+    trips = [each for each in round_trips(report.model) if each.name == name]
     settings = Settings(str(compiler()), _BUDGET, jobs=1)
-    judged = with_proofs(report, maps, list(prove(report.model, maps, settings)))
+    judged = with_proofs(report, trips, list(prove(report.model, trips, settings)))
     return {
         (each.rule, each.fragment): f"{each.rule} {each.message}"
         for each in judged.diagnostics

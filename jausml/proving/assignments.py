@@ -11,11 +11,13 @@ from jausml.proving.layout import JAUS
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.proving.proof_bridge import RoundTrip
 
-def assignment_of(used: bridge.AttributeMap, side: str, path: str) -> bridge.FieldAssignment | None:
+
+def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:
     """Returns the assignment that gives a number of a side its value when it comes back."""
-    assignments = used.toJaus if side == JAUS else used.toRos
-    for each in _all(assignments):
+    assignments = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
+    for each in field_assignments(assignments):
         targets = (one.strip() for one in str(each.target).split(","))
         if any(_is_at(path, target) for target in targets):
             return each
@@ -32,12 +34,13 @@ def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
     return f".{path}".endswith(f".{str(assignment.target).strip()}")
 
 
-def _all(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
+def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
+    """Yields those of fields, in lists too."""
     for each in assignments:
         if isinstance(each, bridge.FieldAssignment):
             yield each
         elif isinstance(each, bridge.ListAssignment):
-            yield from _all(each.assignments)
+            yield from field_assignments(each.assignments)
 
 
 def _is_at(path: str, target: str) -> bool:

@@ -33,6 +33,7 @@ _WITHOUT_LOOP = {"fastpath.hpp": '#pragma once\n#include "core.hpp"\n'}
 
 _KINDS = {UNSIGNED: 0, SIGNED: 1, FLOAT: 2}
 _NO_WAY = 2
+_NONE = "-"
 
 
 class ProgramError(Exception):
@@ -76,7 +77,10 @@ class Sweep:
         to_ros: Whether the translation makes messages of ROS.
         number: The number that is swept in a message.
         turn: What makes a full turn where the number is an angle, else 0.
-        between: Bytes of the message between both ways.
+        message: What the translation takes, with what is joined to it.
+        size: Bytes of the message without that.
+        joins_back: What is joined to the message between both ways.
+        between: Bytes of that message.
         watched: Numbers of that message.
         shortcut: Number of the function that does without the rest of the message; 0 for none.
         varied: Numbers of the message that take random values meanwhile.
@@ -85,6 +89,8 @@ class Sweep:
     to_ros: bool
     has_back: bool
     message: bytes
+    size: int
+    joins_back: bytes
     number: Number
     turn: float
     between: int
@@ -95,6 +101,7 @@ class Sweep:
     def words(self) -> Iterator[object]:
         """Yields it as the program takes it."""
         yield self.message.hex()
+        yield self.joins_back.hex() or _NONE
         yield self.between
         yield from _words(self.number, self.turn)
         for numbers in (self.watched, self.varied):
@@ -175,9 +182,9 @@ class CompiledForm:
         self._process.communicate()
 
     def translate(self, data: bytes, *, to_ros: bool) -> bytes | None:
-        """Returns what a translation makes of a message; None where it gives way."""
+        """Returns what a translation makes of what it takes; None where it gives way."""
         made = self._ask(["translate", int(not to_ros), data.hex()])
-        return None if made == "-" else bytes.fromhex(made)
+        return None if made == _NONE else bytes.fromhex(made)
 
     def run(
         self, sweep: Sweep, indices: range | Sequence[int], most: int, threads: int = 1

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.model.rules import RuleInfo
 from jausml.proving.assignments import assignment_of
+from jausml.proving.layout import JAUS
 from jausml.proving.text import unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.language.validation.report import Report
+    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.results import FieldResult, MapResult
 
 _PRECISION, _UNSTABLE, _MADE_UP, _FAULT, _FORMS = (f"JML{number}" for number in range(921, 926))
@@ -55,16 +56,14 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
 )
 
 
-def with_proofs(
-    report: Report, maps: Sequence[bridge.AttributeMap], results: Sequence[MapResult]
-) -> Report:
-    """Returns the report of a model with what falls short in proofs of its maps.
+def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
+    """Returns the report of a model with what falls short in proofs of it.
 
     Args:
-        results: The result of each map.
+        results: The result of each round trip.
     """
-    pairs = zip(maps, results, strict=True)
-    found = [each for used, one in pairs for each in _findings(report.model, used, one)]
+    pairs = zip(trips, results, strict=True)
+    found = [each for trip, one in pairs for each in _findings(report.model, trip, one)]
     diagnostics = sorted((*report.diagnostics, *found), key=lambda each: each.sort_key)
     return replace(report, diagnostics=tuple(diagnostics), rules=PROOF_RULES)
 
@@ -78,15 +77,14 @@ def by_map(report: Report) -> dict[str, list[str]]:
     return found
 
 
-def _findings(model: Model, used: bridge.AttributeMap, result: MapResult) -> Iterator[Diagnostic]:
+def _findings(model: Model, trip: RoundTrip, result: MapResult) -> Iterator[Diagnostic]:
     for each in result.fields:
-        place = assignment_of(used, each.side, each.path) or used
+        back = trip.to_jaus if each.side == JAUS else trip.to_ros
+        place = assignment_of(trip, each.side, each.path) or back
         for rule, text in _faults(each):
-            name = f"{used.name}: {each.side} {each.path}"
+            name = f"{trip.name}: {each.side} {each.path}"
             location = model.location(place)
-            yield Diagnostic(
-                rule, Severity.ERROR, location, f"{name} {text}", element=str(used.name)
-            )
+            yield Diagnostic(rule, Severity.ERROR, location, f"{name} {text}", element=trip.name)
 
 
 def _faults(each: FieldResult) -> Iterator[tuple[str, str]]:

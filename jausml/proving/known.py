@@ -6,31 +6,29 @@ from importlib.metadata import PackageNotFoundError
 from typing import TYPE_CHECKING
 
 from jausml.generation.again import digest, tool
-from jausml.language import wire
 from jausml.language.model.cache import keep, kept
-from jausml.proving.layout import jaus_layout, ros_layout
+from jausml.proving.assignments import field_assignments
+from jausml.proving.inputs import inputs
 from jausml.proving.results import map_result
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
-    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.proof_bridge import ProofCode, RoundTrip
     from jausml.proving.results import MapResult
 
 
 class Known:
     """The place of the result of a map."""
 
-    def __init__(self, code: ProofCode, used: bridge.AttributeMap) -> None:
+    def __init__(self, code: ProofCode, trip: RoundTrip) -> None:
         self._name = (
-            f"proof-{digest([str(used.name), code.core, code.program, code.python.digest])[:24]}"
+            f"proof-{digest([trip.name, code.core, code.program, code.python.digest])[:24]}"
         )
         try:
             self._state = digest(
                 [
                     *tool(),
-                    repr(jaus_layout(wire.resolve(used.message))),
-                    repr(ros_layout(used.type)),
-                    repr([getattr(each, "precision", 0) for each in (*used.toRos, *used.toJaus)]),
+                    *(repr(each.layout(None)) for each in inputs(trip).values()),
+                    repr([each.precision for each in field_assignments(trip.to_jaus.toJaus)]),
                 ]
             )
         except (OSError, PackageNotFoundError, ValueError):

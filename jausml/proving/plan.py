@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from jausml.language import wire
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.proving.compiled_form import Sweep
+from jausml.proving.inputs import inputs
 from jausml.proving.layout import (
     JAUS,
     ROS,
@@ -23,19 +23,17 @@ from jausml.proving.layout import (
     USUAL,
     LayoutError,
     Usual,
-    jaus_layout,
-    ros_layout,
 )
 from jausml.proving.values import some
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.semantics.paths.scopes import PathScope
     from jausml.proving.compiled_form import CompiledForm
+    from jausml.proving.inputs import Input
     from jausml.proving.layout import Layout, Number
-    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.proof_bridge import ProofCode, RoundTrip
 
 _WATCHED = 8
 """Of how many numbers of the other message it is followed how they go with one."""
@@ -93,33 +91,31 @@ class _Side:
     """A message with the translation that takes it, and whether there is one that makes it.
 
     Attributes:
-        layout: Makes a message of usual values, or finds the numbers in one.
-        other: Does the same with messages of the other side.
+        own: What the translation takes.
+        other: What the opposite one takes.
         shortcuts: The functions that sweep single numbers, by path.
         units: Returns the unit that the model knows of a path.
     """
 
     name: str
-    layout: Callable[[bytes | None, Usual], Layout]
-    other: Callable[[bytes | None, Usual], Layout]
+    own: Input
+    other: Input
     to_ros: bool
     has_back: bool
     shortcuts: Mapping[str, int]
     units: Callable[[str], str]
 
 
-def plan(code: ProofCode, form: CompiledForm, used: bridge.AttributeMap) -> Plan:
-    """Returns what is to be proved of a map."""
-    message = wire.resolve(used.message)
-    jaus = functools.partial(jaus_layout, message)
-    ros = functools.partial(ros_layout, used.type)
+def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
+    """Returns what is to be proved of a round trip."""
+    taken = inputs(trip)
     made = Plan(remarks=[f"left to Python: {each}" for each in code.reasons])
-    for to_ros, name, own, other in ((True, JAUS, jaus, ros), (False, ROS, ros, jaus)):
+    for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
             units = functools.partial(_units, outer_scope(used, to_ros=to_ros, indexed=True))
             has_back = (not to_ros) in code.directions
-            side = _Side(name, own, other, to_ros, has_back, shortcuts, units)
+            side = _Side(name, taken[to_ros], taken[not to_ros], to_ros, has_back, shortcuts, units)
             _Planner(made, form, side).run()
     return made
 
@@ -189,15 +185,16 @@ class _Planner:
         """
         side = self._side
         if side.has_back:
-            given = (side.other(None, Usual(share)).data for share in SHARES)
+            given = (side.other.layout(None, Usual(share)).data for share in SHARES)
             made = (self._form.translate(each, to_ros=not side.to_ros) for each in given)
-            yield (side.layout(each, USUAL) for each in made if each is not None)
+            joins = side.own.usual_joins
+            yield (side.own.layout(each + joins) for each in made if each is not None)
         before = b""
         for option in range(_OPTIONS):
-            if side.layout(None, Usual(option=option)).data == before:
+            if side.own.layout(None, Usual(option=option)).data == before:
                 break
-            before = side.layout(None, Usual(option=option)).data
-            yield (side.layout(None, Usual(share, option)) for share in SHARES)
+            before = side.own.layout(None, Usual(option=option)).data
+            yield (side.own.layout(None, Usual(share, option)) for share in SHARES)
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""
@@ -206,16 +203,19 @@ class _Planner:
         if found is None or again is None:
             return None
         is_stable = self._around(again) == again
-        return self._side.layout(again if is_stable else found, USUAL)
+        return self._side.own.layout(again if is_stable else found)
 
     def _there(self, data: bytes) -> bytes | None:
         return self._form.translate(data, to_ros=self._side.to_ros)
 
     def _around(self, data: bytes) -> bytes | None:
-        between = self._there(data)
-        if between is None or not self._side.has_back:
+        """What comes back of a message, with what was joined to it."""
+        between, side = self._there(data), self._side
+        if between is None or not side.has_back:
             return None
-        return self._form.translate(between, to_ros=not self._side.to_ros)
+        taken = between + side.other.usual_joins
+        made = self._form.translate(taken, to_ros=not side.to_ros)
+        return None if made is None else made + data[len(side.own.main(data)) :]
 
     def _add(self, message: bytes, number: Number, *, has_back: bool) -> None:
         """Adds a number if anything depends on it."""
@@ -226,17 +226,26 @@ class _Planner:
         if reached is None:
             self._plan.not_carried.append(f"{side.name} {number.path}")
             return
+        size = len(side.own.main(message))
         sweep = Sweep(
-            side.to_ros, has_back, message, number, _turn(number), len(between), reached[:_WATCHED]
+            side.to_ros,
+            has_back=has_back and number.at < size,  # joined messages are taken and not made
+            message=message,
+            size=size,
+            joins_back=side.other.usual_joins,
+            number=number,
+            turn=_turn(number),
+            between=len(between),
+            watched=reached[:_WATCHED],
         )
-        shortcut = side.shortcuts.get(number.path, 0) if has_back else 0
+        shortcut = side.shortcuts.get(number.path, 0) if sweep.has_back else 0
         units = number.units or side.units(number.path)
         self._plan.fields.append(Field(side.name, number.path, units, sweep, shortcut))
 
     def _reached(self, message: bytes, number: Number, between: bytes) -> list[Number] | None:
         """The numbers of the other message that depend on one; None where nothing does."""
         try:
-            others = self._side.other(between, USUAL).numbers
+            others = self._side.other.message(between, USUAL).numbers
         except LayoutError:
             others = []
         found: dict[Number, None] = {}

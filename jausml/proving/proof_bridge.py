@@ -1,4 +1,4 @@
-"""A bridge that no file has, with one map in each direction that it has, and the code of it."""
+"""A bridge that no file has, which takes values through a map and back, and the code of it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation import native
 from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge
-from jausml.live.workers.bridge_code import Maker, bridge_code, bridge_of_map
+from jausml.live.workers.bridge_code import Maker, bridge_code, bridge_of_maps
 from jausml.proving.layout import NOW
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
@@ -24,6 +24,22 @@ if TYPE_CHECKING:
 NAME = "proof"
 TO_ROS_NAME, TO_JAUS_NAME = "to_ros", "to_jaus"
 _CORE = f"{NAME}/{native.SOURCE.parent.as_posix()}/"
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """The way of values through a map and back, in the directions that there are.
+
+    Attributes:
+        to_ros: The map that makes messages of ROS.
+        to_jaus: The map that makes JAUS messages: the same one, or that of another connection.
+        connections: Those whose policies and quantities count; of several, those of the first.
+    """
+
+    name: str
+    to_ros: bridge.AttributeMap
+    to_jaus: bridge.AttributeMap
+    connections: tuple[bridge.Connection, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -47,9 +63,9 @@ class ProofCode:
     shortcuts: tuple[str, ...]
 
 
-def proof_code(model: Model, used: bridge.AttributeMap) -> ProofCode:
+def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
     """Returns the code of a map, with the policies and quantities of the bridge that has it."""
-    made = _model(model, used)
+    made = _model(model, trip)
     files = {each.path: each.text for each in render(made, (BRIDGE, MESSAGES))}
     beside = {
         path.removeprefix(_CORE): text for path, text in files.items() if path.startswith(_CORE)
@@ -77,19 +93,25 @@ def proof_code(model: Model, used: bridge.AttributeMap) -> ProofCode:
     )
 
 
-def _model(model: Model, used: bridge.AttributeMap) -> Model:
-    """Makes a bridge with each direction of a map, with the policies and quantities of its own."""
-    ways = ((TO_ROS_NAME, True, used.toRos), (TO_JAUS_NAME, False, used.toJaus))
-    names = {name: to_ros for name, to_ros, assignments in ways if assignments}
-    made = bridge_of_map(model.metamodels, used, NAME, names)
+def _model(model: Model, trip: RoundTrip) -> Model:
+    """Makes a bridge with each direction, with the policies and quantities of its own."""
+    ways = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
+    made = bridge_of_maps(
+        model.metamodels,
+        NAME,
+        {
+            name: (used, to_ros)
+            for name, (used, to_ros) in ways.items()
+            if (used.toRos if to_ros else used.toJaus)
+        },
+    )
     (owner,) = made.instances(bridge.Bridge)
-    connections = [each for each in model.instances(bridge.Connection) if each.map is used]
-    for each in connections[::-1]:
+    for each in reversed(trip.connections):
         for own in owner.bridgeConnections:
             if own.direction is each.direction:
                 own.outOfRange = each.outOfRange
     make = Maker(model.metamodels)
-    holders = (each.eContainer() for each in connections)
+    holders = (each.eContainer() for each in trip.connections)
     for known in next((e.quantities for e in holders if isinstance(e, bridge.Bridge)), ()):
         copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
         copied.value = known.value
@@ -97,9 +119,14 @@ def _model(model: Model, used: bridge.AttributeMap) -> Model:
     return made
 
 
-def maps_of(model: Model) -> list[bridge.AttributeMap]:
-    """Returns the maps of a model, and those of the library that its bridges use."""
+def round_trips(model: Model) -> list[RoundTrip]:
+    """Returns those of the maps of a model, and of those of the library that its bridges use."""
     maps = model.instances(bridge.AttributeMap)
     own = [each for each in maps if (found := model.document_of(each)) and found.given]
+    connections = model.instances(bridge.Connection)
     used = [each.map for each in model.instances(bridge.Connection, library=False)]
-    return [each for each in dict.fromkeys((*own, *used)) if each is not None]
+    return [
+        RoundTrip(str(each.name), each, each, tuple(one for one in connections if one.map is each))
+        for each in dict.fromkeys((*own, *used))
+        if each is not None
+    ]

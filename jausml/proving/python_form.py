@@ -45,8 +45,13 @@ class PythonForm(Worker):
         now = str(int(NOW.timestamp())), str(NOW.microsecond * 1000)
         super().__init__(code, _SCRIPT, name, name.capitalize(), *now)
 
-    def trips(self, messages: Sequence[bytes], *, to_ros: bool, has_back: bool) -> list[Trip]:
+    def trips(
+        self, messages: Sequence[bytes], joins_back: bytes, *, to_ros: bool, has_back: bool
+    ) -> list[Trip]:
         """Returns what becomes of messages by a translation, and by its opposite.
+
+        Args:
+            joins_back: What is joined to the messages that the opposite takes.
 
         Raises:
             WorkerError: The process has ended.
@@ -55,7 +60,7 @@ class PythonForm(Worker):
         way = "to_ros" if to_ros else "to_jaus"
         for start in range(0, len(messages), _AT_ONCE):
             part = [each.hex() for each in messages[start : start + _AT_ONCE]]
-            request = {"way": way, "back": has_back, "messages": part}
+            request = {"way": way, "back": has_back, "joins": joins_back.hex(), "messages": part}
             found += map(_trip, self.ask(request, _SECONDS))
         return found
 

@@ -24,22 +24,28 @@ class Forms:
         self._bridge.now = lambda: Time(*now)
         self._base = import_module(f"{package}.{package}_base")
         self._readers = {
-            name: self._reader(class_name, name)
+            name: self._takers(class_name, name)
             for name in _BACK
             if hasattr(self._bridge, f"translate_{name}")
         }
 
-    def _reader(self, class_name: str, name: str) -> typing.Any:
+    def _takers(self, class_name: str, name: str) -> list[typing.Any]:
+        """Returns what reads the message of a translation, and those that are joined to it."""
         method = getattr(getattr(self._base, f"{class_name}Base"), f"translate_{name}")
         hints = typing.get_type_hints(getattr(method, "__wrapped__", method), vars(self._base))
-        kind = hints["source"]
-        return getattr(kind, "from_cdr", None) or kind.decode
+        kinds = [kind for each, kind in hints.items() if each != "return"]
+        plain = [next(iter(typing.get_args(each)), each) for each in kinds]  # of `Imu | None`, Imu
+        return [getattr(each, "from_cdr", None) or each.decode for each in plain]
 
     def translate(self, name: str, data: bytes) -> tuple[bytes | None, list[str]]:
         """Returns what becomes of a message, and what was limited or left out on the way."""
         counts = getattr(self._bridge, name).statistics.out_of_range
         counts.clear()
-        target = getattr(self._bridge, f"translate_{name}")(self._readers[name](data))
+        readers = self._readers[name]
+        taken = [
+            read(part) for read, part in zip(readers, _split(data, len(readers) - 1), strict=True)
+        ]
+        target = getattr(self._bridge, f"translate_{name}")(*taken)
         notes = [f"{policy} {field}" for policy, field in counts]
         if target is None:
             return None, notes
@@ -55,11 +61,12 @@ class Forms:
         notes: list[str] = []
         ways = [request["way"], *([_BACK[request["way"]]] if request["back"] else [])]
         given: bytes | None = data
+        joins = bytes.fromhex(request["joins"])
         try:
             for at, way in enumerate(ways):
                 if given is None:
                     break
-                given, more = self.translate(way, given)
+                given, more = self.translate(way, given + (joins if at else b""))
                 notes += more
                 made[at] = None if given is None else given.hex()
         except Exception as error:
@@ -67,6 +74,17 @@ class Forms:
             is_refused = isinstance(error, JausError)
             return [*made, notes, f"{type(error).__name__}: {error}", is_refused]
         return [*made, notes, "", True]
+
+
+def _split(data: bytes, joins: int) -> list[bytes]:
+    """Returns a message and those behind it, whose sizes stand at the end."""
+    end = len(data) - 4 * joins
+    sizes = [int.from_bytes(data[at : at + 4], "little") for at in range(end, len(data), 4)]
+    parts = []
+    for size in reversed(sizes):
+        parts.append(data[end - size : end])
+        end -= size
+    return [data[:end], *reversed(parts)]
 
 
 def main() -> None:

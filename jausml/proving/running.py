@@ -22,9 +22,9 @@ from jausml.proving.values import directed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.proving.plan import Field
+    from jausml.proving.proof_bridge import RoundTrip
 
 NARROW = 16
 """Bits of numbers of which all values are tried in whole messages."""
@@ -56,9 +56,7 @@ class Settings:
     is_cached: bool = False
 
 
-def prove(
-    model: Model, maps: Iterable[bridge.AttributeMap], settings: Settings
-) -> Iterator[MapResult]:
+def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
     """Yields what becomes of the values of maps.
 
     Raises:
@@ -66,20 +64,18 @@ def prove(
         WorkerError: The process of the Python form ends.
     """
     deadline = time.monotonic() + settings.budget
-    for each in maps:
+    for each in trips:
         yield _proved(model, each, settings, deadline)
 
 
-def _proved(
-    model: Model, used: bridge.AttributeMap, settings: Settings, deadline: float
-) -> MapResult:
+def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) -> MapResult:
     begun = time.monotonic()
-    code = proof_code(model, used)
-    place = Known(code, used) if settings.is_cached else None
+    code = proof_code(model, trip)
+    place = Known(code, trip) if settings.is_cached else None
     known = place.load() if place is not None else None
     if known is not None and not known.would_gain(deadline - begun):
         return known
-    made = MapResult(str(used.name), str(used.message.name), str(used.type.name))
+    made = MapResult(trip.name, str(trip.to_ros.message.name), str(trip.to_ros.type.name))
     if not code.directions:
         made.remarks = [f"left to Python: {each}" for each in code.reasons]
         return made
@@ -88,13 +84,13 @@ def _proved(
         CompiledForm(compiled(code, Path(folder), settings.program)) as form,
         closing(PythonForm(code.python, NAME)) as python,
     ):
-        planned = plan(code, form, used)
+        planned = plan(code, form, trip)
         made.not_carried, made.remarks = planned.not_carried, planned.remarks
         for each in planned.fields:
             before = known.find(each.side, each.path) if known is not None else None
             if before is None or before.needs:
                 found = _swept(form, each, settings.jobs, deadline)
-                before = summed_up(used, each, found, python, form)
+                before = summed_up(trip, each, found, python, form)
             made.fields.append(before)
     made.seconds = time.monotonic() - begun
     if place is not None:

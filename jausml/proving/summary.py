@@ -15,10 +15,10 @@ from jausml.proving.values import some
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.proving.compiled_form import CompiledForm, Tally
     from jausml.proving.layout import Number
     from jausml.proving.plan import Field
+    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.python_form import PythonForm, Trip
 
 _COMPARED = 300
@@ -51,7 +51,7 @@ class Swept:
 
 
 def summed_up(
-    used: bridge.AttributeMap,
+    trip: RoundTrip,
     planned: Field,
     found: Swept,
     python: PythonForm,
@@ -59,7 +59,7 @@ def summed_up(
 ) -> FieldResult:
     """Returns what becomes of the values of a number of a map."""
     number, tally = planned.number, found.wide or found.tally
-    assignment = assignment_of(used, planned.side, planned.path)
+    assignment = assignment_of(trip, planned.side, planned.path)
     is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)
     made = FieldResult(
         side=planned.side,
@@ -139,7 +139,7 @@ def _messages(planned: Field, indices: Sequence[int]) -> list[bytes]:
 
 def _trips(planned: Field, indices: Sequence[int], python: PythonForm) -> list[Trip]:
     sweep, messages = planned.sweep, _messages(planned, indices)
-    return python.trips(messages, to_ros=sweep.to_ros, has_back=sweep.has_back)
+    return python.trips(messages, sweep.joins_back, to_ros=sweep.to_ros, has_back=sweep.has_back)
 
 
 def _classify(
@@ -174,7 +174,7 @@ def _count(made: FieldResult, planned: Field, index: int, last: bytes) -> None:
     raw = number.raw(index)
     if not made.has_way_back:
         made.unchanged += 1
-    elif len(last) != len(planned.sweep.message):
+    elif len(last) != planned.sweep.size:
         made.left_out += 1
     else:
         back = number.read(last)
@@ -207,7 +207,9 @@ def _compare(made: FieldResult, planned: Field, python: PythonForm, form: Compil
         between = form.translate(message, to_ros=sweep.to_ros)
         if between is None:
             continue
-        back = form.translate(between, to_ros=not sweep.to_ros) if sweep.has_back else None
+        back = None
+        if sweep.has_back:
+            back = form.translate(between + sweep.joins_back, to_ros=not sweep.to_ros)
         made.compared += 1
         is_alike = between == trip.between and back in (None, trip.back)
         made.differing += not is_alike

@@ -13,18 +13,17 @@ from jausml.language.validation.project import check_project
 from jausml.proving.compiled_form import CompiledForm, compiled
 from jausml.proving.findings import with_proofs
 from jausml.proving.plan import plan
-from jausml.proving.proof_bridge import maps_of, proof_code
+from jausml.proving.proof_bridge import proof_code, round_trips
 from jausml.proving.running import Settings, prove
 from tests.generators.assignment_support import generated
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.language.validation.report import Report
     from jausml.proving.compiled_form import Tally
-    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.proof_bridge import ProofCode, RoundTrip
     from jausml.proving.results import FieldResult
 
 GUARDS = ("generators/jausml_generators/cpp",)
@@ -87,7 +86,7 @@ class Proofs:
         errors = {each.rule for each in report.diagnostics if each.severity.name == "ERROR"}
         assert errors <= {"JML422", "JML423"}, report.diagnostics  # nobody to talk to
         settings = Settings(str(compiler()), budget, 1)
-        maps = maps_of(report.model)
+        maps = round_trips(report.model)
         results = list(prove(report.model, maps, settings))
         self.maps = {each.name: each for each in results}
         self.report: Report = with_proofs(report, maps, results)
@@ -201,7 +200,7 @@ def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path: Path) ->
     path = tmp_path / "short.ros2jaus"
     path.write_text(MESSAGE + small(type_="geometry_msgs/Point32", up=up, down=down))
     model = check_project([path]).model
-    (used,) = maps_of(model)
+    (used,) = round_trips(model)
     code = proof_code(model, used)
     values = range(2**31 + 2**29, 2**31 + 2**29 + 20_000)
     found: dict[str, Tally] = {}
@@ -297,8 +296,59 @@ def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
     assert roll.unchanged == 65536 > roll.mixed.unchanged
 
 
+JOINED = """
+joined {
+  JAUS SetSmall
+  ROS geometry_msgs/Twist
+  join gear { type: std_msgs/UInt8  freshness: 1.0  whenStale: dropMessage }
+  JAUS->ROS ( Speed -> linear.x  Wide -> linear.z )
+  ROS->JAUS (
+    linear.x -> Speed
+    gear.data -> Gear : expression("255 - value")
+    linear.z, gear.data -> Wide : expression("if(data > 300, nan, z)")
+  )
+}
+"""
+
+
+def test_joined_messages_are_tried_as_others(tmp_path: Path) -> None:
+    proofs = Proofs(MESSAGE + JOINED, tmp_path)
+    gear = proofs.field("gear.data", "ROS", "joined")
+    assert (gear.tried, gear.has_way_back) == (256, False)
+    (reached,) = gear.reached
+    assert (reached.path, reached.least, reached.greatest) == ("Gear", 0, 255)
+    assert (reached.is_monotonic, reached.distinct) == (True, 256)
+    # Without the joined message none would come back.
+    for path in ("Speed", "Wide"):
+        found = proofs.field(path, name="joined")
+        assert found.has_way_back
+        assert found.unchanged == found.tried == 65536, path
+    for side, path in (("ROS", "gear.data"), ("JAUS", "Speed"), ("ROS", "linear.z")):
+        found = proofs.field(path, side, "joined")
+        assert found.compared > 100, path
+        assert not found.differing, path
+    model = check_project([proofs.path]).model
+    (trip,) = round_trips(model)
+    # What needs a joined message is no way of one number alone.
+    assert proof_code(model, trip).shortcuts == ()
+
+
+def test_forms_that_differ_by_a_joined_message_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def planted(model: Model, used: RoundTrip) -> ProofCode:
+        code = proof_code(model, used)
+        assert "255.0 - " in code.core
+        return replace(code, core=code.core.replace("255.0 - ", "254.0 - "))
+
+    monkeypatch.setattr("jausml.proving.running.proof_code", planted)
+    proofs = Proofs(MESSAGE + JOINED, tmp_path)
+    assert proofs.field("gear.data", "ROS", "joined").differing > 100
+    assert "JML925" in proofs.rules("joined")
+
+
 def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def planted(model: Model, used: bridge.AttributeMap) -> ProofCode:
+    def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)
         assert "return -value;" in code.core
         return replace(code, core=code.core.replace("return -value;", "return 1.5 - value;"))
@@ -312,7 +362,7 @@ def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_errors_that_nobody_foresees_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def planted(model: Model, used: bridge.AttributeMap) -> ProofCode:
+    def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)
         files = {
             path: text.replace("        return target\n", '        raise RuntimeError("planted")\n')

@@ -13,7 +13,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import library_root
 from jausml.language.validation.project import check_project
 from jausml.proving.findings import PROOF_RULES, with_proofs
-from jausml.proving.proof_bridge import maps_of
+from jausml.proving.proof_bridge import round_trips
 from jausml.proving.running import Settings, prove
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ pytestmark = [
 def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     """Results of maps of a file, in which nothing falls short."""
     report = check_project([path])
-    maps = [each for each in maps_of(report.model) if not names or each.name in names]
+    maps = [each for each in round_trips(report.model) if not names or each.name in names]
     assert maps, path
     results = list(prove(report.model, maps, Settings(str(compiler()), 0.01, 2)))
     judged = with_proofs(report, maps, results)
@@ -91,9 +91,19 @@ def test_what_of_ready_maps_is_known() -> None:
     assert (hour.unchanged, hour.refused) == (24, 8)
 
 
+def test_joined_reports_and_topics_take_all_values() -> None:
+    (odometry,) = proved(library_root() / "mappings/odometry.ros2jaus")
+    rate = odometry.find("JAUS", "velocity.YawRate")
+    assert rate is not None
+    assert rate.tried == rate.unchanged == 65536
+    assert rate.reached[0].path == "twist.twist.angular.z"
+    (lamps,) = proved(library_root() / "mappings/illumination.ros2jaus", ["set_lamps"])
+    assert {each.path: each.tried for each in lamps.fields}["fog_lights.data"] == 2
+
+
 def test_a_map_that_is_left_to_python_is_called_so() -> None:
     report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
-    maps = [each for each in maps_of(report.model) if each.name == "cost_map"]
+    maps = [each for each in round_trips(report.model) if each.name == "cost_map"]
     (found,) = prove(report.model, maps, Settings(str(compiler()), 0.01, 1))
     assert not found.fields
     assert [each.partition(": ")[0] for each in found.remarks] == ["left to Python"] * 2

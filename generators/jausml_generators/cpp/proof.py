@@ -78,13 +78,15 @@ def proof_program(
 
 
 def _way(compiled: Compiled | None) -> str:
-    return "{}" if compiled is None else f"{{{compiled.function}, &live_{compiled.function}}}"
+    if compiled is None:
+        return "{}"
+    return f"{{{compiled.function}, &live_{compiled.function}, {len(compiled.joins)}}}"
 
 
 def _live(
     compiled: Compiled, settings: Mapping[str, float | str], now: tuple[int, int]
 ) -> Iterator[str]:
-    """Yields the values that a translation is given; no joined message is there."""
+    """Yields the values that a translation is given; joined messages are those of a sweep."""
     lists = (
         (
             "double",
@@ -92,14 +94,13 @@ def _live(
             [cpp_number(float(settings[each])) for each in compiled.quantities],
         ),
         ("jausml::Bytes", "texts", [_bytes(str(settings[each])) for each in compiled.texts]),
-        ("jausml::Bytes", "joins", ["{}" for _ in compiled.joins]),
     )
     names = []
     for kind, what, items in lists:
         names.append(f"{what}_{compiled.function}")
         # An array has an element at least.
         yield f"const {kind} {names[-1]}[] = {{{', '.join([*items, '{}'])}}};"
-    parts = ", ".join([*names, *map(str, now)])
+    parts = ", ".join([*names, "nullptr", *map(str, now)])
     yield f"const jausml::Live live_{compiled.function} = {{{parts}}};"
 
 
@@ -143,6 +144,8 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
     guard = (
         [f"if (!returned.{member.name}.has_value()) return false;"] if member.is_optional else []
     )
+    if _needs_joins(core, to_ros, there) or _needs_joins(core, to_jaus, back):
+        raise _NoSweepError
     steps = core.printed_of(to_ros, there), core.printed_of(to_jaus, back)
     return [
         f"void {name}(const jausml::proof::Sweep& sweep, std::uint64_t from, std::uint64_t to,",
@@ -170,6 +173,11 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
         ),
         "}",
     ]
+
+
+def _needs_joins(core: Core, function: str, steps: Iterable[Step]) -> bool:
+    joins = core.inputs[function][1].joins
+    return any(place.root in joins for each in steps for place in _places(each))
 
 
 def _lambda(parameters: str, body: Iterable[str], end: str = ",") -> list[str]:

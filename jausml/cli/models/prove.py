@@ -16,10 +16,10 @@ from jausml.cli.shared.terminal import step
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.language.project.reading import Reading
     from jausml.language.validation.report import Report
+    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.results import MapResult
     from jausml.proving.running import Settings
 
@@ -98,9 +98,7 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _proved(
-    model: Model, maps: Sequence[bridge.AttributeMap], settings: Settings
-) -> list[MapResult]:
+def _proved(model: Model, maps: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
     """Returns the results of maps.
 
     Raises:
@@ -113,7 +111,7 @@ def _proved(
     results: list[MapResult] = []
     try:
         with step("proving") as progress:
-            progress.note = lambda: str(maps[min(len(results), len(maps) - 1)].name)
+            progress.note = lambda: maps[min(len(results), len(maps) - 1)].name
             for each in prove(model, maps, settings):
                 results.append(each)
                 progress.at(len(results) / len(maps))
@@ -156,20 +154,20 @@ def _finite(value: Any) -> Any:
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _wanted(model: Model, names: tuple[str, ...]) -> list[bridge.AttributeMap]:
+def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
     """Returns the maps of a model and those that its bridges use, or those that are named.
 
     Raises:
         EnvironmentFault: There are none, or none of a name.
     """
-    from jausml.proving.proof_bridge import maps_of
+    from jausml.proving.proof_bridge import round_trips
 
-    found = maps_of(model)
-    known = dict.fromkeys(str(each.name) for each in found)
+    found = round_trips(model)
+    known = dict.fromkeys(each.name for each in found)
     for name in names:
         if name not in known:
             there = ", ".join(known) or "none"
             raise EnvironmentFault(f"there is no map '{name}'; there are {there}")
     if not found:
         raise EnvironmentFault("the model has no maps")
-    return [each for each in found if not names or str(each.name) in names]
+    return [each for each in found if not names or each.name in names]

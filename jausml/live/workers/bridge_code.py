@@ -72,21 +72,20 @@ class Maker:
         self.own(owner, feature, element)
 
 
-def bridge_of_map(
+def bridge_of_maps(
     metamodels: Metamodels,
-    used: bridge.AttributeMap,
     name: str,
-    connections: Mapping[str, bool],
+    connections: Mapping[str, tuple[bridge.AttributeMap, bool]],
 ) -> Model:
-    """Makes a system with a bridge that has connections by one map, whatever else its model holds.
+    """Makes a system with a bridge that has connections by maps, whatever else their model holds.
 
     Args:
-        connections: Whether they go to ROS, by name.
+        connections: Their maps, and whether they go to ROS, by name.
     """
     make = Maker(metamodels)
     owner = make("bridge.Bridge", name=name, address="1.1.1")
     made = []
-    for connection, to_ros in connections.items():
+    for connection, (used, to_ros) in connections.items():
         made.append(_connection(make, used, connection, to_ros=to_ros))
         make.own(owner, "bridgeConnections", made[-1])
     whole = make("system.System", name=f"{name}_system")

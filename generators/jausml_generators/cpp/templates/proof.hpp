@@ -75,11 +75,48 @@ private:
 struct Way {
     Translate translate = nullptr;
     const Live* live = nullptr;
+    std::size_t joins = 0;
+};
+
+// A translation of messages to which others are joined. These stand at the end of some bytes that
+// stay where they are, with their sizes behind them.
+class Joined {
+public:
+    Joined(const Way& way, const std::uint8_t* data, std::size_t size)
+        : translate_(way.translate), size_(size - way.joins * sizeof(std::uint32_t)) {
+        if (way.live != nullptr) live_ = *way.live;
+        const std::uint8_t* const sizes = data + size_;
+        joins_.resize(way.joins);
+        for (std::size_t at = way.joins; at-- > 0;) {
+            std::uint32_t taken = 0;
+            std::memcpy(&taken, sizes + at * sizeof taken, sizeof taken);
+            size_ -= taken;
+            joins_[at] = {data + size_, taken};
+        }
+        live_.joins = joins_.data();
+    }
+    Joined(const Joined&) = delete;
+    Joined& operator=(const Joined&) = delete;
+
+    // Bytes of the message that the others are joined to.
+    std::size_t size() const { return size_; }
+    const Live* live() const { return &live_; }
+
+    std::int64_t translate(const std::uint8_t* data, std::size_t size, Made* made) const {
+        return translate_(data, size, &live_, made);
+    }
+
+private:
+    Translate translate_;
+    std::size_t size_;
+    Live live_{};
+    std::vector<Bytes> joins_;
 };
 
 struct Sweep {
     Way there, back;
-    std::vector<std::uint8_t> message;
+    std::vector<std::uint8_t> message;     // with what is joined to it
+    std::vector<std::uint8_t> joins_back;  // what is joined to the message between both ways
     std::uint64_t between;  // size of the message between both ways
     Number number;
     std::vector<Number> watched;  // numbers of the message between
@@ -192,9 +229,10 @@ inline std::uint64_t scattered(std::uint64_t from) {
 }
 
 // Takes one value around in its message; false where the compiled form leaves it to Python.
-inline bool around(const Sweep& sweep, std::uint8_t* message, std::uint64_t index, Tally& tally) {
+inline bool around(const Sweep& sweep, const Joined& there, const Joined& back_way,
+                   std::uint8_t* message, std::uint64_t index, Tally& tally) {
     const Number& number = sweep.number;
-    const std::size_t whole = sweep.message.size();
+    const std::size_t whole = there.size();
     const std::uint64_t raw = number.raw(index);
     number.put(message, raw);
     for (std::size_t at = 0; at < sweep.varied.size(); ++at) {
@@ -202,7 +240,7 @@ inline bool around(const Sweep& sweep, std::uint8_t* message, std::uint64_t inde
         each.put(message, scattered(index + (std::uint64_t{at} << 40)) & each.mask());
     }
     Made made{};
-    std::int64_t size = sweep.there.translate(message, whole, sweep.there.live, &made);
+    std::int64_t size = there.translate(message, whole, &made);
     if (size < 0) return false;
     if (static_cast<std::uint64_t>(size) == sweep.between) {
         for (std::size_t at = 0; at < sweep.watched.size(); ++at) {
@@ -214,7 +252,7 @@ inline bool around(const Sweep& sweep, std::uint8_t* message, std::uint64_t inde
         ++tally.unchanged;
         return true;
     }
-    size = sweep.back.translate(made.data, static_cast<std::size_t>(size), sweep.back.live, &made);
+    size = back_way.translate(made.data, static_cast<std::size_t>(size), &made);
     if (size < 0) return false;
     if (static_cast<std::size_t>(size) != whole) {
         ++tally.left_out;
@@ -232,9 +270,9 @@ inline bool around(const Sweep& sweep, std::uint8_t* message, std::uint64_t inde
     }
     tally.note_error(number, index, raw, back);
     number.put(returned, back);
-    size = sweep.there.translate(returned, whole, sweep.there.live, &made);
+    size = there.translate(returned, whole, &made);
     if (size < 0) return true;
-    size = sweep.back.translate(made.data, static_cast<std::size_t>(size), sweep.back.live, &made);
+    size = back_way.translate(made.data, static_cast<std::size_t>(size), &made);
     if (static_cast<std::size_t>(size) != whole) return true;
     tally.note_drift(number, index, back, number.read(made.data));
     return true;
@@ -243,9 +281,11 @@ inline bool around(const Sweep& sweep, std::uint8_t* message, std::uint64_t inde
 inline void in_messages(const Sweep& sweep, std::uint64_t from, std::uint64_t to, std::size_t most,
                         Tally& tally) {
     std::vector<std::uint8_t> message = sweep.message;
+    const Joined there(sweep.there, message.data(), message.size());
+    const Joined back(sweep.back, sweep.joins_back.data(), sweep.joins_back.size());
     for (std::uint64_t at = from; at < to; ++at) {
         const std::uint64_t index = sweep.index(at);
-        if (!around(sweep, message.data(), index, tally)) tally.leave(index, most);
+        if (!around(sweep, there, back, message.data(), index, tally)) tally.leave(index, most);
     }
 }
 
@@ -283,14 +323,14 @@ void alone(const Sweep& sweep, std::uint64_t from, std::uint64_t to, std::size_t
     Jaus source, returned;
     Made made{};
     Check check;
-    const std::int64_t size =
-        sweep.there.translate(message, sweep.message.size(), sweep.there.live, &made);
+    const Joined way(sweep.there, message, sweep.message.size());
+    const std::int64_t size = way.translate(message, way.size(), &made);
     if (size < 0) return;
     CdrInput between(made.data, static_cast<std::size_t>(size), check);
     if (!between.begin()) return;
     Ros target = Ros::read(between);
-    if (!decode(message, sweep.message.size(), source) || !check.passed()) return;
-    decode(message, sweep.message.size(), returned);
+    if (!decode(message, way.size(), source) || !check.passed()) return;
+    decode(message, way.size(), returned);
 
     enum class Outcome { passed, left, left_out };
     const auto go = [&](std::uint64_t raw, std::uint64_t& found) {
@@ -419,8 +459,8 @@ inline int serve(const Way (&ways)[2], const std::vector<Run>& runs) {
         if (what == "translate") {
             const std::vector<std::uint8_t> message = words.bytes();
             Made made{};
-            const std::int64_t size =
-                there.translate(message.data(), message.size(), there.live, &made);
+            const Joined joined(there, message.data(), message.size());
+            const std::int64_t size = joined.translate(message.data(), joined.size(), &made);
             for (std::int64_t at = 0; at < size; ++at) std::printf("%02x", made.data[at]);
             std::printf(size < 0 ? "-\n" : "\n");
         } else {
@@ -432,6 +472,7 @@ inline int serve(const Way (&ways)[2], const std::vector<Run>& runs) {
             const auto threads = static_cast<unsigned>(words.integer());
             const std::size_t most = words.integer();
             sweep.message = words.bytes();
+            sweep.joins_back = words.bytes();
             sweep.between = words.integer();
             sweep.number = words.number();
             sweep.watched = words.list<Number>(&Words::number);

@@ -30,7 +30,7 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
-from jausml.live.workers.bridge_code import bridge_code, bridge_of_map
+from jausml.live.workers.bridge_code import bridge_code, bridge_of_maps
 from jausml.live.workers.worker import Worker, WorkerError
 
 if TYPE_CHECKING:
@@ -289,5 +289,5 @@ def _unit(place: PathPlace, path: str) -> str:
 
 def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
     """Returns the generated code of one direction of a map, whatever else its model holds."""
-    made = bridge_of_map(metamodels, used, BRIDGE_NAME, {CONNECTION_NAME: to_ros})
+    made = bridge_of_maps(metamodels, BRIDGE_NAME, {CONNECTION_NAME: (used, to_ros)})
     return bridge_code(made)
