@@ -66,10 +66,10 @@ def _features(model: Model, element: Any, operator: Operator) -> Iterator[Featur
             yield from (table.features[each] for each in features.split())
 
 
-def sample(found: Sequence[Mutation], limit: int) -> list[Mutation]:
-    """Returns at most so many mutations, spread over the operators, the same in each run."""
+def sample(found: Sequence[Mutation], limit: int) -> list[int]:
+    """Returns the numbers of at most so many, spread over the operators, the same in each run."""
     if len(found) <= limit:
-        return list(found)
+        return list(range(len(found)))
     chance = random.Random(_SEED)
     by_operator: dict[str, list[int]] = {}
     for number, each in enumerate(found):
@@ -81,4 +81,4 @@ def sample(found: Sequence[Mutation], limit: int) -> list[Mutation]:
         for numbers in by_operator.values():
             if numbers and len(chosen) < limit:
                 chosen.append(numbers.pop())
-    return [found[number] for number in sorted(chosen)]
+    return sorted(chosen)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import GenerationError, load_targets, render, select
-from jausml.language.model import Severity, read_models
+from jausml.language.model import Severity
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
-from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
+from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
+from jausml.mutating.mutations import mutations
 from jausml.mutating.outcomes import (
     CHECK,
     EQUAL,
@@ -37,13 +37,13 @@ if TYPE_CHECKING:
 
     from jausml.generation import Target
     from jausml.language.model import Diagnostic, Model
-    from jausml.language.project.reading import Reading
+    from jausml.language.project.one_document import OneDocument
     from jausml.language.validation.report import Report
     from jausml.mutating.mutations import Mutation
 
 
 class CampaignError(Exception):
-    """A campaign cannot run, or a process of it has ended."""
+    """A campaign cannot run."""
 
 
 @dataclass(frozen=True)
@@ -51,99 +51,87 @@ class Settings:
     """How a campaign runs.
 
     Attributes:
+        names: The operators; all of them when there is none.
         budget: Seconds after which no further mutation is begun.
         jobs: How many processes work at once.
         command: What else tries the packages of a model, as arguments of a process.
+        scheduler: Address of a scheduler of Dask, whose workers break the model instead.
     """
 
-    reading: Reading
+    names: tuple[str, ...]
     budget: float
     jobs: int
-    command: Sequence[str] = ()
+    command: tuple[str, ...] = ()
+    scheduler: str = ""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What became of a mutation.
+
+    Attributes:
+        outcome: None where the time was over.
+        remarks: What of the tests could not take part.
+    """
+
+    outcome: Outcome | None
+    remarks: tuple[str, ...] = ()
 
 
 def outcomes(
-    model: Model, chosen: Sequence[Mutation], settings: Settings
-) -> Iterator[tuple[int, Outcome] | str]:
-    """Yields what becomes of mutations, by their number and in any order, and remarks as texts.
+    document: OneDocument, chosen: Sequence[int], settings: Settings
+) -> Iterator[tuple[int, Tried]]:
+    """Yields what becomes of mutations, in any order, by their place among the chosen ones.
+
+    Args:
+        chosen: Their numbers among those that the operators can make.
 
     Raises:
-        CampaignError: The model cannot be written, nothing can be generated of it, or a process
-            has ended.
+        CampaignError: Nothing can be generated of the model.
+        PoolError: Nobody is there to break it, or not any more.
     """
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
-    original = _Original(model, settings.reading)
-    context = multiprocessing.get_context("fork")
-    queue, taken = context.SimpleQueue(), context.Value("i", 0)
-    deadline = time.monotonic() + settings.budget
-    # Here, and not in the processes: these may be ended at any time.
-    with tempfile.TemporaryDirectory(prefix="jausml_mutants_") as folder:
-        workers = [
-            context.Process(
-                target=_work,
-                args=(
-                    original,
-                    chosen,
-                    Path(folder) / str(number),
-                    settings.command,
-                    taken,
-                    queue,
-                    deadline,
-                ),
-            )
-            for number in range(max(1, min(settings.jobs, len(chosen))))
-        ]
-        for each in workers:
-            each.start()
-        try:
-            yield from _received(queue, workers)
-        finally:
-            for each in workers:
-                each.terminate()
-                each.join()
+    until = time.time() + settings.budget
+    shared = _Shared(document, settings.names, settings.command, until)
+    yield from Work(_Breaker, shared).results(chosen, settings.jobs, settings.scheduler)
 
 
-def _received(queue: Any, workers: Sequence[Any]) -> Iterator[tuple[int, Outcome] | str]:
-    at_work = len(workers)
-    while at_work:
-        while queue.empty():
-            if any(each.exitcode for each in workers):
-                raise CampaignError("a process of the campaign has ended")
-            time.sleep(0.02)
-        found = queue.get()
-        if isinstance(found, Exception):
-            raise CampaignError(str(found))
-        if found is None:
-            at_work -= 1
-        else:
-            yield found
+@dataclass(frozen=True)
+class _Shared:
+    document: OneDocument
+    names: tuple[str, ...]
+    command: tuple[str, ...]
+    until: float
 
 
-def _work(
-    original: _Original,
-    chosen: Sequence[Mutation],
-    folder: Path,
-    command: Sequence[str],
-    taken: Any,
-    queue: Any,
-    deadline: float,
-) -> None:
-    """Tries mutations until there are no more, in a process of its own."""
-    try:
+class _Breaker:
+    """Tries mutations of a model, one after another, in a process of its own."""
+
+    def __init__(self, shared: _Shared) -> None:
+        self._shared = shared
+        self._remarks: tuple[str, ...] = ()
+        self._prepared: tuple[_Original, BrokenWorkspace, Sequence[Mutation]] | None = None
+
+    def __call__(self, number: int) -> Tried:
+        if time.time() >= self._shared.until:
+            return Tried(None)
+        if self._prepared is None:
+            self._prepared = self._made()
+        original, workspace, possible = self._prepared
+        return Tried(original.outcome(possible[number], workspace), self._remarks)
+
+    def _made(self) -> tuple[_Original, BrokenWorkspace, Sequence[Mutation]]:
+        cache = LibraryCache()
+        original = _Original(self._shared.document, cache)
         files = {**original.shared, **original.files}
-        workspace = BrokenWorkspace(folder, files, command)
-        for remark in _prepared(workspace) if time.monotonic() < deadline else ():
-            queue.put(remark)
-        while time.monotonic() < deadline:
-            with taken.get_lock():
-                number, taken.value = taken.value, taken.value + 1
-            if number >= len(chosen):
-                break
-            queue.put((number, original.outcome(chosen[number], workspace)))
-    except Exception as error:
-        queue.put(CampaignError(f"{type(error).__name__}: {error}"))
-    queue.put(None)
+        workspace = BrokenWorkspace(
+            Path(tempfile.mkdtemp()),  # in the folder of the pool
+            files,
+            self._shared.command,
+        )
+        self._remarks = tuple(_prepared(workspace))
+        return original, workspace, mutations(original.model, self._shared.names)
 
 
 def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
@@ -161,18 +149,19 @@ def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
 
 
 class _Original:
-    """A model as one XMI document, what it generates, and what is found in it."""
+    """A model as one document, what it generates, and what is found in it."""
 
-    def __init__(self, model: Model, reading: Reading) -> None:
-        self._model = model
-        self._roots = [each for one in model.documents if not one.is_library for each in one.roots]
-        self._path = model.documents[0].path.with_suffix(".xmi")
-        self._root = reading.project_root or self._path.parent
-        self._reading = reading
-        self._cache = LibraryCache()
+    def __init__(self, document: OneDocument, cache: LibraryCache) -> None:
+        self._document = document
+        self._cache = cache
+        # Its elements are changed: none may be shared with what is read again.
+        self.model = document.read().model
+        self._roots = [
+            each for one in self.model.documents if not one.is_library for each in one.roots
+        ]
         targets = select(load_targets()).targets
         self._targets = [each for each in targets if not each.is_shared]
-        report = self._report(self._text())
+        report = self._report(document.text)
         self._proofs = Proofs(report)
         self._products = Products(report.model)
         self._known = {_key(each) for each in report.diagnostics}
@@ -223,19 +212,10 @@ class _Original:
         return _outcome(mutation, NOTHING, workspace.why_unseen(changed), changed)
 
     def _text(self) -> str:
-        return to_xmi(self._roots, self._model, self._path)
+        return to_xmi(self._roots, self.model, self._document.path)
 
     def _report(self, text: str) -> Report:
-        read = read_models(
-            [self._path],
-            project_root=self._root,
-            allow_outside=self._reading.allow_outside,
-            projects=self._reading.projects,
-            notations=NOTATIONS,
-            contents={self._path: text.encode("utf-8")},
-            cache=self._cache,
-        )
-        return check(read)
+        return check(replace(self._document, text=text).read(self._cache))
 
     def _rendered(self, model: Model, targets: Sequence[Target[Any]]) -> dict[str, str]:
         return {each.path: each.text for each in render(model, targets)}

@@ -9,15 +9,15 @@ import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
-from jausml.cli.shared.options import FiniteRange, format_option
+from jausml.cli.shared.options import FiniteRange, format_option, scheduler_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
+    from jausml.language.project.one_document import OneDocument
     from jausml.language.project.reading import Reading
-    from jausml.mutating.mutations import Mutation
     from jausml.mutating.outcomes import Campaign, Outcome
     from jausml.mutating.running import Settings
 
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     help="Also try the packages by this command, which fails for a mutation. PYTHONPATH leads "
     "to the packages, JAUSML_WORKSPACE names their folder.",
 )
+@scheduler_option
 @format_option("Format of the results.")
 @click.option("-o", "--output", metavar="DIR", help="Also write a page into a folder.")
 @reading_options
@@ -66,6 +67,7 @@ def command(
     budget: float,
     jobs: int | None,
     run: str | None,
+    scheduler: str,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -92,13 +94,14 @@ def command(
 
     _check_names(names)
     broken = valid_model(model, reading, outcome="nothing broken")
-    possible = mutations(broken, names)
+    document = _document(broken)
+    possible = mutations(document.read().model, names)
     if not possible:
         raise EnvironmentFault("the model has nothing that these operators change")
     chosen = sample(possible, limit)
     campaign = Campaign(Path(model).name, len(possible), len(chosen))
-    settings = Settings(reading, budget, jobs or processors(), _arguments(run))
-    _run(campaign, broken, chosen, settings)
+    settings = Settings(names, budget, jobs or processors(), tuple(_arguments(run)), scheduler)
+    _run(campaign, document, chosen, settings)
     if output_format == "json":
         found = {"digests": digests(broken), **campaign.to_json()}
         write_report(json.dumps(found, indent=2) + "\n", None)
@@ -132,27 +135,38 @@ def _check_names(names: Sequence[str]) -> None:
             raise EnvironmentFault(f"there is no operator '{name}'; there are {', '.join(known)}")
 
 
-def _run(campaign: Campaign, model: Model, chosen: Sequence[Mutation], settings: Settings) -> None:
+def _document(model: Model) -> OneDocument:
+    from jausml.language.model.xmi.writer import UnwritableError
+    from jausml.language.project.one_document import one_document
+
+    try:
+        return one_document(model)
+    except UnwritableError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def _run(
+    campaign: Campaign, document: OneDocument, chosen: Sequence[int], settings: Settings
+) -> None:
     """Fills a campaign with what becomes of mutations, in their order.
 
     Raises:
         EnvironmentFault: The campaign cannot run.
     """
+    from jausml.live.workers.pool import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
-    found: dict[int, Outcome] = {}
+    found: dict[int, Outcome | None] = {}
     try:
         with step("mutating") as progress:
             progress.note = lambda: f"{len(found)} of {len(chosen)}"
-            for each in outcomes(model, chosen, settings):
-                if isinstance(each, str):  # of each process
-                    campaign.remarks = list(dict.fromkeys((*campaign.remarks, each)))
-                else:
-                    found[each[0]] = each[1]
-                    progress.at(len(found) / len(chosen))
-    except CampaignError as error:
+            for number, each in outcomes(document, chosen, settings):
+                campaign.remarks = list(dict.fromkeys((*campaign.remarks, *each.remarks)))
+                found[number] = each.outcome
+                progress.at(len(found) / len(chosen))
+    except (CampaignError, PoolError) as error:
         raise EnvironmentFault(str(error)) from error
-    campaign.outcomes = [found[number] for number in sorted(found)]
+    campaign.outcomes = [each for _, each in sorted(found.items()) if each is not None]
 
 
 def _write_page(text: str, folder: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
-from jausml.cli.shared.options import FiniteRange, format_option
+from jausml.cli.shared.options import FiniteRange, format_option, scheduler_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ _FORMATS = ("text", "json", "sarif")
     help="Processors that work at once; by default, one for each processor.",
 )
 @click.option("--no-cache", is_flag=True, help="Prove what was proved before, too.")
+@scheduler_option
 @format_option("Format of the results.", _FORMATS)
 @click.option("-o", "--output", metavar="DIR", help="Also write a page for each map into a folder.")
 @reading_options
@@ -53,6 +55,7 @@ def command(
     budget: float,
     jobs: int | None,
     no_cache: bool,
+    scheduler: str,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -61,28 +64,25 @@ def command(
 
     Each value of a number goes through the compiled translation that the bridge runs, and back,
     from JAUS and from ROS. Numbers of up to 16 bits are tried with all values, wider ones with
-    directed and random values.
+    directed and random values. MODEL may also be a module of ready maps of the library, such as
+    mappings.range_sensor, or mappings for all of them.
 
     Exit status: 0 no findings, 1 a value fails or exceeds the precision that the model states,
     2 no compiler, no such map or an unreadable model, 3 internal error.
     """
-    from jausml.generation import native
     from jausml.language.validation.formats import sarif
     from jausml.proving import text
     from jausml.proving.findings import with_proofs
     from jausml.proving.running import Settings, processors
 
-    report = checked([model], reading, is_one=True)
+    ready = [] if Path(model).exists() else _ready(model)
+    report = checked(ready or [model], reading, is_one=not ready)
     if report.has_errors:
         show_findings(report)
         fail(report, "nothing proved")
     maps = _wanted(report.model, names)
-    program = native.compiler()
-    if program is None:
-        wanted = " or ".join(native.COMPILERS)
-        raise EnvironmentFault(f"there is no C++ compiler: install {wanted}, or name one by CXX")
-    settings = Settings(program, budget, jobs or processors(), is_cached=not no_cache)
-    results = _proved(report.model, maps, settings)
+    settings = Settings("", budget, jobs or processors(), is_cached=not no_cache)
+    results = _proved(report.model, maps, settings, scheduler)
     judged = with_proofs(report, maps, results)
     if output_format == "sarif":
         write_report(sarif.render(judged), None)
@@ -98,26 +98,38 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _proved(model: Model, maps: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
-    """Returns the results of maps.
+def _ready(name: str) -> list[str]:
+    """Returns the files of ready maps that a module is, or that lie in it."""
+    from jausml.language.model.library import library_paths, module_of
+
+    modules = {str(path): module_of(path) for path in library_paths("mappings")}
+    return [path for path, each in modules.items() if f"{each}.".startswith(f"{name}.")]
+
+
+def _proved(
+    model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str
+) -> list[MapResult]:
+    """Returns the results of maps, in their order.
 
     Raises:
-        EnvironmentFault: The compiler or a process of the proof has failed.
+        EnvironmentFault: A proof cannot be made.
     """
-    from jausml.live.workers.worker import WorkerError
-    from jausml.proving.compiled_form import ProgramError
-    from jausml.proving.running import prove
+    from jausml.language.model.xmi.writer import UnwritableError
+    from jausml.live.workers.pool import PoolError
+    from jausml.proving.pieces import program, prove_all
 
-    results: list[MapResult] = []
+    found: dict[int, MapResult] = {}
     try:
+        if not scheduler:
+            settings = replace(settings, program=program())
         with step("proving") as progress:
-            progress.note = lambda: maps[min(len(results), len(maps) - 1)].name
-            for each in prove(model, maps, settings):
-                results.append(each)
-                progress.at(len(results) / len(maps))
-    except (ProgramError, WorkerError) as error:
-        raise EnvironmentFault(f"{maps[len(results)].name}: {error}") from error
-    return results
+            progress.note = lambda: f"{len(found)} of {len(trips)}"
+            for number, each in prove_all(model, trips, settings, scheduler):
+                found[number] = each
+                progress.at(len(found) / len(trips))
+    except (PoolError, UnwritableError) as error:
+        raise EnvironmentFault(str(error)) from error
+    return [found[number] for number in sorted(found)]
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:

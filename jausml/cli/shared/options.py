@@ -75,6 +75,15 @@ def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorat
     )
 
 
+scheduler_option = click.option(
+    "--scheduler",
+    default="",
+    metavar="ADDRESS",
+    help="Scheduler of Dask whose workers do the work, such as tcp://host:8786; needs the extra "
+    "`dask`.",
+)
+
+
 def quiet_option(text: str) -> Decorator:
     """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`."""
     return click.option("-q", "--quiet", is_flag=True, callback=_quiet, help=text)

@@ -1,0 +1,39 @@
+"""The process of a pool: it makes a worker of what it is told first, and asks it piece by piece.
+
+It reads pickled values from its input and writes one for each piece, until the input ends.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import sys
+
+
+def main() -> None:
+    """Answers until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever began it ends it
+    with os.fdopen(os.dup(0), "rb") as given, os.fdopen(os.dup(1), "wb") as answers:
+        # What the work begins neither reads pieces nor prints answers.
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        os.dup2(2, 1)
+        worker = None
+        try:
+            make, shared = pickle.load(given)  # noqa: S301 - of the process that began it
+            while True:
+                piece = pickle.load(given)  # noqa: S301 - as above
+                try:
+                    worker = worker or make(shared)
+                    answer = pickle.dumps((True, worker(piece)))
+                except Exception as error:
+                    answer = pickle.dumps((False, error))
+                answers.write(answer)
+                answers.flush()
+        except (EOFError, BrokenPipeError):
+            return
+
+
+if __name__ == "__main__":
+    del sys.path[0]  # the folder of this file
+    main()
