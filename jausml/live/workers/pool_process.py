@@ -9,29 +9,32 @@ import os
 import pickle
 import signal
 import sys
+from contextlib import suppress
 
 
 def main() -> None:
     """Answers until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever began it ends it
+    with suppress(EOFError, BrokenPipeError):
+        _serve()
+
+
+def _serve() -> None:
     with os.fdopen(os.dup(0), "rb") as given, os.fdopen(os.dup(1), "wb") as answers:
         # What the work begins neither reads pieces nor prints answers.
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(2, 1)
         worker = None
-        try:
-            make, shared = pickle.load(given)  # noqa: S301 - of the process that began it
-            while True:
-                piece = pickle.load(given)  # noqa: S301 - as above
-                try:
-                    worker = worker or make(shared)
-                    answer = pickle.dumps((True, worker(piece)))
-                except Exception as error:
-                    answer = pickle.dumps((False, error))
-                answers.write(answer)
-                answers.flush()
-        except (EOFError, BrokenPipeError):
-            return
+        make, shared = pickle.load(given)  # noqa: S301 - of the process that began it
+        while True:
+            piece = pickle.load(given)  # noqa: S301 - as above
+            try:
+                worker = worker or make(shared)
+                answer = pickle.dumps((True, worker(piece)))
+            except Exception as error:
+                answer = pickle.dumps((False, error))
+            answers.write(answer)
+            answers.flush()
 
 
 if __name__ == "__main__":
