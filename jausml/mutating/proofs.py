@@ -9,7 +9,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import ProgramError
 from jausml.proving.findings import PROOF_RULES, with_proofs
-from jausml.proving.proof_bridge import round_trips
+from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from jausml.proving.layout import JAUS
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.proving.proof_bridge import RoundTrip
+    from jausml.proving.round_trips import RoundTrip
 
 
 def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:

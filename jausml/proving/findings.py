@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.language.validation.report import Report
-    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.results import FieldResult, MapResult
+    from jausml.proving.round_trips import RoundTrip
 
 _PRECISION, _UNSTABLE, _MADE_UP, _FAULT, _FORMS = (f"JML{number}" for number in range(921, 926))
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from jausml.language.metamodel.classes import jaus, ros
-    from jausml.proving.proof_bridge import RoundTrip
+    from jausml.proving.round_trips import RoundTrip
 
 Making: TypeAlias = "Callable[[bytes | None, Usual], Layout]"
 """Makes a message of usual values, or finds the numbers in one."""

@@ -12,8 +12,9 @@ from jausml.proving.inputs import inputs
 from jausml.proving.results import map_result
 
 if TYPE_CHECKING:
-    from jausml.proving.proof_bridge import ProofCode, RoundTrip
+    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.results import MapResult
+    from jausml.proving.round_trips import RoundTrip
 
 
 class Known:

@@ -12,15 +12,15 @@ from jausml.language.project.one_document import OneDocument, one_document
 from jausml.live.workers.pool import PoolError, Work
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import ProgramError
-from jausml.proving.proof_bridge import round_trips
+from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.model import Model
-    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.results import MapResult
+    from jausml.proving.round_trips import RoundTrip
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from jausml.proving.compiled_form import CompiledForm
     from jausml.proving.inputs import Input
     from jausml.proving.layout import Layout, Number
-    from jausml.proving.proof_bridge import ProofCode, RoundTrip
+    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.round_trips import RoundTrip
 
 _WATCHED = 8
 """Of how many numbers of the other message it is followed how they go with one."""

@@ -20,26 +20,11 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.proving.round_trips import RoundTrip
 
 NAME = "proof"
 TO_ROS_NAME, TO_JAUS_NAME = "to_ros", "to_jaus"
 _CORE = f"{NAME}/{native.SOURCE.parent.as_posix()}/"
-
-
-@dataclass(frozen=True)
-class RoundTrip:
-    """The way of values through a map and back, in the directions that there are.
-
-    Attributes:
-        to_ros: The map that makes messages of ROS.
-        to_jaus: The map that makes JAUS messages: the same one, or that of another connection.
-        connections: Those whose policies and quantities count; of several, those of the first.
-    """
-
-    name: str
-    to_ros: bridge.AttributeMap
-    to_jaus: bridge.AttributeMap
-    connections: tuple[bridge.Connection, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -111,22 +96,14 @@ def _model(model: Model, trip: RoundTrip) -> Model:
             if own.direction is each.direction:
                 own.outOfRange = each.outOfRange
     make = Maker(model.metamodels)
-    holders = (each.eContainer() for each in trip.connections)
-    for known in next((e.quantities for e in holders if isinstance(e, bridge.Bridge)), ()):
+    for known in _quantities(trip).values():
         copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
         copied.value = known.value
         make.own(owner, "quantities", copied)
     return made
 
 
-def round_trips(model: Model) -> list[RoundTrip]:
-    """Returns those of the maps of a model, and of those of the library that its bridges use."""
-    maps = model.instances(bridge.AttributeMap)
-    own = [each for each in maps if (found := model.document_of(each)) and found.given]
-    connections = model.instances(bridge.Connection)
-    used = [each.map for each in model.instances(bridge.Connection, library=False)]
-    return [
-        RoundTrip(str(each.name), each, each, tuple(one for one in connections if one.map is each))
-        for each in dict.fromkeys((*own, *used))
-        if each is not None
-    ]
+def _quantities(trip: RoundTrip) -> dict[str, bridge.Quantity]:
+    holders = dict.fromkeys(each.eContainer() for each in reversed(trip.connections))
+    bridges = [each for each in holders if isinstance(each, bridge.Bridge)]
+    return {str(each.name): each for one in bridges for each in one.quantities}

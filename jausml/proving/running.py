@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.proving.plan import Field
-    from jausml.proving.proof_bridge import RoundTrip
+    from jausml.proving.round_trips import RoundTrip
 
 NARROW = 16
 """Bits of numbers of which all values are tried in whole messages."""

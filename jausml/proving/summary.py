@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from jausml.proving.compiled_form import CompiledForm, Tally
     from jausml.proving.layout import Number
     from jausml.proving.plan import Field
-    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.python_form import PythonForm, Trip
+    from jausml.proving.round_trips import RoundTrip
 
 _COMPARED = 300
 """How many values go through both forms, besides those that Python alone treats."""

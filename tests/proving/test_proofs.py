@@ -13,7 +13,8 @@ from jausml.language.validation.project import check_project
 from jausml.proving.compiled_form import CompiledForm, compiled
 from jausml.proving.findings import with_proofs
 from jausml.proving.plan import plan
-from jausml.proving.proof_bridge import proof_code, round_trips
+from jausml.proving.proof_bridge import proof_code
+from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 from tests.generators.assignment_support import generated
 
@@ -23,8 +24,9 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.language.validation.report import Report
     from jausml.proving.compiled_form import Tally
-    from jausml.proving.proof_bridge import ProofCode, RoundTrip
+    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.results import FieldResult
+    from jausml.proving.round_trips import RoundTrip
 
 GUARDS = ("generators/jausml_generators/cpp",)
 
@@ -294,6 +296,61 @@ def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
     roll = wide.field("Roll", name="angles")
     assert roll.mixed is not None
     assert roll.unchanged == 65536 > roll.mixed.unchanged
+
+
+TWO_BRIDGES = """
+there {
+  JAUS SetSmall
+  ROS geometry_msgs/Twist
+  JAUS->ROS ( Speed -> linear.x  Gear -> angular.x )
+}
+back {
+  JAUS SetSmall
+  ROS geometry_msgs/Twist
+  ROS->JAUS ( linear.x -> Speed  angular.x -> Gear )
+}
+other {
+  JAUS SetSmall
+  ROS geometry_msgs/Vector3
+  ROS->JAUS ( x -> Speed )
+}
+bridge first {
+  address: 1.1.2
+  connection up { map: there topic /robot/speed {} }
+}
+bridge second {
+  address: 1.1.3
+  namespace: robot
+  connection down { map: back direction: rosToJaus topic speed {} }
+  connection elsewhere { map: back direction: rosToJaus topic /speed {} }
+  connection unlike { map: other direction: rosToJaus topic speed3 {} }
+}
+"""
+
+
+def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path: Path) -> None:
+    proofs = Proofs(MESSAGE + TWO_BRIDGES, tmp_path)
+    assert list(proofs.maps) == ["there", "back", "other", "first.up + second.down"]
+    name = "first.up + second.down"
+    for path, total in (("Speed", 65536), ("Gear", 256)):
+        assert not proofs.field(path, name="there").has_way_back
+        found = proofs.field(path, name=name)
+        assert found.has_way_back
+        assert found.unchanged == found.tried == total
+    assert proofs.field("linear.x", "ROS", name).has_way_back
+    assert not proofs.rules(name)
+
+
+def test_a_factor_between_two_bridges_names_both(tmp_path: Path) -> None:
+    text = TWO_BRIDGES.replace("linear.x -> Speed ", "linear.x -> Speed : scale(0.5) ")
+    proofs = Proofs(MESSAGE + text, tmp_path)
+    name = "first.up + second.down"
+    assert proofs.rules(name) == {"JML922"}
+    assert not proofs.rules("there") | proofs.rules("back")  # neither is wrong by itself
+    found = next(each for each in proofs.report.diagnostics if each.element == name)
+    assert found.message.startswith(f"{name}: JAUS Speed is changed by ")
+    line = proofs.path.read_text(encoding="utf-8").splitlines()[found.location.line - 1]
+    assert "scale(0.5)" in line
 
 
 JOINED = """

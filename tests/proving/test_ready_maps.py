@@ -13,7 +13,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import library_root
 from jausml.language.validation.project import check_project
 from jausml.proving.findings import PROOF_RULES, with_proofs
-from jausml.proving.proof_bridge import round_trips
+from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 
 if TYPE_CHECKING:

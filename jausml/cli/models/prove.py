@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.language.project.reading import Reading
     from jausml.language.validation.report import Report
-    from jausml.proving.proof_bridge import RoundTrip
     from jausml.proving.results import MapResult
+    from jausml.proving.round_trips import RoundTrip
     from jausml.proving.running import Settings
 
 _FORMATS = ("text", "json", "sarif")
@@ -172,7 +172,7 @@ def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
     Raises:
         EnvironmentFault: There are none, or none of a name.
     """
-    from jausml.proving.proof_bridge import round_trips
+    from jausml.proving.round_trips import round_trips
 
     found = round_trips(model)
     known = dict.fromkeys(each.name for each in found)
