@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 
 .PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
-	types release-check faults soak stories experiment mutate studio studio-check wheel clean
+	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -86,6 +86,9 @@ experiment: $(READY)  ## compare the right turn by JAUS alone and through the br
 
 mutate: $(READY)  ## break the models of the examples in about ten minutes, and write docs/reference/mutations.md
 	$(BIN)/python tools/build_mutations.py $(MUTATE)
+
+proofs: $(READY)  ## prove the ready maps in about ten minutes, and write docs/reference/proofs.md
+	$(BIN)/python tools/build_proofs.py $(PROOFS)
 
 docs: $(READY)  ## build the site of the documentation in site/VERSION/; fail at a warning
 	$(BIN)/python tools/build_site.py

@@ -1,0 +1,46 @@
+"""The page of proofs has each ready map, and says of each what was found."""
+
+from __future__ import annotations
+
+import re
+
+import build_proofs
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.library import library_paths
+from jausml.language.validation.project import check_project
+from jausml.proving.results import FieldResult, MapResult
+
+GUARDS = ("tools/build_proofs.py", "models/library/mappings")
+
+
+def test_the_page_has_all_ready_maps() -> None:
+    text = build_proofs.PAGE.read_text(encoding="utf-8")
+    model = check_project(list(map(str, library_paths("mappings")))).model
+    names = [str(each.name) for each in model.instances(bridge.AttributeMap)]
+    assert re.findall(r"^### (\w+)$", text, re.MULTILINE) == names, "run `make proofs`"
+
+
+def test_what_was_found_of_a_map_is_told() -> None:
+    def number(path: str, unchanged: int, *, has_back: bool) -> FieldResult:
+        made = FieldResult("JAUS", path, "", 8, 1.0, (0.0, 255.0), 256, 256, has_back)
+        made.unchanged, made.changed = unchanged, 256 - unchanged
+        return made
+
+    fields = [
+        number("Sound", 256, has_back=True),
+        number("Lossy", 200, has_back=True),
+        number("Only", 256, has_back=False),
+    ]
+    tried = MapResult("tried", "SetSmall", "Twist", fields)
+    left = MapResult("left", "SetOther", "Bool", remarks=["left to Python: to_ros: lists"])
+    page = build_proofs.page(
+        [tried, left],
+        {"tried": "mappings.one", "left": "mappings.two"},
+        {"tried": ["JML922 tried: JAUS Lossy drifts"]},
+    )
+    assert page.count("\n## mappings.") == 2
+    assert "SetSmall and Twist: 3 numbers, 3 with all values, 768 values, 1 findings." in page
+    assert "- **JML922 tried: JAUS Lossy drifts**\n- unchanged: `Sound`\n- `Lossy`: all 256" in page
+    assert "- one way: `Only`\n" in page
+    assert "SetOther and Bool: no numbers were tried.\n\n- left to Python: to_ros: lists" in page

@@ -1,0 +1,112 @@
+"""Writes docs/reference/proofs.md: proves the ready maps, and tells what becomes of values.
+
+python tools/build_proofs.py [--budget SECONDS] [--jobs N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.language.model.library import library_paths, module_of
+from jausml.language.validation.project import check_project
+from jausml.proving.findings import by_map, with_proofs
+from jausml.proving.layout import JAUS
+from jausml.proving.pieces import program, prove_all
+from jausml.proving.round_trips import round_trips
+from jausml.proving.running import Settings
+from jausml.proving.text import told
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.proving.results import FieldResult, MapResult
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "proofs.md"
+
+HEAD = """\
+# Proofs of the ready maps
+
+Look up what becomes of the values that go through the ready maps. `make proofs` has put them
+through the compiled translations, there and back, as [`jausml prove mappings`](../how-to/prove.md)
+does, and has written this page.
+
+For each map it names the numbers of the JAUS message that come back as they were, those that do
+not, and those that go one way. Numbers of up to 16 bits were tried with all values, wider ones with
+directed values. The numbers of the message of ROS were tried too, and count in the sums.
+"""
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Proves the ready maps, and writes the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--budget", type=float, default=1.0)
+    parser.add_argument("--jobs", type=int, default=2)
+    asked = parser.parse_args(arguments)
+    report = check_project(list(map(str, library_paths("mappings"))))
+    trips = round_trips(report.model)
+    settings = Settings(program(), asked.budget, asked.jobs)
+    found = dict(prove_all(report.model, trips, settings))
+    results = [found[number] for number in range(len(trips))]
+    modules = {each.name: _module(report.model.location(each.to_ros).path) for each in trips}
+    faults = by_map(with_proofs(report, trips, results))
+    PAGE.write_text(page(results, modules, faults), encoding="utf-8")
+
+
+def _module(path: str) -> str:
+    return module_of(Path(path).resolve())
+
+
+def page(
+    results: Iterable[MapResult], modules: Mapping[str, str], faults: Mapping[str, Sequence[str]]
+) -> str:
+    """Returns the page of some results.
+
+    Args:
+        modules: The modules that maps lie in, by name of the map.
+        faults: What falls short, by name of the map.
+    """
+    lines = [HEAD]
+    for module, group in groupby(results, lambda each: modules[each.name]):
+        lines += [f"## {module}", ""]
+        for each in group:
+            lines += [*_of_map(each, faults.get(each.name, ())), ""]
+    return "\n".join(lines)
+
+
+def _of_map(result: MapResult, faults: Sequence[str]) -> Iterator[str]:
+    yield f"### {result.name}"
+    yield ""
+    yield f"{result.message} and {result.type}: {_summary(result.fields, faults)}"
+    yield ""
+    own = [each for each in result.fields if each.side == JAUS]
+    back = [each for each in own if each.has_way_back]
+    whole = [each for each in back if each.unchanged == each.tried]
+    yield from (f"- **{each}**" for each in faults)
+    if whole:
+        yield f"- unchanged: {_names(whole)}"
+    yield from (f"- `{each.path}`: {told(each)}" for each in back if each not in whole)
+    one_way = [each for each in result.fields if not each.has_way_back]
+    if one_way:
+        yield f"- one way: {_names(one_way)}"
+    yield from (f"- {each}" for each in result.remarks)
+
+
+def _summary(fields: Sequence[FieldResult], faults: Sequence[str]) -> str:
+    if not fields:
+        return "no numbers were tried."
+    tried = sum(each.tried for each in fields)
+    complete = sum(each.is_complete for each in fields)
+    what = f"{len(faults)} findings" if faults else "no findings"
+    return f"{len(fields)} numbers, {complete} with all values, {tried:,} values, {what}."
+
+
+def _names(fields: Iterable[FieldResult]) -> str:
+    return ", ".join(f"`{each.path}`" for each in fields)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
