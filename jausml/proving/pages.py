@@ -64,6 +64,8 @@ def _summary(result: MapResult, faults: Mapping[str, Sequence[str]]) -> str:
     count = len(faults.get(result.name, ()))
     if count:
         return f'<span class="fail">{count} findings</span>'
+    if result.error:
+        return '<span class="fail">not proved</span>'
     tried = sum(each.tried for each in result.fields)
     return f"{len(result.fields)} numbers, {tried:,} values, no findings"
 

@@ -13,7 +13,7 @@ from jausml.live.workers.pool import PoolError, Work
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import ProgramError
 from jausml.proving.round_trips import round_trips
-from jausml.proving.running import Settings, prove
+from jausml.proving.running import Settings, prove, unproved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -54,7 +54,7 @@ def prove_all(
         scheduler: Address of a scheduler of Dask, whose workers prove.
 
     Raises:
-        PoolError: A map cannot be proved, or nobody is there to do it.
+        PoolError: Nobody is there to prove them.
     """
     until = time.time() + settings.budget
     if not scheduler and min(settings.jobs, len(trips)) == 1:
@@ -89,5 +89,7 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, until: float) -> 
     try:
         (found,) = prove(model, [trip], settings)
     except (ProgramError, WorkerError) as error:
-        raise PoolError(f"{trip.name}: {error}") from error
+        found = unproved(trip)
+        found.error = str(error)
+        found.remarks = [f"not proved: {found.error.partition(chr(10))[0]}"]
     return found

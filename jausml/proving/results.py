@@ -128,7 +128,11 @@ class FieldResult:
 
 @dataclass
 class MapResult:
-    """What becomes of the values of a map."""
+    """What becomes of the values of a map.
+
+    Attributes:
+        error: Why it could not be proved, which is no fault of the map; empty where it was.
+    """
 
     name: str
     message: str
@@ -137,6 +141,7 @@ class MapResult:
     not_carried: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    error: str = ""
 
     def would_gain(self, seconds: float) -> bool:
         """Tells whether all values of some number more can be tried in a time."""

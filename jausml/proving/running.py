@@ -68,6 +68,11 @@ def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Itera
         yield _proved(model, each, settings, deadline)
 
 
+def unproved(trip: RoundTrip) -> MapResult:
+    """Returns the result of a map of which nothing is known yet."""
+    return MapResult(trip.name, str(trip.to_ros.message.name), str(trip.to_ros.type.name))
+
+
 def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) -> MapResult:
     begun = time.monotonic()
     code = proof_code(model, trip)
@@ -75,7 +80,7 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
     known = place.load() if place is not None else None
     if known is not None and not known.would_gain(deadline - begun):
         return known
-    made = MapResult(trip.name, str(trip.to_ros.message.name), str(trip.to_ros.type.name))
+    made = unproved(trip)
     if not code.directions:
         made.remarks = [f"left to Python: {each}" for each in code.reasons]
         return made

@@ -99,7 +99,33 @@ def test_findings_pages_and_what_is_kept(jausml, model, tmp_path, monkeypatch):
     assert "ROS->JAUS ( linear.x -> Speed )" in line
     afresh = jausml("prove", model, "--no-cache", "--only", "sound")
     assert afresh.exit_code == 2
-    assert afresh.stderr.startswith("Error: sound: ")
+    assert "Error: sound: " in afresh.stderr
+    both = jausml("prove", model, "--no-cache", "--format", "json")
+    assert both.exit_code == 2
+    assert [bool(each["error"]) for each in json.loads(both.stdout)["maps"]] == [True, True]
+
+
+@needs_compiler
+@pytest.mark.timeout(300)
+@pytest.mark.usefixtures("model")  # nothing is known
+def test_a_module_of_the_library(jausml):
+    asked = ("mappings.travel_speed", "--only", "travel_speed", "--only", "travel_speed_report")
+    result = jausml("prove", *asked, "--budget", "0.01", "--format", "json")
+    assert result.exit_code == 0, result.output
+    maps = {each["name"]: each for each in json.loads(result.stdout)["maps"]}
+    assert list(maps) == ["travel_speed", "travel_speed_report"]
+    assert all(each["fields"] for each in maps.values())
+    # What another process has proved is what this one proves.
+    alone = jausml("prove", *asked, "--budget", "0.01", "--format", "json", "--jobs", "1")
+    assert alone.stdout == result.stdout  # kept
+
+
+def test_a_module_that_is_none(jausml, model, monkeypatch):
+    monkeypatch.chdir(model.parent)
+    for name in ("mappings.travel", "jaus.mobility", "mapping"):
+        result = jausml("prove", name)
+        assert result.exit_code == 2, name
+        assert f"{name}: No such file or directory" in result.output
 
 
 @pytest.mark.parametrize(
@@ -166,5 +192,6 @@ def test_a_compiler_that_fails_is_told(jausml, model, tmp_path, monkeypatch, com
     monkeypatch.setenv("CXX", str(program))
     result = jausml("prove", model, "--only", "sound")
     assert result.exit_code == 2, result.output
-    assert result.stderr.startswith("Error: sound: ")
+    assert "Error: sound: " in result.stderr
+    assert "\n  not proved: " in result.stdout
     assert complaint in result.stderr

@@ -94,6 +94,9 @@ def command(
         show_findings(judged)
     if output is not None:
         _write_pages(results, judged, Path(output))
+    failed = next((each for each in results if each.error), None)
+    if failed is not None:
+        raise EnvironmentFault(f"{failed.name}: {failed.error}")
     if judged.has_errors:
         raise click.exceptions.Exit(PROBLEMS)
 
