@@ -49,10 +49,12 @@ class Usual:
     Attributes:
         share: Where between its limits that of a number lies.
         option: Which option of variants, and of numbers of several types, is chosen.
+        count: How many elements lists have.
     """
 
     share: float = SHARES[0]
     option: int = 0
+    count: int = 1
 
     def one_of(self, count: int) -> int:
         """Returns the number of the chosen one of some options."""
@@ -227,7 +229,7 @@ class _JausWalk(_Walk):
                     if not each.is_optional or each.bit & known:
                         self.field(each.kind, _joined(path, each.name))
             case wire.List():
-                for at in range(self._count(kind.count)):
+                for at in range(self._count(kind.count, self.usual.count)):
                     self.field(kind.element.kind, f"{path}[{at}]")
             case wire.Array():
                 for at in range(kind.length):
@@ -261,8 +263,8 @@ class _JausWalk(_Walk):
             return 0
         return int(self.number(f"<{kind.presence.format}", kind.known_bits))
 
-    def _count(self, count: wire.Count) -> int:
-        return int(self.number(f"<{count.type.format}", max(count.lower, min(1, count.upper))))
+    def _count(self, count: wire.Count, usual: int = 1) -> int:
+        return int(self.number(f"<{count.type.format}", max(count.lower, min(usual, count.upper))))
 
     def _bits(self, kind: wire.BitField, path: str) -> None:
         usual = 0
@@ -317,7 +319,7 @@ class _RosWalk(_Walk):
             if each.is_single:
                 self._one(each, name)
             else:
-                count = each.count if each.is_fixed else int(self._aligned("<I", 1))
+                count = each.count if each.is_fixed else int(self._aligned("<I", self.usual.count))
                 for at in range(count):
                     self._one(each, f"{name}[{at}]")
         if not fields:

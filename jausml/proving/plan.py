@@ -17,6 +17,7 @@ from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.proving.compiled_form import Sweep
 from jausml.proving.inputs import inputs
 from jausml.proving.layout import (
+    FLOAT,
     JAUS,
     ROS,
     SHARES,
@@ -24,7 +25,7 @@ from jausml.proving.layout import (
     LayoutError,
     Usual,
 )
-from jausml.proving.values import some
+from jausml.proving.values import directed, some
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -39,8 +40,11 @@ if TYPE_CHECKING:
 _WATCHED = 8
 """Of how many numbers of the other message it is followed how they go with one."""
 
-_PROBES = 48
+_PROBES, _ALL = 48, 256
 _OPTIONS = 16
+_LONGEST = 8
+"""How many elements usual lists have at most."""
+
 _ANGLES = {"radian", "rad"}
 
 
@@ -107,6 +111,25 @@ class _Side:
     units: Callable[[str], str]
 
 
+@dataclass(frozen=True)
+class _Passing:
+    """A message that is translated, and what of it comes back, if it does.
+
+    Attributes:
+        made: Bytes of the message that is made of it.
+    """
+
+    first: Layout
+    settled: Layout | None
+    made: int
+
+    @property
+    def worth(self) -> tuple[int, int, int]:
+        """Most is worth that of which most comes back, is made, and is taken."""
+        numbers = len(self.settled.numbers) if self.settled is not None else 0
+        return numbers, self.made, len(self.first.numbers)
+
+
 def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     """Returns what is to be proved of a round trip."""
     taken = inputs(trip)
@@ -138,64 +161,68 @@ class _Planner:
     def run(self) -> None:
         """Adds the numbers of the side."""
         try:
-            first, settled, fullest = self._messages()
+            found = self._messages()
         except LayoutError as error:
             self._plan.remarks.append(f"{self._side.name}: {error}")
             return
-        if first is None or fullest is None:
+        if not found:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values passes")
             return
-        if settled is None and self._side.has_back:
+        settled = [each.settled for each in found if each.settled is not None]
+        if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
-        before, known = len(self._plan.fields), set[str]()
-        for layout, has_back in ((settled, True), (first, False), (fullest, False)):
-            for each in layout.numbers if layout is not None else ():
-                if layout is not None and each.path not in known:
-                    self._add(layout.data, each, has_back=has_back)
-                    known.add(each.path)
+        before, known = len(self._plan.fields), dict[str, bool]()
+        layouts = [*((each, True) for each in settled), *((each.first, False) for each in found)]
+        for layout, has_back in layouts:
+            for each in layout.numbers:
+                if not known.get(each.path):
+                    known[each.path] = self._add(layout.data, each, has_back=has_back)
+        not_carried = [
+            f"{self._side.name} {path}" for path, is_added in known.items() if not is_added
+        ]
+        self._plan.not_carried += not_carried
         own = self._plan.fields[before:]
         self._plan.fields[before:] = [replace(each, partners=_partners(each, own)) for each in own]
 
-    def _messages(self) -> tuple[Layout | None, Layout | None, Layout | None]:
-        """A message of usual values that is translated, what of it comes back, and the fullest one.
+    def _messages(self) -> list[_Passing]:
+        """The messages of usual values that are translated, with each option that they have.
 
-        Of several, it is the one of which most comes back, or at least of which most is made.
+        First come those of which most comes back, or at least of which most is made. Lists are made
+        longer where nothing comes back: maps may want all of their elements.
         """
-        best: tuple[int, int] = (-1, -1)
-        found: tuple[Layout | None, Layout | None] = (None, None)
-        fullest: Layout | None = None
-        for candidates in self._candidates():
-            for first in candidates:
-                between = self._there(first.data)
-                if between is None:
-                    continue
-                settled = self._settled(first)
-                if fullest is None or len(first.numbers) > len(fullest.numbers):
-                    fullest = first
-                worth = len(settled.numbers) if settled is not None else 0, len(between)
-                if worth > best:
-                    best, found = worth, (first, settled)
-                if settled is not None or not self._side.has_back:
-                    break
-        return *found, fullest
+        found: list[_Passing] = []
+        for count in range(1, _LONGEST + 1):
+            for candidates in self._candidates(count):
+                for first in candidates:
+                    between = self._there(first.data)
+                    if between is None:
+                        continue
+                    settled = self._settled(first)
+                    found.append(_Passing(first, settled, len(between)))
+                    if settled is not None or not self._side.has_back:
+                        break
+            if not self._side.has_back or any(each.settled is not None for each in found):
+                break
+        return sorted(found, key=lambda each: each.worth, reverse=True)
 
-    def _candidates(self) -> Iterator[Iterator[Layout]]:
+    def _candidates(self, count: int) -> Iterator[Iterator[Layout]]:
         """Yields messages of usual values by the options that they choose.
 
         Those that the other side makes are the most usual ones of ROS.
         """
         side = self._side
         if side.has_back:
-            given = (side.other.layout(None, Usual(share)).data for share in SHARES)
-            made = (self._form.translate(each, to_ros=not side.to_ros) for each in given)
+            given = (side.other.layout(None, Usual(share, 0, count)).data for share in SHARES)
+            others = (self._form.translate(each, to_ros=not side.to_ros) for each in given)
             joins = side.own.usual_joins
-            yield (side.own.layout(each + joins) for each in made if each is not None)
+            yield (side.own.layout(each + joins) for each in others if each is not None)
         before = b""
         for option in range(_OPTIONS):
-            if side.own.layout(None, Usual(option=option)).data == before:
+            made = side.own.layout(None, Usual(SHARES[0], option, count)).data
+            if made == before:
                 break
-            before = side.own.layout(None, Usual(option=option)).data
-            yield (side.own.layout(None, Usual(share, option)) for share in SHARES)
+            before = made
+            yield (side.own.layout(None, Usual(share, option, count)) for share in SHARES)
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""
@@ -218,15 +245,14 @@ class _Planner:
         made = self._form.translate(taken, to_ros=not side.to_ros)
         return None if made is None else made + data[len(side.own.main(data)) :]
 
-    def _add(self, message: bytes, number: Number, *, has_back: bool) -> None:
-        """Adds a number if anything depends on it."""
+    def _add(self, message: bytes, number: Number, *, has_back: bool) -> bool:
+        """Adds a number if anything depends on it, and tells whether."""
         between, side = self._there(message), self._side
         if between is None:
-            return
+            return False
         reached = self._reached(message, number, between)
         if reached is None:
-            self._plan.not_carried.append(f"{side.name} {number.path}")
-            return
+            return False
         size = len(side.own.main(message))
         sweep = Sweep(
             side.to_ros,
@@ -242,6 +268,7 @@ class _Planner:
         shortcut = side.shortcuts.get(number.path, 0) if sweep.has_back else 0
         units = number.units or side.units(number.path)
         self._plan.fields.append(Field(side.name, number.path, units, sweep, shortcut))
+        return True
 
     def _reached(self, message: bytes, number: Number, between: bytes) -> list[Number] | None:
         """The numbers of the other message that depend on one; None where nothing does."""
@@ -251,12 +278,21 @@ class _Planner:
             others = []
         found: dict[Number, None] = {}
         is_reached = False
-        for index in some(number, _PROBES):
+        for index in _probes(number):
             made = self._there(number.put(message, number.raw(index)))
             is_reached = is_reached or made != between
             if made is not None and len(made) == len(between) and made != between:
                 found |= {each: None for each in others if each.read(made) != each.read(between)}
         return list(found) if is_reached else None
+
+
+def _probes(number: Number) -> Sequence[int]:
+    """Positions of values by which it shows whether anything depends on a number.
+
+    Of integers, a single one may have a meaning.
+    """
+    is_plain = number.kind != FLOAT and not number.is_scaled
+    return directed(number, _ALL) if is_plain else some(number, _PROBES)
 
 
 def _partners(planned: Field, others: Sequence[Field]) -> list[Number]:
