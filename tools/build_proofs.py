@@ -37,6 +37,23 @@ does, and has written this page.
 For each map it names the numbers of the JAUS message that come back as they were, those that do
 not, and those that go one way. Numbers of up to 16 bits were tried with all values, wider ones with
 directed values. The numbers of the message of ROS were tried too, and count in the sums.
+
+What does not come back is meant so:
+
+| number | values | why |
+|---|---|---|
+| time stamps | an hour above 23, a minute above 59 | are no time of day, and drop the message |
+| day of a time stamp | 0 | known peers leave it at 0; it becomes the nearest day |
+| pitch | beyond upright | the same orientation has other angles, with a pitch below |
+| RMS | 0 | a variance of 0 means in ROS that nothing is known |
+| efforts | within 0.01 % of 0 | are 0 in ROS; JAUS has no exact 0 |
+| speeds, rates | beyond the limit of the map | are limited; up to 0.5 % this is not counted |
+| sensor states | standby | a truth value of ROS has no third state |
+| range validity | neither true nor false | is not true: the reading is 0, which is no range |
+
+What is left to Python has no compiled form that gives the same bits
+([why](../how-to/compile-bridges.md#what-stays-in-python)); its generated tests and vectors stand
+for it.
 """
 
 
@@ -92,6 +109,8 @@ def _of_map(result: MapResult, faults: Sequence[str]) -> Iterator[str]:
     one_way = [each for each in result.fields if not each.has_way_back]
     if one_way:
         yield f"- one way: {_names(one_way)}"
+    if not result.fields and not result.remarks:
+        yield "- carries no numbers"
     yield from (f"- {each}" for each in result.remarks)
 
 

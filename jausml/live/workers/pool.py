@@ -94,7 +94,7 @@ class PoolProcess:
             prefix="jausml_pool_", ignore_cleanup_errors=True
         )
         self._process = subprocess.Popen(  # noqa: S603 - our own script
-            [sys.executable, str(_SCRIPT)],
+            [sys.executable, str(_SCRIPT), self._folder.name],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "TMPDIR": self._folder.name},

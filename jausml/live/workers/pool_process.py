@@ -1,12 +1,14 @@
 """The process of a pool: it makes a worker of what it is told first, and asks it piece by piece.
 
-It reads pickled values from its input and writes one for each piece, until the input ends.
+It reads pickled values from its input and writes one for each piece, until the input ends. Its
+argument is the folder of its temporary files, which it removes then.
 """
 
 from __future__ import annotations
 
 import os
 import pickle
+import shutil
 import signal
 import sys
 from contextlib import suppress
@@ -17,6 +19,8 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever began it ends it
     with suppress(EOFError, BrokenPipeError):
         _serve()
+    # Whoever began it may have ended without a word.
+    shutil.rmtree(sys.argv[1], ignore_errors=True)
 
 
 def _serve() -> None:

@@ -161,6 +161,27 @@ def test_the_wall_on_the_left_is_at_negative_bearings(
     assert back.range_min > 0.0
 
 
+def test_a_reading_is_valid_where_its_validity_says_so(
+    translator: Callable[[str], Translator],
+) -> None:
+    """A proof has shown that 254 values that mean nothing passed for a valid reading."""
+    maps = translator("range_sensor")
+    scan = LaserScan(angle_min=-1.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
+    scan.ranges = [5.0, 4.0, 3.0]
+    report = maps.to_jaus("laser_scan", scan)
+    points = report.range_sensor_data_list[0].range_sensor_data_point_list
+    points[2].range_validity = None
+    sound = report.encode()
+    points[0].range_validity = 0
+    (at,) = (
+        at for at, pair in enumerate(zip(sound, report.encode(), strict=True)) if len({*pair}) > 1
+    )
+    for validity, expected in ((0, 0.0), (1, 5.0), (2, 0.0), (255, 0.0)):
+        received = type(report).decode(sound[:at] + bytes([validity]) + sound[at + 1 :])
+        back = maps.bridge.translate_laser_scan_to_ros(received)
+        assert list(back.ranges) == [near(each) for each in (expected, 4.0, 3.0)], validity
+
+
 # ------------------------------------------------------------------ power, cameras, lamps, joints
 
 
