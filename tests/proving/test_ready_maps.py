@@ -101,6 +101,23 @@ def test_joined_reports_and_topics_take_all_values() -> None:
     assert {each.path: each.tried for each in lamps.fields}["fog_lights.data"] == 2
 
 
+def test_lists_have_the_elements_that_a_map_wants() -> None:
+    path = library_root() / "mappings/joint_positions.ros2jaus"
+    (found,) = proved(path, ["joint_positions"])
+    for joint in range(6):
+        angle = found.find("JAUS", f"JointPositionList[{joint}].JointPosition.radian")
+        assert angle is not None
+        assert angle.unchanged == angle.tried == 65536
+
+
+def test_an_integer_of_which_one_value_counts_is_carried() -> None:
+    path = library_root() / "mappings/visual_sensor.ros2jaus"
+    (found,) = proved(path, ["visual_sensor_switched"])
+    (sensor,) = found.fields  # of one of the options of a variant
+    assert sensor.path == "ConfirmSensorList[0].SensorIdRec.SensorID"
+    assert [each.path for each in sensor.reached] == ["success"]
+
+
 def test_a_map_that_is_left_to_python_is_called_so() -> None:
     report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
     maps = [each for each in round_trips(report.model) if each.name == "cost_map"]
