@@ -19,6 +19,7 @@ def test_the_page_has_all_ready_maps() -> None:
     model = check_project(list(map(str, library_paths("mappings")))).model
     names = [str(each.name) for each in model.instances(bridge.AttributeMap)]
     assert re.findall(r"^### (\w+)$", text, re.MULTILINE) == names, "run `make proofs`"
+    assert text.startswith(build_proofs.HEAD), "run `make proofs`"
 
 
 def test_what_was_found_of_a_map_is_told() -> None:
