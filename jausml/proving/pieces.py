@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.project.one_document import OneDocument, one_document
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import Work
+from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import ProgramError
 from jausml.proving.round_trips import round_trips

@@ -153,7 +153,7 @@ def _run(
     Raises:
         EnvironmentFault: The campaign cannot run.
     """
-    from jausml.live.workers.pool import PoolError
+    from jausml.live.workers.pool_processes import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
     found: dict[int, Outcome | None] = {}

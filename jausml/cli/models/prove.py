@@ -118,7 +118,7 @@ def _proved(
         EnvironmentFault: A proof cannot be made.
     """
     from jausml.language.model.xmi.writer import UnwritableError
-    from jausml.live.workers.pool import PoolError
+    from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.pieces import program, prove_all
 
     found: dict[int, MapResult] = {}

@@ -12,13 +12,11 @@ from distributed import Client, KilledWorker, get_worker
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from jausml.generation.again import digest, tool
-from jausml.live.workers.pool import PoolError, PoolProcesses
+from jausml.live.workers.pool_processes import PoolError, PoolProcesses
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Executor
-
-    from jausml.live.workers.pool import Work
 
 _SECONDS = 30
 """How long a scheduler, and a worker, is waited for."""
@@ -27,13 +25,13 @@ _SECONDS = 30
 class _Processes(WorkerPlugin):  # type: ignore[misc]
     """The processes of a worker, as long as the work lasts."""
 
-    def __init__(self, name: str, work: Work[Any, Any, Any]) -> None:
+    def __init__(self, name: str, begin: bytes) -> None:
         self.name = name
-        self._work = work
+        self._begin = begin
 
     def setup(self, worker: Any) -> None:  # noqa: ARG002 - as Dask has it
         """Begins them."""
-        self.processes = PoolProcesses(self._work)
+        self.processes = PoolProcesses(self._begin)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as above
         """Ends them."""
@@ -51,7 +49,7 @@ def _which_jausml() -> str:
 
 @contextmanager
 def of_dask(
-    work: Work[Any, Any, Any], address: str
+    begin: bytes, address: str
 ) -> Iterator[tuple[Executor, Callable[[Any], Any], Callable[[], None]]]:
     """Gives the workers of a scheduler.
 
@@ -65,7 +63,7 @@ def of_dask(
     with client:
         _check(client, address)
         name = f"jausml-{uuid.uuid4()}"
-        client.register_plugin(_Processes(name, work))
+        client.register_plugin(_Processes(name, begin))
         executor = client.get_executor(pure=False)
         try:
             yield executor, functools.partial(_ask, name), functools.partial(_check_left, client)
