@@ -43,6 +43,7 @@ DEFAULT_PACKAGES = (
     "stereo_msgs",
     "trajectory_msgs",
     "visualization_msgs",
+    "control_msgs",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")

@@ -4,6 +4,7 @@
 each definition without its comments. It was not read by the importer that made the library.
 
     ackermann_msgs   ros-drivers/ackermann_msgs, branch ros2, version 2.0.2
+    control_msgs     ros-controls/control_msgs, branch jazzy, version 5.8.0
     geographic_msgs  ros-geographic-info/geographic_info, branch ros2, version 1.0.5
     nav2_msgs        ros-navigation/navigation2, branch jazzy, version 1.3.13
 """
