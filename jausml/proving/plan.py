@@ -137,7 +137,7 @@ def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
-            units = functools.partial(_units, outer_scope(used, to_ros=to_ros, indexed=True))
+            units = functools.partial(_units, outer_scope(used, to_ros=to_ros))
             has_back = (not to_ros) in code.directions
             side = _Side(name, taken[to_ros], taken[not to_ros], to_ros, has_back, shortcuts, units)
             _Planner(made, form, side).run()

@@ -44,7 +44,7 @@ def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
     message = _at_end(bench, path, context, jaus.MessageDef)
     kind = _at_end(bench, path, context, ros.MessageType)
     from_jaus = message_place(message) if message is not None else None
-    from_ros = RosPlace(type=kind, indexed=True) if kind is not None else None
+    from_ros = RosPlace(type=kind) if kind is not None else None
     way = context.around(Direction) or context.around(Vector)
     if isinstance(way, (Direction, Vector)) and way.to_ros:
         joins = _joins(bench, path, context, "report_join")
@@ -125,7 +125,7 @@ def _joined(bench: Workbench, path: Path, feature: Feature) -> PathPlace | None:
     name = value.text if isinstance(value, Name) else ""
     if name and feature.name.text == "type":
         type_ = bench.find(path, ros.MessageType, name)
-        return RosPlace(type=type_, indexed=True) if type_ is not None else None
+        return RosPlace(type=type_) if type_ is not None else None
     if name and feature.name.text == "message":
         message = bench.find(path, jaus.MessageDef, name)
         return message_place(message) if message is not None else None

@@ -159,7 +159,8 @@ def _translation_to_ros(
     joins: Mapping[str, tuple[str, MessageView]],
     around: Surroundings,
 ) -> _MapTranslation:
-    target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
+    start = RosStart("target", attribute_map.type)
+    target = RosTarget(attribute_map.type, start, around.type_name)
     source = JausSource(message, JausStart("source", names=body.local_of), joins=joins)
     return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
 
@@ -245,6 +246,7 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
             data = data.at("data")
         decoded = Decode(message.class_name, Read(data, OCTETS))
         path = assignment.target.strip()
+        translation.target.prepare(body, path)
         translation.target.put(body, path, Translate(method, decoded))
 
 

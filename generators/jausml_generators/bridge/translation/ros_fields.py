@@ -7,8 +7,12 @@ from dataclasses import dataclass
 
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.paths.ros_paths import fields_by_name, named_constants
-from jausml_generators.bridge.translation.places import Local, Place
+from jausml.language.semantics.paths.ros_paths import (
+    fields_by_name,
+    is_sequence,
+    named_constants,
+)
+from jausml_generators.bridge.translation.places import Local, Longer, Place
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
@@ -51,6 +55,7 @@ class RosField:
         message_type: The `ros.MessageType` of the end or of the elements of the array; None for
             primitive types.
         field: The `ros.Field` at the end; None for a whole message.
+        elements: The elements of sequences on the way, which may not be there.
     """
 
     path: str
@@ -62,6 +67,7 @@ class RosField:
     message_type: ros.MessageType | None = None
     field: ros.Field | None = None
     constants: tuple[tuple[str, str], ...] = ()
+    elements: tuple[tuple[Longer, ros.Field], ...] = ()
 
 
 def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None = None) -> RosField:
@@ -78,6 +84,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
     begin = start or RosStart("source", message_type)
     current, field, is_array = begin.type, begin.field, False
     holder, place = message_type, Place(begin.root)
+    elements: list[tuple[Longer, ros.Field]] = []
     for step in [] if path == "." else path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
@@ -87,6 +94,8 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
         holder, place = current, place.at(found["name"])
         if found["index"] is not None:
+            if is_sequence(field):
+                elements.append((Longer(place, int(found["index"])), field))
             place = place.at(int(found["index"]))
         is_array = field.arrayKind.name != "single" and found["index"] is None
         current = field.messageType if isinstance(field, ros.MessageField) else None
@@ -101,6 +110,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         current,
         field,
         named_constants(holder),
+        tuple(elements),
     )
 
 

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Local, Way
+    from jausml_generators.bridge.translation.places import Local, Longer, Way
+    from jausml_generators.bridge.translation.ros_fields import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
@@ -191,15 +192,16 @@ class RosSource:
         """Returns itself, as values of ROS give no names."""
         return self
 
-    def _field(self, path: str) -> tuple[Any, tuple[Way, ...]]:
+    def _field(self, path: str) -> tuple[RosField, tuple[Way, ...]]:
         if path.startswith("/"):
             return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
         name, _, rest = path.partition(".")
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
             found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
-            return found, (There(Place(root)),)
-        return ros_field(self.type, path, self.start), self.conditions
+            return found, (There(Place(root)), *_lengths(found))
+        found = ros_field(self.type, path, self.start)
+        return found, (*self.conditions, *_lengths(found))
 
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
@@ -228,3 +230,8 @@ class RosSource:
         """Returns an element of an array as a source."""
         start = replace(many.start, root=root)
         return RosSource(self.type, start, self.joins, self.top or self, counters, conditions)
+
+
+def _lengths(found: RosField) -> tuple[Longer, ...]:
+    """What must hold for the elements of sequences on the way to be there."""
+    return tuple(length for length, _ in found.elements)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
@@ -44,7 +45,8 @@ from jausml_generators.python.codec.jaus_fields import JausStart, default_of, ja
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import ros
+    from collections.abc import Callable
+
     from jausml_generators.bridge.translation.body import Body
     from jausml_generators.bridge.translation.ros_fields import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
@@ -103,10 +105,14 @@ class RosTarget:
 
     Attributes:
         type: The `ros.MessageType` of the message.
+        class_of: Gives the name of the class of a type.
+        made: The elements of sequences that were made.
     """
 
     type: ros.MessageType
     start: RosStart
+    class_of: Callable[[ros.MessageType], str]
+    made: set[Place] = field(default_factory=set)
 
     def field(self, path: str) -> RosField:
         """Returns the end of a path.
@@ -129,7 +135,22 @@ class RosTarget:
         return self.field(path).constants
 
     def prepare(self, body: Body, path: str) -> None:
-        """Adds nothing: ROS messages are complete as they are made."""
+        """Adds the elements of sequences on the way; all else is there in a new message."""
+        found = self.field(path)
+        for length, sequence in found.elements:
+            for index in range(length.than + 1):
+                element = length.place.at(index)
+                if element in self.made:
+                    continue
+                self.made.add(element)
+                new: Expression
+                if isinstance(sequence, ros.MessageField):
+                    made = New(self.class_of(sequence.messageType))
+                    new = Read(Place(body.local(element.last, made)))
+                else:
+                    kind = ros_kind(found)
+                    new = Constant(_ZEROS[kind], kind)
+                body.add(Append(length.place, new))
 
     def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
@@ -170,7 +191,7 @@ class RosTarget:
 
     def element(self, many: ManyTarget, root: Local) -> RosTarget:
         """Returns an element of an array as a target."""
-        return RosTarget(self.type, replace(many.start, root=root))
+        return RosTarget(self.type, replace(many.start, root=root), self.class_of)
 
 
 @dataclass(frozen=True)

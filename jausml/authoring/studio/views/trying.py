@@ -92,7 +92,7 @@ class Tried:
 def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     """Returns the values that a direction of a map takes."""
     _check_ends(used)
-    scope = outer_scope(used, to_ros=to_ros, indexed=True)
+    scope = outer_scope(used, to_ros=to_ros)
     found: dict[str, Input] = {}
     for path in _paths(used, to_ros=to_ros):
         place = scope.find_source(path)
@@ -237,7 +237,7 @@ def _request(
     used: bridge.AttributeMap, given: Mapping[str, str], *, to_ros: bool
 ) -> dict[str, Any]:
     """Returns the messages that values make: the source, and those of joins that have values."""
-    scope = outer_scope(used, to_ros=to_ros, indexed=True)
+    scope = outer_scope(used, to_ros=to_ros)
     joins = {str(each.name): each for each in (used.reportJoins if to_ros else used.joins)}
     parts: dict[str, dict[str, str]] = {"source": {}}
     for path, text in given.items():
@@ -269,7 +269,7 @@ def _tried(used: bridge.AttributeMap, answer: Mapping[str, Any], *, to_ros: bool
         return Tried(error=_error(answer))
     data = str(answer["bytes"])
     pairs = answer.get("values") or jaus_values.rows(used.message, bytes.fromhex(data))
-    place = outer_scope(used, to_ros=to_ros, indexed=True).target
+    place = outer_scope(used, to_ros=to_ros).target
     values = tuple(Row(str(path), str(value), _unit(place, path)) for path, value in pairs)
     return Tried(values, data, notes=tuple(answer.get("notes", ())))
 

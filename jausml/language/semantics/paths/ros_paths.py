@@ -45,7 +45,7 @@ class RosPlace:
         field: The `ros.Field`, None for the whole message.
         is_array: Whether it is an array as a whole.
         label: Name of the innermost field.
-        indexed: Whether the elements of sequences may be named by index, as in test vectors.
+        in_sequence: Whether it is an element of a sequence, or in one, that may be shorter.
     """
 
     type: ros.MessageType | None = None
@@ -55,7 +55,7 @@ class RosPlace:
     frame: str = UNSTATED
     label: str = ""
     constants: tuple[tuple[str, str], ...] = ()
-    indexed: bool = False
+    in_sequence: bool = False
 
     def follow(self, path: str) -> RosPlace | PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
@@ -101,7 +101,7 @@ class RosPlace:
         if field is None:
             message = f"{ros_name(self.type)} has no field '{name}'"
             return PathFault(message, nearest_name(name, self.type.fields))
-        fault = _index_fault(field, indices, is_free=self.indexed)
+        fault = _index_fault(field, indices)
         if fault is not None:
             return fault
         place = self._inside(field, is_element=bool(indices))
@@ -121,7 +121,7 @@ class RosPlace:
             units=field.units or self.units,
             frame=frame if frame != UNSTATED else self.frame,
             label=field.name,
-            indexed=self.indexed,
+            in_sequence=self.in_sequence or (is_element and is_sequence(field)),
         )
 
     def _array(self, field: ros.Field) -> Attribute:
@@ -187,22 +187,25 @@ def _split(step: str, known: Container[str]) -> tuple[str, list[int]]:
     return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
 
 
-def _index_fault(field: ros.Field, indices: list[int], *, is_free: bool) -> PathFault | None:
+def is_sequence(field: ros.Field) -> bool:
+    """Tells whether a field is an array of as many elements as a message gives it."""
+    return field.arrayKind.name not in ("single", "fixedArray")
+
+
+def is_bounded(field: ros.Field) -> bool:
+    """Tells whether a field is an array that cannot have more elements than it says."""
+    return field.arrayKind.name in ("fixedArray", "boundedSequence")
+
+
+def _index_fault(field: ros.Field, indices: list[int]) -> PathFault | None:
     if not indices:
         return None
     if field.arrayKind.name == "single":
         return PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
-    if field.arrayKind.name != "fixedArray":
-        if is_free and len(indices) == 1:
-            return None
-        return PathFault(
-            f"'{field.name}' is a sequence whose length is not known beforehand",
-            "translate it as a whole by a ListAssignment",
-        )
     if len(indices) > 1:
         return PathFault(f"'{field.name}' has one dimension")
-    if indices[0] >= field.arraySize:
-        size = field.arraySize
+    if is_bounded(field) and indices[0] >= field.arraySize:
+        size = f"{'at most ' if is_sequence(field) else ''}{field.arraySize}"
         return PathFault(f"'{field.name}' has {size} elements, counted from 0: no [{indices[0]}]")
     return None
 

@@ -82,10 +82,7 @@ class PathScope:
             return self.followed.place(self.source, path)
         if isinstance(join, bridge.ReportJoin):
             return message_place(join.message).follow(rest or ".") if join.message else None
-        is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
-        return (
-            RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".") if join.type else None
-        )
+        return RosPlace(type=join.type).follow(rest or ".") if join.type else None
 
     def _join(self, name: str) -> bridge.Join | bridge.ReportJoin | None:
         joins = self.map.reportJoins if self.to_ros else self.map.joins
@@ -153,17 +150,14 @@ def outer_scope(
     attribute_map: bridge.AttributeMap,
     *,
     to_ros: bool,
-    indexed: bool = False,
     followed: Followed | None = None,
 ) -> PathScope:
     """Returns the scope of the assignments of a map.
 
     Args:
-        indexed: Whether the elements of ROS sequences may be named by index.
         followed: The paths that were followed in other maps; None for none.
     """
-    ros = RosPlace(type=attribute_map.type, indexed=indexed)
-    ends = message_place(attribute_map.message), ros
+    ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
     source, target = ends if to_ros else reversed(ends)
     followed = Followed() if followed is None else followed
     return PathScope(attribute_map, to_ros, source, target, followed=followed)

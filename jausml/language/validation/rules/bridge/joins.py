@@ -10,6 +10,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.freshness import freshness_of, holds_state, is_report
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -42,12 +43,13 @@ def joins(subject: Subject) -> Iterator[Finding]:
             yield from _topic_findings(connection)
 
 
-@rule("JML457", Severity.ERROR, "mandatory field that a silent join would make up")
-def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
-    """A mandatory JAUS field that a join feeds has a default, or the message is dropped without it.
+@rule("JML457", Severity.ERROR, "mandatory field that would be made up")
+def made_up(subject: Subject) -> Iterator[Finding]:
+    """A mandatory JAUS field whose source may lack has a default, or the message is dropped.
 
     While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
-    feeds. A mandatory one is sent anyway, and would be a 0 that nobody measured.
+    feeds, and so does a sequence that is too short for an element that a path names. A mandatory
+    field is sent anyway, and would be a 0 that nobody measured.
 
     Bad: `target="Attitude_RMS"` from the join imu, where Attitude_RMS is mandatory
 
@@ -60,24 +62,29 @@ def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
         lenient = {
             each.name: each for each in direction.map.joins if each.whenStale.name == "leave"
         }
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if lenient and placed.assignment.whenAbsent.name == "leave":
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+            if placed.assignment.whenAbsent.name == "leave":
                 yield from _made_up(placed, lenient)
 
 
 def _made_up(
-    placed: Placed[bridge.FieldAssignment], lenient: dict[str, bridge.Join]
+    placed: Placed[bridge.FieldAssignment | bridge.ListAssignment], lenient: dict[str, bridge.Join]
 ) -> Iterator[Finding]:
-    firsts = (path.lstrip("/").partition(".")[0] for path, _ in placed.sources)
-    join = next((lenient[first] for first in firsts if first in lenient), None)
-    if join is None:
-        return
-    for path, target in placed.targets:
-        if isinstance(target, Attribute) and not target.optional:
-            message = f"'{path}' is mandatory: without a fresh '{join.name}' it would be made up"
+    for source in source_paths(placed.assignment):
+        join = lenient.get(source.lstrip("/").partition(".")[0])
+        found = placed.scope.find_source(source)
+        if join is None and not (isinstance(found, RosPlace) and found.in_sequence):
+            continue
+        lacks = f"a fresh '{join.name}'" if join is not None else f"'{source}'"
+        hint = "give the assignment a whenAbsent"
+        if join is not None:
             hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
-            note = Note(join, f"join '{join.name}'", "name")
-            yield Finding(placed.assignment, message, "target", hint, (note,))
+        notes = () if join is None else (Note(join, f"join '{join.name}'", "name"),)
+        for path, target in placed.targets:
+            if isinstance(target, Attribute) and not target.optional:
+                message = f"'{path}' is mandatory: without {lacks} it would be made up"
+                yield Finding(placed.assignment, message, "target", hint, notes)
+        return
 
 
 def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:

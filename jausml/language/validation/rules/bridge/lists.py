@@ -10,7 +10,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
 from jausml.language.semantics.paths.scopes import Placed, is_many, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.directions import Direction
+    from jausml.language.semantics.paths.scopes import FoundPlace
     from jausml.language.semantics.subject import Subject
 
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
@@ -29,8 +30,8 @@ def lists(subject: Subject) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
     Elements that are matched by name have `keys`, a ROS sequence of texts, and `names`, each of
-    which stands for one element on the JAUS side. Elements of a JAUS list that are targets by index
-    begin with 0 and have no gap.
+    which stands for one element on the JAUS side. Elements of a list or sequence that are targets
+    by index begin with 0 and have no gap.
 
     Bad: `<toRos xsi:type="bridge:ListAssignment" target="header" source="WaypointList">`
 
@@ -40,8 +41,7 @@ def lists(subject: Subject) -> Iterator[Finding]:
         for placed in direction.of_kind(bridge.ListAssignment):
             yield from _end_findings(placed)
             yield from _name_findings(placed)
-        if not direction.to_ros:
-            yield from _gaps(direction)
+        yield from _gaps(direction)
 
 
 @rule("JML443", Severity.ERROR, "message in a message used wrongly")
@@ -114,13 +114,19 @@ def _gaps(direction: Direction) -> Iterator[Finding]:
                 owner = placed.assignment.eContainer()
                 seen.add((owner, f"{start}[{index}]"))
                 place = placed.scope.find_target(start)
-                if not isinstance(place, JausPlace) or index == 0:
-                    continue
-                if not isinstance(place.field, jaus.List):
+                element = placed.scope.find_target(f"{start}[{index}]")
+                if index == 0 or not _grows(place) or isinstance(element, PathFault):
                     continue
                 if (owner, f"{start}[{index - 1}]") not in seen:
                     message = f"'{path}' comes before an assignment to {start}[{index - 1}]"
                     yield Finding(placed.assignment, message, "target", "begin with [0]")
+
+
+def _grows(place: FoundPlace) -> bool:
+    """Tells whether a place is a list that a message has as many elements of as it is given."""
+    if isinstance(place, RosPlace):
+        return place.field is not None and is_sequence(place.field)
+    return isinstance(place, JausPlace) and isinstance(place.field, jaus.List)
 
 
 def _indexed_prefixes(path: str) -> Iterator[tuple[str, int]]:

@@ -229,7 +229,7 @@ def _vector_findings(
         message = f"vector '{vector.name}' tests {feature}, which the map does not have"
         yield Finding(vector, message, "direction")
         return
-    scope = outer_scope(attribute_map, to_ros=to_ros, indexed=True)
+    scope = outer_scope(attribute_map, to_ros=to_ros)
     for value in vector.given:
         yield from _value_findings(value, scope, is_given=True)
     for value in vector.expected:
