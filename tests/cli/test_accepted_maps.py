@@ -68,7 +68,7 @@ JAUS_PATHS = {
 }
 ROS_PATHS = {"array": "a[1]", "message": "a.x", "sequence": "a[1]", "vectors": "a[1].x"}
 ACCEPTED = {
-    *itertools.product(("scaled", "integer", "float"), ("number", "integer")),
+    *itertools.product(("scaled", "integer", "float"), ("number", "integer", "byte")),
     ("integer", "bool"),
     ("text", "text"),
     ("octets", "octets"),

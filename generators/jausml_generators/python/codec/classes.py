@@ -13,7 +13,7 @@ from jausml_generators.python.codec.compounds import (
     ListValue,
     VariantValue,
 )
-from jausml_generators.python.codec.scalars import Bits, Fixed
+from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
@@ -125,6 +125,15 @@ class Alternative:
 
 
 @dataclass(frozen=True)
+class Format:
+    """A format that the bytes of a variable format field may have."""
+
+    index: int
+    value: Blob
+    jaus_name: str
+
+
+@dataclass(frozen=True)
 class VariableFieldClass:
     """The class of a variable field: an index and a number."""
 
@@ -176,7 +185,7 @@ class ContainerClass:
         presence_struct: Name of the constant for the presence vector, or empty.
         jaus_name: Name in the model of what it is the class of.
         is_wrapper: Whether it only gives a class to a list, array, variant or single field.
-        is_format: Whether it is the index of a format and bytes (AS5684 variable_format_field).
+        formats: Of the index of a format and bytes (AS5684 variable_format_field), the formats.
     """
 
     kind: ClassVar[str] = "container"
@@ -192,7 +201,12 @@ class ContainerClass:
     tag: int | None = None
     jaus_name: str = ""
     is_wrapper: bool = False
-    is_format: bool = False
+    formats: tuple[Format, ...] = ()
+
+    @property
+    def is_format(self) -> bool:
+        """Whether it is the index of a format and bytes."""
+        return bool(self.formats)
 
     @cached_property
     def by_jaus_name(self) -> Mapping[str, Member]:

@@ -28,6 +28,7 @@ from jausml_generators.bridge.translation.expressions import (
 )
 from jausml_generators.bridge.translation.places import (
     Chosen,
+    Equal,
     IsOption,
     Local,
     Longer,
@@ -40,6 +41,7 @@ from jausml_generators.python.codec.classes import (
     Alternative,
     BitFieldClass,
     ContainerClass,
+    Format,
     SubField,
     VariableFieldClass,
 )
@@ -100,7 +102,8 @@ class JausField:
         units: Unit of the value; empty when the model has none.
         class_name: Class of a bit field, variable field or variable format field.
         sub_fields: Python names of the parts of a bit field.
-        index: Index that chooses the alternative of a variable field; None for others.
+        index: Index that chooses the alternative of a variable field, or the format of a variable
+            format field; None for others.
         element: What a list holds; None for others.
     """
 
@@ -129,8 +132,10 @@ class JausField:
 
     @property
     def value(self) -> Place:
-        """Where the value itself stands, which is within a variable field."""
-        return self.place if self.index is None else self.place.at("value")
+        """Where the value itself stands, which is within a variable field or format field."""
+        if self.index is None:
+            return self.place
+        return self.place.at("data" if self.kind == OCTETS else "value")
 
 
 def jaus_field(message: MessageView, path: str, start: JausStart | None = None) -> JausField:
@@ -159,7 +164,7 @@ class _Walk:
         self._start = start
         self._place = Place(start.root)
         self._at: Value | None = start.value
-        self._end: Member | SubField | Alternative | None = None
+        self._end: Member | SubField | Alternative | Format | None = None
         self._holder = ""
         self._is_optional = False
         self._conditions: list[Way] = []
@@ -192,7 +197,7 @@ class _Walk:
             return {option.part.jaus_name for option in self._at.options}
         return self._members()
 
-    def _members(self) -> Mapping[str, Member | SubField | Alternative]:
+    def _members(self) -> Mapping[str, Member | SubField | Alternative | Format]:
         at = self._at
         if at is None and self._end is None:
             return self._message.body.by_jaus_name
@@ -201,7 +206,9 @@ class _Walk:
         if isinstance(at, PartValue) and isinstance(at.part, VariableFieldClass):
             return {each.jaus_name: each for each in at.part.alternatives}
         if isinstance(at, PartValue) and isinstance(at.part, ContainerClass):
-            return {} if at.part.is_format else at.part.by_jaus_name
+            if at.part.is_format:
+                return {each.jaus_name: each for each in at.part.formats}
+            return at.part.by_jaus_name
         return {}
 
     def _sub_fields(self, bits: Bits) -> tuple[SubField, ...]:
@@ -212,12 +219,16 @@ class _Walk:
         )
 
     def _enter(self, name: str) -> None:
-        """Goes on to a member, a part of a bit field or an alternative."""
+        """Goes on to a member, a part of a bit field, an alternative or a format."""
         member = self._members().get(name)
         if member is None:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
-        if isinstance(member, Alternative):
-            self._conditions.append(Chosen(self._place, member.index))
+        if isinstance(member, Alternative | Format):
+            is_format = isinstance(member, Format)
+            index = self._place.at("format_index")
+            self._conditions.append(
+                Equal(index, member.index) if is_format else Chosen(self._place, member.index)
+            )
             self._holder = getattr(self._at, "python_type", "")
             self._end, self._at = member, member.value
             return
@@ -316,7 +327,10 @@ class _Walk:
         if isinstance(at, Fixed):
             return self._number(at)
         if isinstance(at, Blob):
-            return {"kind": TEXT if at.is_text else OCTETS, "limits": (at.lower, at.upper)}
+            facts: dict[str, Any] = {"kind": TEXT if at.is_text else OCTETS}
+            if isinstance(self._end, Format):
+                facts |= {"index": self._end.index, "class_name": self._holder}
+            return facts | {"limits": (at.lower, at.upper)}
         if isinstance(at, ListValue):
             return {"kind": LIST, "limits": (0, at.upper), "element": at.element}
         if isinstance(at, ArrayValue):

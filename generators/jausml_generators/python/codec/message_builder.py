@@ -14,6 +14,7 @@ from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import (
     Alternative,
     ContainerClass,
+    Format,
     VariableFieldClass,
     VariantAlias,
 )
@@ -256,8 +257,9 @@ class MessageBuilder:
         members = (index, Member("hex", "data", blob, blob.default))
         segments = self._segments(members, "")
         path = self._scope.path(name)
+        formats = tuple(Format(at, blob, each) for at, each in indices)
         return ContainerClass(
-            name, path, summary, (), members, segments, jaus_name=jaus_name, is_format=True
+            name, path, summary, (), members, segments, jaus_name=jaus_name, formats=formats
         )
 
     # -- values ----------------------------------------------------------------------------------

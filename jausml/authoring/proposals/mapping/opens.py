@@ -222,7 +222,7 @@ def _bare(
     for path, inner in found:
         place, before = target.follow(path), target.follow(path.rpartition(".")[0] or ".")
         around = before.field if isinstance(before, JausPlace) else None
-        if isinstance(around, jaus.Variant | jaus.VariableField):
+        if isinstance(around, jaus.Variant | jaus.VariableField | jaus.VariableFormatField):
             continue
         is_required = isinstance(place, JausPlace) and not place.optional
         is_bit = isinstance(around, jaus.BitField)

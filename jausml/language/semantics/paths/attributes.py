@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus, ros
 
-    JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative
+    JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative | jaus.Format
     Part: TypeAlias = JausPart | ros.Field
 
 
@@ -33,6 +33,7 @@ UNSTATED = "unstated"
 _INTEGER_ROS = {
     **{f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
     **{f"uint{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
+    "byte": (0, 255),
     "char": (0, 255),
 }
 

@@ -38,7 +38,8 @@ class JausPlace:
 
     Attributes:
         message: The `jaus.MessageDef` for its whole body, else None.
-        field: What stands there, references resolved: a field, a sub-field or an alternative.
+        field: What stands there, references resolved: a field, a sub-field, an alternative or a
+            format.
     """
 
     where: str
@@ -99,7 +100,7 @@ class JausPlace:
     def _inside(self, part: JausPart | None, where: str) -> JausPlace | None:
         if isinstance(part, jaus.SubField):
             return replace(self._part(part, where), label=part.name or self.label)
-        if isinstance(part, jaus.Alternative):
+        if isinstance(part, jaus.Alternative | jaus.Format):
             return self._part(part, where)
         found = wire.target_of(part)
         if part is None or found is None:
@@ -166,6 +167,8 @@ def _members(holder: jaus.MessageDef | JausPart | None) -> Sequence[JausPart] | 
             return holder.subFields
         case jaus.VariableField():
             return holder.alternatives
+        case jaus.VariableFormatField():
+            return holder.formats
         case jaus.Variant():
             return holder.options
         case jaus.Record() | jaus.Sequence():
@@ -205,8 +208,10 @@ def _number(part: jaus.SubField) -> Attribute:
     return _integer(wire.legal_integers(part.values, 0, mask), 0, mask)
 
 
-def _field(part: jaus.Field | jaus.Alternative) -> Attribute:
+def _field(part: jaus.Field | jaus.Alternative | jaus.Format) -> Attribute:
     match part:
+        case jaus.Format():
+            return Attribute(OCTETS, "octets of a format")
         case jaus.List():
             return Attribute(LIST, "a list")
         case jaus.Array():

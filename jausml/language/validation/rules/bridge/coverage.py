@@ -136,7 +136,7 @@ def _choices(place: PathPlace, path: str) -> Iterator[tuple[str, str]]:
 
 
 def _is_choice(field: EObject | None) -> bool:
-    return isinstance(field, (jaus.Variant, jaus.VariableField))
+    return isinstance(field, (jaus.Variant, jaus.VariableField, jaus.VariableFormatField))
 
 
 def _missing(
