@@ -105,6 +105,22 @@ def test_a_copy_of_a_map_has_them_too(rover, jausml, notation):
     assert names_of(maps_in(model)["goal"]) == [["shoulder", "elbow"]] * 2
 
 
+@NOTATION
+def test_the_stop_of_a_copy_has_each_joint_of_the_robot(rover, jausml, notation):
+    model = rover(notation)
+    velocities = f"{GOALS}:set_joint_velocities"
+    done = jausml("new", "bridge", "arm", velocities, "--yes", *NAMED[2:])
+    assert done.exit_code == 0, done.output
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+    (made,) = (each for name, each in maps_in(model).items() if "set_joint_vel" in name)
+    stop = {str(each.target): str(each.value) for each in made.stopRos.values}
+    expected = {"name[0]": "elbow", "velocity[0]": "0", "name[1]": "shoulder", "velocity[1]": "0"}
+    assert stop == expected
+    stop = [str(each.target) for each in made.stopJaus.values]
+    assert stop == [f"JointVelocityList[{at}].JointVelocity.radianPerSecond" for at in range(2)]
+
+
 @pytest.mark.parametrize(
     ("joints", "told"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import AddedT, Command
     from jausml.authoring.proposals.elements import Scope
+
+_ELEMENT = re.compile(r"\[[0-9]+\]")
 
 FRAME_IDS = ("frame_id", "child_frame_id")
 """The fields that name a frame."""
@@ -106,7 +109,34 @@ def _with_names(made: AddedT, names: Sequence[str]) -> AddedT:
     values = dict(made.values)
     if "names" in values:
         values["names"] = tuple(names)
-    children = tuple(
-        _with_names(each, names) for each in made.children if each.feature != "vectors"
-    )
+    kept = [each for each in made.children if each.feature != "vectors"]
+    if made.kind == "bridge.Stop":
+        return replace(made, children=tuple(_stopping(kept, names)))
+    children = tuple(_with_names(each, names) for each in kept)
     return replace(made, values=values, children=children)
+
+
+def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT]:
+    """Yields the values of a stop with an element for each of the names.
+
+    What the original says of its first element, the copy says of each, by its name.
+    """
+    for each in values:
+        (path,) = each.values["target"]
+        before, is_element, behind = path.partition("[0]")
+        if is_element:
+            is_name = not _is_number(*each.values["value"])
+            for at, name in enumerate(names):
+                told = {"target": (f"{before}[{at}]{behind}",)}
+                told |= {"value": (name,)} if is_name else {}
+                yield replace(each, values={**each.values, **told})
+        elif not _ELEMENT.search(path):
+            yield each
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
