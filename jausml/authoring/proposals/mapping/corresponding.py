@@ -34,6 +34,7 @@ _PLAIN = frozenset(
     {
         *("x", "y", "z", "roll", "pitch", "yaw", "heading"),
         *("position", "linear", "angular", "rotational", "velocity", "rate", "acceleration"),
+        "component",
     }
 )
 """Words of a name that unit and axis tell too; others, as in MapCenterX, tell something more."""
