@@ -7,16 +7,22 @@ import time
 
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
-from std_msgs.msg import Float64
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray
 
 
-def moving(name: str) -> Twist | TwistStamped | Float64:
+def moving(name: str) -> Twist | TwistStamped | Float64 | Float64MultiArray | JointState:
     """Returns a command that moves, of the type of the topic."""
     if name.endswith("speed"):
         return Float64(data=2.0)
+    if name.endswith("wheels"):
+        return Float64MultiArray(data=[2.0, -3.0])
+    if name.endswith("velocities"):
+        velocities = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+        return JointState(name=[f"joint_{n}" for n in range(1, 7)], velocity=velocities)
     twist = Twist()
     twist.linear.x, twist.angular.z = 1.0, 0.5
-    is_stamped = name.endswith(("stamped", "vector"))
+    is_stamped = name.endswith(("stamped", "vector", "effector_velocity"))
     return TwistStamped(twist=twist) if is_stamped else twist
 
 

@@ -43,7 +43,9 @@ STREAMED = [
     "velocity_command",
     "velocity_command_stamped",
 ]
-STREAMED += ["global_vector", "local_vector"]
+STREAMED += ["global_vector", "local_vector", "set_end_effector_velocity"]
+OF_JOINTS = ["set_joint_velocities", "set_pan_tilt_velocities"]
+STREAMED += [*OF_JOINTS, "skid_steer_wheels"]
 SENT_ONCE = ["travel_speed", "local_travel_speed"]
 MAPS = STREAMED + SENT_ONCE
 PATIENCE = 60.0
@@ -135,6 +137,10 @@ class System:
 
 def moves(message):
     twist = getattr(message, "twist", message)
+    if hasattr(message, "velocity"):
+        return any(abs(value) > 1e-3 for value in message.velocity)
+    if hasattr(message, "layout"):
+        return any(abs(value) > 1e-3 for value in message.data)
     if hasattr(message, "data"):
         return message.data != 0.0
     parts = (twist.linear, twist.angular)
@@ -213,6 +219,17 @@ def test_stamped_stops_say_when_and_in_which_frame(driven):
         header = driven.heard[name][-1].header
         assert header.frame_id
         assert header.stamp.sec > 0
+
+
+def test_the_stop_names_each_joint(driven):
+    """A joint that a stop does not name would turn on."""
+    driven.end("driver", signal.SIGKILL)
+    driven.stops(STREAMED)
+    arm, unit = (driven.heard[name][-1] for name in OF_JOINTS)
+    assert list(arm.name) == [f"joint_{number}" for number in range(1, 7)]
+    assert list(unit.name) == ["pan", "tilt"]
+    assert (len(arm.velocity), len(unit.velocity)) == (6, 2)
+    assert len(driven.heard["skid_steer_wheels"][-1].data) == 2
 
 
 def test_vehicle_that_starts_again_stops_first(driven):

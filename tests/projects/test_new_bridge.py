@@ -273,7 +273,7 @@ def test_of_several_bridges_one_gets_the_topics(rover, jausml):
         ((DRIVE, DRIVE), "is there twice"),
         (("a:geometry_msgs/Twits",), "did you mean 'geometry_msgs/Twist'?"),
         (("a:std_msgs/String",), "no ready map carries std_msgs/String"),
-        ((f"{DRIVE}:local_pose",), "there are velocity_command"),
+        ((f"{DRIVE}:local_pose",), "there are skid_steer_effort, velocity_command"),
         ((ODOM,), "\n  odom:nav_msgs/Odometry:velocity_state: reported as"),
     ],
 )

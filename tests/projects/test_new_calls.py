@@ -137,6 +137,15 @@ def test_a_list_driver_gives_its_goals(robot, jausml, notation):
     sound(jausml, model)
 
 
+def test_goals_of_a_tool_are_for_those_who_say_so(robot, jausml):
+    model = robot("text")
+    arm = ("--driver", "ManipulatorEndEffectorPoseListDriver")
+    done = jausml("new", "action-connection", WAYPOINTS, *arm)
+    assert done.exit_code == 0, done.output
+    [made] = the_bridge(model).actionConnections
+    assert name_of(made.element) == "set_end_effector_pose"
+
+
 @NOTATION
 def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     model = robot(notation)

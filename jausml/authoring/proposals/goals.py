@@ -51,6 +51,12 @@ class ListWay:
     map: bridge.AttributeMap
     member: str
 
+    @property
+    def is_of_vehicle(self) -> bool:
+        """Whether its list says how fast to go, as that of an arm does not."""
+        messages = driver_messages(self.driver)
+        return messages is not None and knows_speed(messages)
+
     def says(self) -> str:
         """Returns what it is in words, for people who choose."""
         message = name_of(self.map.message)
@@ -108,10 +114,11 @@ def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
 
 
 def ways_for(scope: Scope, kind: ros.ActionType, *, to_ros: bool) -> list[ListWay]:
-    """Returns the ways for an action with the maps and services of a project and the library."""
-    return list_ways(
+    """Returns the ways for an action with all maps and services, those of vehicles first."""
+    ways = list_ways(
         scope.instances(bridge.AttributeMap), scope.instances(jaus.Service), kind, to_ros=to_ros
     )
+    return sorted(ways, key=lambda way: not way.is_of_vehicle)
 
 
 def progress_of(kind: ros.ActionType) -> tuple[str, str]:
