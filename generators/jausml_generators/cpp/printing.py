@@ -27,6 +27,7 @@ from jausml_generators.cpp.jaus_numbers import NUMBERS
 from jausml_generators.cpp.places import Found
 from jausml_generators.cpp.types import (
     INTEGER,
+    OCTETS,
     REAL,
     TEXT,
     TRUTH,
@@ -195,7 +196,8 @@ class _Printer(Values):
         if isinstance(kind, Elements):
             if is_element:
                 return self._fitting_one(value, kind.of)
-            if self.type(value).cpp != kind.cpp:
+            given = self.type(value)
+            if given.cpp != kind.cpp and not (given is OCTETS and _are_octets(kind)):
                 raise UnprintableError(f"{kind.cpp} of another list")
             return self.text(value)
         return self._fitting_one(value, kind) if is_element else self.text(value)
@@ -315,6 +317,11 @@ def _of(value: Expression, place: Place) -> Expression:
         case values.Convert(inputs=(only,)):
             return replace(value, inputs=(_of(only, place),))
     return values.Read(place, values.INTEGER)
+
+
+def _are_octets(kind: Elements) -> bool:
+    """Tells whether a vector is what the octets of JAUS are."""
+    return getattr(kind.of, "element", "") == NUMBERS["B"] and not kind.count
 
 
 def _any(tests: Sequence[str]) -> str:
