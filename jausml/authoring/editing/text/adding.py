@@ -54,6 +54,10 @@ class Adding:
             body = self._edited.body(part, copy.feature)
             before = None
             if body is not None:
+                earlier, later = map(self._points.items, copy.siblings)
+                if earlier and later and earlier[-1] is later[0]:
+                    text = f"the {feature.name} stand in one list; add it before or behind them"
+                    raise EditError(text)
                 before = self._points.for_owned(copy, body)
                 item = self._item(owner, part, feature, made)
                 self._edited.blocks.insert(body, before, item)

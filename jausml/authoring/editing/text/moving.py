@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
+from jausml.authoring.editing.commands import EditError
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import (
@@ -46,6 +48,7 @@ class Moving:
         if _stands_there(obj, copy, owner):
             return
         part = self._edited.part(obj)
+        _check_names(obj, owner)
         if isinstance(part, Call):
             if owner is not obj.eContainer():
                 self._removing.remove([obj])
@@ -101,6 +104,17 @@ class Moving:
         moved = [lines[0], *(_shifted(each, first, indent) for each in lines[1:])]
         edited.blocks.insert_raw(body, before, item, [f"{indent}{moved[0]}", *moved[1:]])
         edited.blocks.remove(place, [item])
+
+
+def _check_names(obj: EObject, owner: EObject) -> None:
+    """Refuses a move to a map where the names of conversions mean other quantities and tables."""
+    if not isinstance(owner, bridge.AttributeMap) or obj.eContainer() is owner:
+        return
+    there = {str(each.name): each for each in (*owner.quantities, *owner.tables)}
+    for each in getattr(obj, "conversions", ()):
+        for used in (each.quantity, each.table):
+            if used is not None and there.get(str(used.name), used) is not used:
+                raise EditError(f"'{used.name}' is another one in map '{owner.name}'")
 
 
 def _stands_there(obj: EObject, copy: ElementCopy, owner: EObject) -> bool:
