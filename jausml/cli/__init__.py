@@ -46,6 +46,7 @@ VERBS = {
     "convert": ("models", "Write a model as ros2jaus text, or text as XMI."),
     "format": ("models", "Lay out ros2jaus text."),
     "import": ("models", "Make models from JSIDL and from ROS interfaces."),
+    "export": ("models", "Write services as JSIDL."),
     "list": ("lookup", "List the JAUS services, messages and maps."),
     "show": ("lookup", "Show one message, service or map."),
     "decode": ("live", "Show JAUS messages: from hex, from captures, or live."),

@@ -12,6 +12,7 @@ from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.cli.shared.project_names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES
+from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
 from jausml.language.importers.jsidl.rules import JSIDL_RULES
 from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.metamodel.classes import bridge
@@ -41,6 +42,7 @@ def rules() -> list[dict[str, Any]]:
         }
         for entry in catalogue(
             JSIDL_RULES,
+            JSIDL_EXPORT_RULES,
             ROS_RULES,
             TEXT_RULES,
             MERGE_RULES,

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import ClassTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
 
-_NOTHING = "nothing"
+NOTHING = "nothing"
+"""How a difference shows that there is no value or no element."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,10 +142,10 @@ class _Comparison:
             if key in theirs:
                 children.append((child, theirs[key], f"{path}/{_label(child, feature, key)}"))
             else:
-                yield Difference(path, feature.name, _label(child), _NOTHING, child, other)
+                yield Difference(path, feature.name, _label(child), NOTHING, child, other)
         for key, child in theirs.items():
             if key not in ours:
-                yield Difference(path, feature.name, _NOTHING, _label(child), one, child)
+                yield Difference(path, feature.name, NOTHING, _label(child), one, child)
 
     def _keyed(self, obj: EObject, feature: FeatureTable) -> dict[Hashable, EObject]:
         value = getattr(obj, feature.name)
@@ -214,4 +215,4 @@ def _label(obj: EObject, feature: FeatureTable | None = None, key: Hashable = ""
 
 
 def _shown(values: list[Any]) -> str:
-    return " ".join(map(str, values)) or _NOTHING
+    return " ".join(map(str, values)) or NOTHING

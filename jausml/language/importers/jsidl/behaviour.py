@@ -46,7 +46,12 @@ class BehaviourBuilder:
         self._guards: dict[str, str] = {}
 
     def machines(self, place: NodePlace) -> list[jaus.StateMachine]:
-        """Makes the machines."""
+        """Makes the machines; none of a stateless behaviour that says nothing.
+
+        AS5684 has no service without a machine, the model has: each message is handled by itself.
+        """
+        if self._values.flag(place, "is_stateless") and not _acts(place.node):
+            return []
         made: dict[str, jaus.StateMachine] = {}
         starts = [child for child in place.node.children if child.tag == "start"]
         for child in place.node.children:
@@ -356,6 +361,14 @@ def _states_below(node: Node) -> Iterator[Node]:
     for child in node.children:
         if child.tag == "state":
             yield from _states_below(child)
+
+
+def _acts(node: Node) -> bool:
+    """Tells whether anything below an element is done on a trigger, an entry or an exit."""
+    return any(
+        each.tag in (*_STEPS, "transition", "default_transition") or _acts(each)
+        for each in node.children
+    )
 
 
 def _has_actions(state: Node) -> bool:

@@ -1,0 +1,252 @@
+"""What is exported as JSIDL is imported as it was; what JSIDL cannot say is told."""
+
+from __future__ import annotations
+
+import pytest
+from for_each import for_each
+from jsidl_support import ROOT, SHARED, WINCH, winch
+from lxml import etree
+
+from jausml.language.exporters.jsidl import export_jsidl
+from jausml.language.exporters.jsidl.losses import differences
+from jausml.language.importers.jsidl import Source, import_jsidl, import_sources
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model import read_models
+from jausml.language.model.comparison import EXACT, Policy, compare
+
+GUARDS = ("models/library/jaus", "models/examples")
+OWN = ROOT / "models" / "examples" / "winch" / "service.xmi"
+OF_OTHERS = sorted((SHARED / "jsidl").glob("urn.*"))
+SETS = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
+WITHOUT_AXES = Policy(ignored=frozenset({"frame", "moves"}))
+JSIDL = "{urn:jaus:jsidl:1.1}"
+PARTS = (
+    "description assumptions references declared_type_set message_set internal_events_set"
+    " protocol_behavior"
+)
+
+DECLARED = """<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:jaus="http://www.jausml.org/jaus/1.0" name="light">
+  <types xsi:type="jaus:Record" xmi:id="Colour" name="Colour">
+    <fields xsi:type="jaus:TypeReference" name="Red" target="Share"/>
+    <fields xsi:type="jaus:FixedField" name="Bearing" frame="localUp"/>
+  </types>
+  <types xsi:type="jaus:FixedField" xmi:id="Share" name="Share" units="percent"/>
+  <services name="Lamp" urn="urn:example:light:Lamp">
+    <inputs name="SetLamp" code="0xd100">
+      <body xsi:type="jaus:Sequence" name="Seq" presenceVector="uint8">
+        <fields xsi:type="jaus:TypeReference" name="Front" target="Colour" optional="true"
+            documentation="The front lamp."/>
+        <fields xsi:type="jaus:TypeReference" name="Back" target="Colour" frame="localDown"/>
+        <fields xsi:type="jaus:Record" name="Rec">
+          <fields xsi:type="jaus:VariableFormatField" name="Picture">
+            <formats name="BMP" index="0" documentation="Without compression."/>
+          </fields>
+        </fields>
+      </body>
+    </inputs>
+    <events name="Burnt"/>
+    <machines name="Glow">
+      <states name="On.Bright" initial="true">
+        <transitions event="Burnt">
+          <actions name="tell" sends="//@services.0/@outputs.0"/>
+        </transitions>
+      </states>
+    </machines>
+    <outputs name="ReportLamp" code="0xD101"/>
+  </services>
+</jaus:ServiceSet>
+"""
+
+
+def services(model):
+    """Returns the services of the models that were given."""
+    roots = [root for each in model.documents if each.given for root in each.roots]
+    return [each for root in roots for each in root.services]
+
+
+def again(result):
+    """Imports what was exported; returns the import, and its services by URN and version."""
+    imported = import_sources([Source(*each) for each in result.documents.items()])
+    assert not imported.has_errors, [str(each) for each in imported.diagnostics]
+    found = [each for root in imported.sets for each in root.services]
+    return imported, {(each.urn, each.version): each for each in found}
+
+
+def lost(model, exported, policy=EXACT):
+    """Returns in what services differ from what their files say."""
+    _, found = again(exported)
+    return [
+        str(each)
+        for service in services(model)
+        for each in compare(service, found[service.urn, service.version], model.metamodels, policy)
+    ]
+
+
+def is_the_same_again(exported):
+    imported, found = again(exported)
+    return export_jsidl(imported.model, list(found.values())).documents == exported.documents
+
+
+@for_each("path", SETS)
+def test_a_set_of_the_library_comes_back(path):
+    model = read_models([path]).model
+    exported = export_jsidl(model, services(model))
+    assert len(exported.documents) == len(services(model)) > 0
+    assert lost(model, exported, WITHOUT_AXES) == []
+    assert is_the_same_again(exported)
+    # Each axis and each command that moves nothing is named where it stands.
+    assert {each.rule for each in exported.diagnostics} == {"JML631"}
+    told = [each.message for each in exported.diagnostics]
+    for field in model.instances(jaus.Field, library=False):
+        if field.frame.name != "unstated" and model.document_of(field).given:
+            assert any("'frame'" in each and str(field.name) in each for each in told)
+
+
+@for_each("path", OF_OTHERS)
+def test_a_set_of_other_tools_comes_back_with_its_machines(path):
+    result = import_jsidl(sorted(path.rglob("*.xml")))
+    model, made = result.model, [each for root in result.sets for each in root.services]
+    assert sum(len(each.machines) for each in made) > 0
+    exported = export_jsidl(model, made)
+    assert [str(each) for each in exported.diagnostics] == []
+    _, found = again(exported)
+    for each in made:
+        assert compare(each, found[each.urn, each.version], model.metamodels, EXACT) == []
+    assert is_the_same_again(exported)
+
+
+def test_every_kind_of_field_comes_back():
+    result = winch()
+    (service,) = result.sets[0].services
+    exported = export_jsidl(result.model, [service])
+    assert exported.diagnostics == []
+    _, found = again(exported)
+    (imported,) = (each for each in found.values() if each.urn == service.urn)
+    # Only transitions for all triggers stand behind the others, as AS5684 has it.
+    assert (
+        compare(service, imported, result.model.metamodels, Policy(frozenset({"machines"}))) == []
+    )
+    assert differences(service, imported, result.model.metamodels) == []
+
+
+def test_of_an_own_service_the_names_of_what_makes_messages_are_lost():
+    model = read_models([OWN]).model
+    exported = export_jsidl(model, services(model))
+    _, found = again(exported)
+    (imported,) = found.values()
+    (service,) = services(model)
+    assert compare(service, imported, model.metamodels, Policy(frozenset({"machines"}))) == []
+    told = [
+        (each.rule, each.location.line, each.message.rpartition(": ")[2])
+        for each in exported.diagnostics
+        if each.rule != "JML631"
+    ]
+    source = OWN.read_text(encoding="utf-8").splitlines()
+    assert len(told) == 3
+    for rule, line, message in told:
+        assert rule == "JML632"
+        name = source[line - 1].partition('name="')[2].partition('"')[0]
+        assert message.startswith(f"action is {name} sends ")
+
+
+def declared(tmp_path):
+    path = tmp_path / "light.xmi"
+    path.write_text(DECLARED, encoding="utf-8")
+    result = read_models([path])
+    assert result.diagnostics == []
+    return result.model
+
+
+def test_declared_types_are_declared_once(tmp_path):
+    model = declared(tmp_path)
+    exported = export_jsidl(model, services(model))
+    (data,) = exported.documents.values()
+    root = etree.fromstring(data)
+    types = root.find(f"{JSIDL}declared_type_set")
+    assert [each.get("name") for each in types] == ["Colour", "Share"]
+    (front, back) = root.iter(f"{JSIDL}declared_record")
+    assert (front.get("declared_type_ref"), front.get("optional")) == ("Colour", "true")
+    assert (back.get("name"), back.get("optional")) == ("Back", "false")
+    _, found = again(exported)
+    (body,) = (each.body for each in next(iter(found.values())).inputs)
+    assert [type(each).__name__ for each in body.fields] == ["Record"] * 3
+    assert body.fields[0].fields[0].units == "percent"
+
+
+def test_all_that_jsidl_cannot_say_is_told_where_it_stands(tmp_path):
+    model = declared(tmp_path)
+    source = DECLARED.splitlines()
+    found = export_jsidl(model, services(model)).diagnostics
+    told = [(each.rule, source[each.location.line - 1].strip()[:48]) for each in found]
+    assert told == [
+        ("JML631", '<fields xsi:type="jaus:FixedField" name="Bearing'),
+        ("JML631", '<formats name="BMP" index="0" documentation="Wit'),
+        ("JML632", '<actions name="tell" sends="//@services.0/@outpu'),
+    ]
+    assert found[0].message.endswith("'frame' of Bearing, Back")
+    assert found[-1].message.endswith("after an import sendReportLamp")
+
+
+def test_a_file_has_what_as5684_asks_for_in_its_order():
+    model = read_models(SETS).model
+    for data in export_jsidl(model, services(model)).documents.values():
+        root = etree.fromstring(data)
+        parts = [etree.QName(each).localname for each in root]
+        assert parts == [each for each in PARTS.split() if each in parts]
+        assert {*PARTS.split()} - {*parts} <= {"references", "declared_type_set"}
+        for message in root.iter(f"{JSIDL}message_def"):
+            names = [etree.QName(each).localname for each in message]
+            assert names == ["description", "header", "body", "footer"]
+        assert root.find(f"{JSIDL}protocol_behavior/{JSIDL}state_machine/{JSIDL}state") is not None
+
+
+@pytest.mark.parametrize(
+    ("written", "other", "place"),
+    [
+        ('real_upper_limit="2"', 'real_upper_limit="3"', "RopeSpeed"),
+        ('field_units="newton"', 'field_units="meter"', "Tension"),
+        ('enum_index="2"', 'enum_index="9"', "PAYING_OUT"),
+        ("paysOut || paysIn", "paysOut &amp;&amp; paysIn", "Moving/defaults on SetWinchCommand 1"),
+        (
+            '"Receiving.Ready.Controlled.Available.Ready.Locked"',
+            '"Receiving"',
+            "Ready/defaults on LockBrake 1",
+        ),
+        ('<action name="stopMotor"', '<action name="stop"', "Moving/exit"),
+        ('initial_state="Idle"', 'initial_state="Locked"', "Available.Ready"),
+        ("<internal />", "<simple />", "Receiving.Ready/defaults on QueryWinchState 1"),
+        ("What the winch does in the states", "What", "ReceiveFSM"),
+    ],
+)
+def test_a_mistake_of_the_export_would_be_told(written, other, place):
+    """What finds the losses finds each of these, so that none would go unnoticed."""
+    model = read_models([OWN]).model
+    (service,) = services(model)
+    ((name, data),) = export_jsidl(model, [service]).documents.items()
+    assert written.encode() in data
+    changed = data.replace(written.encode(), other.encode())
+
+    def told(content):
+        (imported,) = import_sources([Source(name, content)]).sets[0].services
+        return {str(each) for each in differences(service, imported, model.metamodels)}
+
+    new = told(changed) - told(data)
+    assert any(place in each for each in new), new
+
+
+def test_two_services_of_one_urn_are_no_jsidl(tmp_path):
+    model = declared(tmp_path)
+    (service,) = services(model)
+    twin = winch().sets[0].services[0]
+    twin.urn, twin.version = service.urn, service.version
+    exported = export_jsidl(model, [service, twin])
+    assert exported.has_errors
+    (found,) = (each for each in exported.diagnostics if each.rule == "JML633")
+    assert "is declared twice" in found.message
+
+
+def test_the_files_of_the_winch_are_there():
+    assert len(WINCH) == 4
