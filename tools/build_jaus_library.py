@@ -3,7 +3,8 @@
 
 The facts file is JSON: the services of each set with their messages, described with the words of
 SAE AS5684 (names, codes, field order, types, units, ranges). Axes, and units that the facts lack,
-come from jaus_frames.ini beside this tool. The same facts give the same bytes.
+come from jaus_frames.ini beside this tool, and states of the core services from jaus_machines.ini.
+The same facts give the same bytes.
 
 Usage: python tools/build_jaus_library.py FACTS.json OUTPUT_FOLDER
 """
@@ -24,6 +25,7 @@ from xml.sax.saxutils import escape
 Facts = Mapping[str, Any]
 
 FRAMES = Path(__file__).with_name("jaus_frames.ini")
+MACHINES = Path(__file__).with_name("jaus_machines.ini")
 
 MOVES_NOTHING = frozenset(
     [
@@ -403,7 +405,36 @@ def service_element(facts: Facts, places: Mapping[tuple[str, str], str], file: s
             element.children.append(Element("inherits", {"href": f"{base_file}#{base_id}"}))
     for tag, key in (("inputs", "input"), ("outputs", "output")):
         element.children += [message_element(tag, name, message) for message in facts[key]]
+    element.children += behaviour_elements(f"{facts['urn']} {facts['version']}")
     return element
+
+
+def behaviour_elements(key: str) -> Iterator[Element]:
+    """Yields the internal events and the machine of a core service by its URN and version.
+
+    The names of states are paths, so that those of inherited services need not be said again.
+    """
+    section = machines()[key] if machines().has_section(key) else {}
+    for name in section.get("events", "").split():
+        yield Element("events", {"name": name})
+    paths = section.get("states", "").split()
+    states = []
+    for path in paths:
+        outer = path.rpartition(".")[0]
+        first = next(each for each in paths if each.rpartition(".")[0] == outer)
+        states.append(Element("states", {"name": path}))
+        if path == first:
+            states[-1].attributes["initial"] = "true"
+    if states:
+        yield Element("machines", {"name": "ReceiveFSM"}, states)
+
+
+@cache
+def machines() -> ConfigParser:
+    """Returns what jaus_machines.ini says."""
+    parser = ConfigParser(interpolation=None)
+    parser.read_string(MACHINES.read_text(encoding="utf-8"))
+    return parser
 
 
 def service_set(place: SetFile, services: Sequence[Facts], places: Mapping[Any, str]) -> str:

@@ -43,12 +43,17 @@ MOST_CONDITIONS = 8
 """Conditions of the user that are tried in all combinations; further ones hold."""
 
 _OUTER = "Receiving.Ready"
+_WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
 _LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
 
 
-def core_path(core: Core) -> str:
-    """Returns the path of the state of ReceiveFSM in which the core services are."""
+def core_path(core: Core, of: str = "Management") -> str:
+    """Returns the path of the state of ReceiveFSM in which a core service is."""
     outer = "Controlled" if core.controller else "NotControlled"
+    if of == "AccessControl":
+        return f"{_OUTER}.{outer}.{'Available' if core.is_available else 'NotAvailable'}"
+    if of != "Management":
+        return _WITHOUT_CONTROL[of]
     if core.status in PASSIVE:
         return f"{_OUTER}.{outer}.NotAvailable.{_LEAVES[core.status]}"
     return f"{_OUTER}.{outer}.Available.{'Ready' if core.status == READY else 'Standby'}"
@@ -88,7 +93,10 @@ class MachineProduct:
     def initial(self) -> Behaving:
         """Returns the state at the start."""
         core = Core()
-        return Behaving(core, self.machine.innermost(core_path(core) if self._follows else ""))
+        return Behaving(core, self.machine.innermost(self._path(core) if self._follows else ""))
+
+    def _path(self, core: Core) -> str:
+        return core_path(core, self.machine.core.name)
 
     @property
     def _follows(self) -> bool:
@@ -215,15 +223,18 @@ class MachineProduct:
         return self._entered(state, self.machine.innermost(resolved or state.path))
 
     def _entered(self, state: Behaving, target: str) -> Behaving:
-        if not self._follows or _lies_in(target, core_path(state.core)):
+        if not self._follows or _lies_in(target, self._path(state.core)):
             return state._replace(path=target)
         core = self._requested(state.core, target)
-        path = target if _lies_in(target, core_path(core)) else core_path(core)
+        path = target if _lies_in(target, self._path(core)) else self._path(core)
         return state._replace(core=core, path=self.machine.innermost(path))
 
     def _requested(self, core: Core, path: str) -> Core:
         """Enters a core state that a component may enter by itself."""
         inner = path.removeprefix(f"{_OUTER}.")
+        if self.machine.core.name == "AccessControl":
+            core = self.services.drop(core) if inner.startswith("NotControlled") else core
+            return core._replace(is_active=".Available" in inner)
         if inner.startswith("Controlled.Available.Standby"):
             return core._replace(status=STANDBY) if core.status == READY else core
         if inner.startswith("NotControlled.Available.Standby"):
@@ -237,9 +248,9 @@ class MachineProduct:
     def _followed(self, state: Behaving, core: Core) -> Behaving:
         """Goes where the core services have gone."""
         state = state._replace(core=core)
-        if not self._follows or _lies_in(state.path, core_path(core)):
+        if not self._follows or _lies_in(state.path, self._path(core)):
             return state
-        return Behaving(core, self.machine.innermost(core_path(core)))
+        return Behaving(core, self.machine.innermost(self._path(core)))
 
     # ------------------------------------------------------------------ what must hold
 

@@ -36,10 +36,10 @@ class Recorder:
     def run_action(self, action, arguments):
         action(*arguments)
 
-    def core_state(self):
+    def core_state(self, _of):
         return self.core
 
-    def request_core_state(self, path):
+    def request_core_state(self, path, _of):
         self.done.append(f"request {path}")
         if self.may_enter:
             self.core = REST if path.startswith(REST) else WORK
@@ -71,8 +71,8 @@ def state(host, path, *transitions, defaults=(), initial=False):
     )
 
 
-def started(host, *states, extends_core=False):
-    machine = StateMachine("test", states, host, extends_core=extends_core)
+def started(host, *states, extends=""):
+    machine = StateMachine("test", states, host, extends=extends)
     machine.start()
     return machine
 
@@ -363,7 +363,7 @@ class TestCore:
             state(host, WORK, On("stop", do=(host.note("act"),), target=REST)),
             state(host, f"{WORK}.Idle", On("go", target=f"{WORK}.Busy"), initial=True),
             state(host, f"{WORK}.Busy", On("inspect", target=f"{WORK}.Idle", kind=Kind.PUSH)),
-            extends_core=True,
+            extends="Management",
         )
 
     def test_starts_in_the_core_state(self, host, machine):
@@ -436,7 +436,7 @@ class TestCore:
             "test",
             (state(host, f"{WORK}.Idle", On("e", do=(act,), kind=Kind.INTERNAL), initial=True),),
             host,
-            extends_core=True,
+            extends="Management",
         )
         host.core = WORK
         machine.start()

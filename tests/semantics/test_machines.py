@@ -10,12 +10,11 @@ import pytest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_LEAVES,
-    CORE_STATES,
     DEEPEST,
     ENTERED_BY_SERVICES,
     canonical,
-    core_leaf,
+    core_events,
+    core_machine,
     event_name,
     machines_of,
     too_deep,
@@ -109,11 +108,14 @@ def test_groups_of_older_sets_are_left_out_of_paths(path, expected):
 
 
 def test_core_states():
-    assert set(CORE_STATES) > CORE_LEAVES
-    assert len(CORE_LEAVES) == 8
-    assert ENTERED_BY_SERVICES < CORE_LEAVES
-    assert core_leaf(f"{READY}.Moving.PayingOut") == READY
-    assert core_leaf("Receiving.Ready") is None
+    core = core_machine(None)
+    assert core.name == "Management"
+    assert set(core.states) > set(core.leaves)
+    assert len(core.leaves) == 8
+    assert set(core.leaves) > ENTERED_BY_SERVICES
+    assert core.leaf(f"{READY}.Moving.PayingOut") == READY
+    assert core.leaf("Receiving.Ready") is None
+    assert core_events() == {"Timedout", "Initialized", "Failure"}
     assert event_name("management.accessControl.Timedout") == "Timedout"
     assert event_name(None) == ""
 

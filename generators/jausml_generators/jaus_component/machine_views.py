@@ -10,10 +10,7 @@ from jausml.generation.docstrings import clean, docstring
 from jausml.generation.literals import python_string
 from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_LEAVES,
-    CORE_STATES,
     Machine,
-    core_leaf,
     event_name,
 )
 from jausml_generators.jaus_component.handlers import Method
@@ -95,7 +92,7 @@ class MachineView:
         """Statement of the constructor."""
         arguments = [python_string(self.name), f"self.{self.table}()"]
         if self.machine.extends_core:
-            arguments.append("extends_core=True")
+            arguments.append(f"extends={python_string(self.machine.core.name)}")
         return f"self.{self.attribute} = {call('self.add_machine', *arguments)}"
 
     @property
@@ -189,7 +186,7 @@ def _states(
     margin = _INDENT * depth
     initial = machine.initial(outer)
     # Which core state is entered first is not for this machine to say.
-    if initial in keys and not (machine.extends_core and initial in CORE_STATES):
+    if initial in keys and initial not in machine.core_states:
         yield f"{margin}[*] --> {keys[initial]}"
     for path in inside[outer]:
         name = path.rpartition(".")[2]
@@ -254,7 +251,7 @@ def walks(machine: Machine, transitions: Listed) -> list[Walk]:
     reached: set[str] = set()
     pending: deque[tuple[Walk, _Place]] = deque()
     if machine.extends_core:
-        for leaf in (path for path in CORE_STATES if path in CORE_LEAVES):
+        for leaf in machine.core.leaves:
             state = machine.innermost(leaf)
             pending.append(((Step(leaf, 0, state),), _Place(state)))
             found.append(pending[-1][0])
@@ -348,9 +345,10 @@ def _after(
     if target is None:
         return None
     entered = machine.innermost(target)
-    if machine.extends_core and not core_leaf(entered):
+    core = machine.core_leaf(entered)
+    if machine.extends_core and not core:
         return None
-    if core_leaf(entered) != core_leaf(place.state):
+    if core != machine.core_leaf(place.state):
         return _Place(entered)
     remembered = (*place.remembered, place.state) if kind == "push" else place.remembered
     return _Place(entered, remembered)

@@ -18,7 +18,6 @@ from jausml.language.attributes.guards import (
 )
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_STATES,
     Machine,
     StateNode,
     event_name,
@@ -250,7 +249,7 @@ class Machines:
     def _states(self, machine: Machine) -> Iterator[str]:
         for node in machine.nodes.values():
             items = [python_string(node.path)]
-            is_core = machine.extends_core and node.path in CORE_STATES
+            is_core = node.path in machine.core_states
             if not is_core and machine.initial(node.path.rpartition(".")[0]) == node.path:
                 items.append("initial=True")
             entry = [action for state in node.elements for action in state.entry]

@@ -50,7 +50,7 @@ class ComponentHooks:
         """The controller has changed ``elements`` (AS5710, ListManager)."""
 
     def core_state_changed(self) -> None:
-        """The status changed, or who controls the component; for modelled state machines."""
+        """The status changed, who controls the component, or whether control is to be had."""
 
     def core_event(self, name: str) -> None:
         """An internal event of a core service happened; for modelled state machines."""

@@ -28,6 +28,7 @@ _NOT_AVAILABLE = {
     Status.FAILURE: f"{_NOT_CONTROLLED}.NotAvailable.Failure",
     Status.SHUTDOWN: f"{_NOT_CONTROLLED}.NotAvailable.Shutdown",
 }
+_WITHOUT_CONTROL = {"Events": "Receiving.Ready", "Transport": "Receiving"}
 _STANDBY = f"{_CONTROLLED}.Available.Standby"
 _RELEASED = f"{_NOT_CONTROLLED}.Available.Standby"
 
@@ -67,16 +68,14 @@ class ModelledComponent(JausComponent):
     _jaus_answered: frozenset[Action] = frozenset()
     _jaus_answers: frozenset[Action] = frozenset()
 
-    def add_machine(
-        self, name: str, states: Sequence[State], *, extends_core: bool = False
-    ) -> StateMachine:
+    def add_machine(self, name: str, states: Sequence[State], *, extends: str = "") -> StateMachine:
         """Run a state machine from the start of the component on.
 
         Args:
-            extends_core: Whether it extends ReceiveFSM: its outer states are those of the core
-                services and change with them.
+            extends: The core service whose ReceiveFSM it extends, Management, AccessControl, Events
+                or Transport: its outer states are those of that service and change with them.
         """
-        machine = StateMachine(name, states, self, extends_core=extends_core)
+        machine = StateMachine(name, states, self, extends=extends)
         self._jaus_machines = (*self._jaus_machines, machine)
         return machine
 
@@ -150,20 +149,37 @@ class ModelledComponent(JausComponent):
 
     # ---- what machines ask ------------------------------------------------------------------
 
-    def core_state(self) -> str:
-        """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready."""
-        return CORE_STATES[self.status, self.controller is not None]
+    def core_state(self, of: str = "Management") -> str:
+        """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready.
 
-    def request_core_state(self, path: str) -> None:
+        Args:
+            of: The core service; AccessControl knows no more than who controls, and whether
+                control is available.
+        """
+        if of == "Management":
+            return CORE_STATES[self.status, self.controller is not None]
+        if of == "AccessControl":
+            outer = _NOT_CONTROLLED if self.controller is None else _CONTROLLED
+            return f"{outer}.{'Available' if self.control_available else 'NotAvailable'}"
+        return _WITHOUT_CONTROL[of]
+
+    def request_core_state(self, path: str, of: str = "Management") -> None:
         """Enter the core state of a path, when a component may do so by itself.
 
-        Those are Standby, Failure and Shutdown; Standby without a controller lets go of it.
-        Requests for others are counted as ``component.core_state_refused``.
+        Of Management those are Standby, Failure and Shutdown; Standby without a controller lets go
+        of it. Of AccessControl, a component lets go of its controller, and says whether control is
+        available. Requests for others are counted as ``component.core_state_refused``.
 
         Args:
             path: A core state, or a state inside one.
         """
-        if path == _STANDBY or path.startswith(f"{_STANDBY}."):
+        if of == "AccessControl" and (self.controller or path.startswith(_NOT_CONTROLLED)):
+            self.control_available = ".Available" in path
+            if path.startswith(_NOT_CONTROLLED):
+                self._jaus_core.access_control.drop(Reject.CONTROL_RELEASED)
+        elif of != "Management":
+            self.ignored("component.core_state_refused", path)
+        elif path == _STANDBY or path.startswith(f"{_STANDBY}."):
             self._jaus_core.management.stand_by()
         elif path.startswith(_RELEASED) and self.status in (Status.STANDBY, Status.READY):
             self._jaus_core.access_control.drop(Reject.CONTROL_RELEASED)
@@ -182,15 +198,14 @@ class ModelledComponent(JausComponent):
     def core_state_changed(self) -> None:
         """Follow the core services; called by them after each change."""
         former, self._jaus_core_state = self._jaus_core_state, self.core_state()
-        if former == self._jaus_core_state:
-            return
-        if not former or self.status is Status.INITIALIZE:
+        has_changed = former != self._jaus_core_state
+        if not former or (has_changed and self.status is Status.INITIALIZE):
             for machine in self._jaus_machines:
                 machine.start()
             return
-        if self.status is Status.FAILURE:
+        if has_changed and self.status is Status.FAILURE:
             self.core_event("Failure")
-        elif former == _NOT_AVAILABLE[Status.INITIALIZE]:
+        elif has_changed and former == _NOT_AVAILABLE[Status.INITIALIZE]:
             self.core_event("Initialized")
         for machine in self._jaus_machines:
             machine.follow()

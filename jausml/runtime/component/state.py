@@ -80,6 +80,8 @@ class ComponentState(ComponentHooks):
     def control_available(self, available: bool) -> None:
         with self.loop.lock:
             self._jaus_core.access_control.offered = available
+            if self._jaus_running:
+                self.core_state_changed()
 
     @property
     def current_time(self) -> datetime:

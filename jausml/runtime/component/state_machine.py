@@ -97,11 +97,11 @@ class MachineHost(Protocol):
     def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
         """Run an action and send the message that it returns."""
 
-    def core_state(self) -> str:
-        """Return the path of the core state."""
+    def core_state(self, of: str) -> str:
+        """Return the path of the state of a core service, such as Management."""
 
-    def request_core_state(self, path: str) -> None:
-        """Ask the core services for a state; they may refuse."""
+    def request_core_state(self, path: str, of: str) -> None:
+        """Ask a core service for a state; it may refuse."""
 
     def ignored(self, reason: str, detail: str) -> None:
         """Count what could not be done."""
@@ -119,12 +119,12 @@ class StateMachine:
     """
 
     def __init__(
-        self, name: str, states: Sequence[State], host: MachineHost, *, extends_core: bool = False
+        self, name: str, states: Sequence[State], host: MachineHost, *, extends: str = ""
     ) -> None:
         self.name = name
         self.state = self._place = ""
         self._host = host
-        self._extends_core = extends_core
+        self._extends = extends
         self._states = {state.path: state for state in states}
         self._initial = {_enclosing(s.path): s.path for s in reversed(states) if s.initial}
         self._candidates: dict[tuple[str, Trigger], tuple[On, ...]] = {}
@@ -144,7 +144,7 @@ class StateMachine:
         self._busy = True
         try:
             self._leave("")
-            self._enter(self._innermost(self._host.core_state() if self._extends_core else ""))
+            self._enter(self._innermost(self._core_state()))
         finally:
             self._busy = False
         self._work_off()
@@ -247,21 +247,23 @@ class StateMachine:
 
     def _reachable(self, target: str) -> str:
         """Have the core services enter what is theirs of a target; return where that leads."""
-        if not self._extends_core or _lies_in(target, self._host.core_state()):
+        if _lies_in(target, self._core_state()):
             return target
-        self._host.request_core_state(target)
-        core = self._host.core_state()
+        self._host.request_core_state(target, self._extends)
+        core = self._core_state()
         return target if _lies_in(target, core) else self._innermost(core)
 
     def _settle(self) -> None:
-        if not self._extends_core or not self.state:
-            return
-        core = self._host.core_state()
-        if not _lies_in(self.state, core):
+        core = self._core_state()
+        if self.state and not _lies_in(self.state, core):
             # A state that the core services have left is none to come back to.
             self._remembered.clear()
             self._leave(_common(self.state, core))
             self._enter(self._innermost(core))
+
+    def _core_state(self) -> str:
+        """Return the core state that it is in, empty for a machine that stands for itself."""
+        return self._host.core_state(self._extends) if self._extends else ""
 
     def _innermost(self, path: str) -> str:
         while path in self._initial:

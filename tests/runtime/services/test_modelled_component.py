@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.semantics.jaus.inherited_machines import CORE_LEAVES
+from jausml.language.semantics.jaus.inherited_machines import core_machine
 from jausml.runtime import Guard, Status
 from jausml.runtime.component.modelled import CORE_STATES, ModelledComponent
 from jausml.runtime.component.state_machine import Kind, On, State
@@ -62,7 +62,7 @@ class Worker(ModelledComponent):
                 ),
                 State(f"{WORK}.Busy"),
             ),
-            extends_core=True,
+            extends="Management",
         )
         self.handle_by_machines(SetTime)
         self.provide_by_machines(QueryTime, ReportTime, self.report_time)
@@ -121,7 +121,7 @@ def count(world, name):
 
 
 def test_core_states_are_those_of_the_model():
-    assert set(CORE_STATES.values()) == CORE_LEAVES
+    assert set(CORE_STATES.values()) == set(core_machine(None).leaves)
 
 
 def test_starts_where_the_core_is(world):

@@ -12,10 +12,9 @@ from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_EVENTS,
-    CORE_STATES,
     DEEPEST,
     canonical,
+    core_events,
     event_name,
     machine_with,
 )
@@ -83,9 +82,8 @@ def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
 
 def targets_from(machine: Machine, source: str) -> dict[str, str]:
     """Returns what transitions of a state write for each state: as few names as do."""
-    core = CORE_STATES if machine.extends_core else ()
     found = {}
-    for path in dict.fromkeys([*machine.nodes, *core]):
+    for path in dict.fromkeys([*machine.nodes, *machine.core_states]):
         names = path.split(".")
         shorter = (".".join(names[at:]) for at in range(len(names) - 1, -1, -1))
         found[path] = next((e for e in shorter if machine.resolve(source, e) == path), path)
@@ -95,13 +93,13 @@ def targets_from(machine: Machine, source: str) -> dict[str, str]:
 def events_of(element: jaus.StateMachine, machine: Machine) -> list[str]:
     """Returns the names of the internal events that a machine is told of."""
     own = [name_of(event) for each in lineage(element.eContainer()) for event in each.events]
-    return list(dict.fromkeys([*own, *(sorted(CORE_EVENTS) if machine.extends_core else ())]))
+    return list(dict.fromkeys([*own, *(sorted(core_events()) if machine.extends_core else ())]))
 
 
 def _path(machine: Machine, box: str) -> str:
     """Returns the path of the state of a box."""
     path = box.partition(_MARK)[2]
-    if path not in machine.nodes and not (machine.extends_core and path in CORE_STATES):
+    if path not in machine.nodes and path not in machine.core_states:
         raise AnswerError("draw from a state to a state")
     if path.count(".") >= DEEPEST:
         raise AnswerError("that state lies too deep")

@@ -13,7 +13,6 @@ from jausml.language.importers.jsidl.attributes import folded
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_STATES,
     Machine,
     machine_with,
     states_of,
@@ -91,7 +90,7 @@ def _facts(service: jaus.Service) -> Facts:
             _note(found, str(machine.name), machine, machine=machine.name)
             for path in ("", *whole.nodes):
                 inside = whole.initial(path)
-                if inside not in CORE_STATES:  # of which the core itself says which is first
+                if inside not in whole.core_states:  # of which the core itself says which is first
                     found[f"{machine.name}/{path}", "initial"] = [inside or ""], machine
             for path, state in states_of(machine):
                 _note_state(found, f"{machine.name}/{path}", path, state, whole)

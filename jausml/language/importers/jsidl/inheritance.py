@@ -8,9 +8,8 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model.values import show, suggest
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_EVENTS,
-    CORE_STATES,
     Machine,
+    core_events,
     machines_of,
 )
 from jausml.language.semantics.jaus.services import lineage
@@ -46,7 +45,7 @@ class BehaviourNames:
     def __init__(self, service: jaus.Service, declared: Container[str]) -> None:
         self.inputs: dict[str, jaus.MessageDef] = {}
         self.outputs: dict[str, jaus.MessageDef] = {}
-        self.events: set[str] = set(CORE_EVENTS)
+        self.events: set[str] = set(core_events())
         self.served: dict[jaus.MessageDef, str] = {}
         self._declared = declared
         is_core = service.urn in SERVED_BY_RUNTIME
@@ -88,7 +87,7 @@ def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
 def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
     for path in ["", *machine.nodes]:
         inside = machine.children(path)
-        if machine.extends_core and any(each in CORE_STATES for each in inside):
+        if any(each in machine.core_states for each in inside):
             continue  # the core decides
         where = f"state '{path}'" if path else f"machine '{machine.name}'"
         marked = [each for each in inside if machine.nodes[each].is_initial]

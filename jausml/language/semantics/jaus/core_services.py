@@ -10,7 +10,7 @@ from jausml.language.model import library_root, read_models
 from jausml.language.semantics.memory import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 
 CORE = "urn:jaus:jss:core:"
@@ -122,7 +122,7 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
     named = list(component.provides)
     if component.external or component.coreServices.name == "none":
         return named
-    urns = {_OTHER_NAMES.get(str(each.urn), str(each.urn)) for each in _closure(named)}
+    urns = {core_urn(each) for each in _closure(named)}
     return [*named, *(each for each in standard_services() if str(each.urn) not in urns)]
 
 
@@ -162,12 +162,21 @@ def _closure(services: Iterable[jaus.Service]) -> set[jaus.Service]:
     return found
 
 
-@cache
 def standard_services() -> tuple[jaus.Service, ...]:
-    """Returns the standard services as the library has them, read at the first call.
+    """Returns the standard services as the library has them."""
+    return tuple(newest_services()[f"{CORE}{name}"] for name in STANDARD)
+
+
+@cache
+def newest_services() -> Mapping[str, jaus.Service]:
+    """Returns the newest core services of the library by URN, read at the first call.
 
     Models that refer to the same file have elements of their own; what counts is the URN.
     """
     model = read_models([library_root() / "jaus" / NEWEST_SET]).model
-    by_name = {str(each.name): each for each in model.instances(jaus.Service)}
-    return tuple(by_name[name] for name in STANDARD)
+    return {core_urn(each): each for each in model.instances(jaus.Service)}
+
+
+def core_urn(service: jaus.Service) -> str:
+    """Returns the URN of a service; of a core service that has two, the usual one."""
+    return _OTHER_NAMES.get(str(service.urn), str(service.urn))

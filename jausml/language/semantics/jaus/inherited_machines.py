@@ -8,12 +8,14 @@ itself, so that enclosing states of which nothing is to be said need not be writ
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
+from jausml.language.semantics.jaus.core_services import CORE, core_urn, newest_services
 from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes import jaus
 
@@ -23,34 +25,7 @@ CORE_MACHINE = "ReceiveFSM"
 DEEPEST = 20
 """States around each other; more is no machine that a person wrote."""
 
-CORE_EVENTS = frozenset(["Timedout", "Initialized", "Failure"])
-"""Internal events of AccessControl and Management (AS5710)."""
-
-_CORE_TREE = """
-Receiving
-Receiving.Ready
-Receiving.Ready.NotControlled
-Receiving.Ready.NotControlled.Available
-Receiving.Ready.NotControlled.Available.Standby
-Receiving.Ready.NotControlled.NotAvailable
-Receiving.Ready.NotControlled.NotAvailable.Init
-Receiving.Ready.NotControlled.NotAvailable.Failure
-Receiving.Ready.NotControlled.NotAvailable.Shutdown
-Receiving.Ready.NotControlled.NotAvailable.Emergency
-Receiving.Ready.Controlled
-Receiving.Ready.Controlled.Available
-Receiving.Ready.Controlled.Available.Standby
-Receiving.Ready.Controlled.Available.Ready
-Receiving.Ready.Controlled.NotAvailable
-Receiving.Ready.Controlled.NotAvailable.Emergency
-"""
-CORE_STATES = tuple(_CORE_TREE.split())
-"""States of the core services, the initial one of each group first (AS5710 v1.1, Management)."""
-
-CORE_LEAVES = frozenset(
-    path for path in CORE_STATES if not any(p.startswith(f"{path}.") for p in CORE_STATES)
-)
-"""Those of them that enclose no other core state."""
+MANAGEMENT = f"{CORE}Management"
 
 ENTERED_BY_SERVICES = frozenset(
     [
@@ -60,10 +35,69 @@ ENTERED_BY_SERVICES = frozenset(
         "Receiving.Ready.Controlled.Available.Standby",
     ]
 )
-"""Core states that a service may enter by itself; the others take a message of another."""
+"""States of Management that a service may enter by itself; the others take a message of another."""
 
 # AS6009 puts a state around those of Management that its v1.1 does not have.
 _GROUPS = ("Receiving.Ready.NotControlled.StateA", "Receiving.Ready.Controlled.StateB")
+
+
+@dataclass(frozen=True)
+class CoreMachine:
+    """The states of core services that a machine extends, as the library has them.
+
+    Attributes:
+        name: Name of the core service that says the innermost ones, such as Management.
+        states: Their paths, the initial one of each group first.
+    """
+
+    name: str
+    states: tuple[str, ...]
+
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """Those of them that enclose no other: what the services that inherit them refine."""
+        enclosing = {path.rpartition(".")[0] for path in self.states}
+        return tuple(path for path in self.states if path not in enclosing)
+
+    def leaf(self, path: str) -> str | None:
+        """Returns the innermost core state that a state is or lies in, None when there is none."""
+        while path and path not in self.leaves:
+            path = path.rpartition(".")[0]
+        return path or None
+
+    def may_enter(self, source: str, target: str) -> bool:
+        """Tells whether a transition of a service may lead from one innermost state to another."""
+        if self.name == "Management":
+            return target in ENTERED_BY_SERVICES
+        # Control is given to who asks for it, and never by a service itself.
+        return ".Controlled" in source or ".Controlled" not in target
+
+
+def core_machine(service: jaus.Service | None) -> CoreMachine:
+    """Returns the core states that a machine of a service extends.
+
+    They are those of the core services that it inherits, and of Management where it inherits none.
+    """
+    known = _core_machines()
+    inherited = (known.get(core_urn(each)) for each in lineage(service))
+    return next((each for each in inherited if each), known[MANAGEMENT])
+
+
+def core_events() -> frozenset[str]:
+    """Returns the names of the internal events of the core services."""
+    return frozenset(str(e.name) for each in newest_services().values() for e in each.events)
+
+
+@cache
+def _core_machines() -> Mapping[str, CoreMachine]:
+    """Returns the machines of the core services by URN, each with what it inherits."""
+    found = {}
+    for urn, service in newest_services().items():
+        chain = [each for each in lineage(service) if each.machines]
+        states = (s for each in reversed(chain) for m in each.machines for s in m.states)
+        if chain:
+            found[urn] = CoreMachine(str(chain[0].name), tuple(str(each.name) for each in states))
+    return found
 
 
 @dataclass
@@ -92,19 +126,29 @@ class Machine:
     """
 
     name: str
+    core: CoreMachine = field(default_factory=lambda: core_machine(None))
     elements: list[jaus.StateMachine] = field(default_factory=list)
     nodes: dict[str, StateNode] = field(default_factory=dict)
     _inside: dict[str, dict[str, None]] = field(default_factory=dict, init=False, repr=False)
     _initial: dict[str, str | None] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for path in CORE_STATES if self.extends_core else ():
+        for path in self.core_states:
             self._enclose(path)
 
     @property
     def extends_core(self) -> bool:
         """Whether its outer states are those of the core services."""
         return self.name == CORE_MACHINE
+
+    @property
+    def core_states(self) -> tuple[str, ...]:
+        """The states of the core services that it extends; none of another machine."""
+        return self.core.states if self.extends_core else ()
+
+    def core_leaf(self, path: str) -> str | None:
+        """Returns the innermost core state that a state is or lies in, None when there is none."""
+        return self.core.leaf(path) if self.extends_core else None
 
     @property
     def service_name(self) -> str:
@@ -145,7 +189,7 @@ class Machine:
 
     def _find_initial(self, path: str) -> str | None:
         inside = self.children(path)
-        if self.extends_core and inside and inside[0] in CORE_STATES:
+        if inside and inside[0] in self.core_states:
             return inside[0]
         marked = [each for each in inside if self.nodes[each].is_initial]
         if not marked and len(inside) == 1:
@@ -180,7 +224,7 @@ class Machine:
             self._inside.setdefault(path.rpartition(".")[0], {})[path] = None
 
     def _has(self, path: str) -> bool:
-        return path in self.nodes or (self.extends_core and path in CORE_STATES)
+        return path in self.nodes or path in self.core_states
 
 
 def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
@@ -195,7 +239,9 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
         for element in service.machines:
             machine = inherited.get(element.name)
             if machine is None:
-                machine = inherited[element.name] = Machine(str(element.name))
+                machine = inherited[element.name] = Machine(
+                    str(element.name), core_machine(service)
+                )
                 found.append(machine)
             machine.add(element)
         by_service[service] = inherited
@@ -240,6 +286,7 @@ def canonical(path: str) -> str:
 
     Its StateA and StateB stand for all states of NotControlled and Controlled.
     """
+    core = _core_machines()[MANAGEMENT]
     for group in _GROUPS:
         outer = group.rpartition(".")[0]
         if path == group:
@@ -248,18 +295,9 @@ def canonical(path: str) -> str:
             inner = path.removeprefix(f"{group}.")
             for available in ("Available", "NotAvailable"):
                 whole = f"{outer}.{available}.{inner}"
-                if whole in CORE_STATES or whole.rpartition(".")[0] in CORE_LEAVES:
+                if core.leaf(whole):
                     return whole
     return path
-
-
-def core_leaf(path: str) -> str | None:
-    """Returns the innermost core state that a state is or lies in, None when there is none."""
-    while path:
-        if path in CORE_LEAVES:
-            return path
-        path = path.rpartition(".")[0]
-    return None
 
 
 def event_name(text: str | None) -> str:

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_LEAVES,
-    CORE_STATES,
     Machine,
     event_name,
     machines_of,
@@ -59,7 +57,7 @@ class Behaviour:
     def entered(self) -> set[str]:
         """Returns the innermost states that the machine can be in."""
         machine = self.machine
-        starts = CORE_LEAVES if machine.extends_core else {""}
+        starts = machine.core.leaves if machine.extends_core else ("",)
         pending = [state for path in starts for state in self._innermost(path)]
         found: set[str] = set()
         while pending:
@@ -86,7 +84,7 @@ class Behaviour:
             inside = self.machine.children(outer := pending.pop())
             if not inside:
                 found.append(outer)
-            elif self.machine.extends_core and inside[0] in CORE_STATES:
+            elif inside[0] in self.machine.core_states:
                 pending.append(inside[0])
             else:
                 nodes = self.machine.nodes

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.inherited_machines import CORE_STATES, DEEPEST, machine_with
+from jausml.language.semantics.jaus.inherited_machines import DEEPEST, machine_with
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.views.context import Builder, details, name_of
 
@@ -46,7 +46,7 @@ def graph(context: Context, element: jaus.StateMachine) -> Graph:
 
 def _drawn(machine: Machine) -> list[str]:
     """Returns the paths of the states that are shown, enclosing ones first."""
-    core = [each for each in CORE_STATES if machine.extends_core and each not in machine.nodes]
+    core = [each for each in machine.core_states if each not in machine.nodes]
     targets = {
         machine.resolve(path, each.target)
         for path, node in machine.nodes.items()

@@ -10,11 +10,9 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
-    CORE_EVENTS,
     CORE_MACHINE,
-    CORE_STATES,
-    ENTERED_BY_SERVICES,
-    core_leaf,
+    core_events,
+    core_machine,
     event_name,
 )
 from jausml.language.semantics.jaus.machines import (
@@ -55,7 +53,7 @@ def initial_states(subject: Subject) -> Iterator[Finding]:
         groups = dict.fromkeys(path.rpartition(".")[0] for path in own)
         for outer in groups:
             inside = machine.children(outer)
-            if machine.extends_core and any(path in CORE_STATES for path in inside):
+            if any(path in machine.core_states for path in inside):
                 continue
             marked = [path for path in inside if machine.nodes[path].is_initial]
             if len(marked) == 1 or len(inside) == 1:
@@ -130,7 +128,7 @@ def events(subject: Subject) -> Iterator[Finding]:
         services = lineage(behaviour.service)
         known = {event.name for each in services for event in each.events if event.name}
         if any(str(each.urn).startswith(CORE) for each in services):
-            known |= CORE_EVENTS
+            known |= core_events()
         for _, transition in behaviour.transitions():
             name = event_name(transition.event)
             if name and transition.message is not None:
@@ -173,7 +171,7 @@ def reachable(subject: Subject) -> Iterator[Finding]:
         entered = {around for path in behaviour.entered() for around in _with_outer(path)}
         reported: set[str] = set()
         for path, state in behaviour.states():
-            if path in entered or path in CORE_STATES:
+            if path in entered or path in behaviour.machine.core_states:
                 continue
             if _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
                 continue
@@ -354,7 +352,7 @@ def _shadowed(transitions: Iterable[jaus.Transition]) -> Iterator[Finding]:
 
 
 def _foreign_machine(behaviour: Behaviour) -> Iterator[Finding]:
-    outermost = CORE_STATES[0]
+    outermost = core_machine(behaviour.service).states[0]
     for path, state in behaviour.states():
         if path.partition(".")[0] == outermost:
             text = f"'{behaviour.machine.name}' has the core state {outermost}"
@@ -369,23 +367,27 @@ def _foreign_states(behaviour: Behaviour) -> Iterator[Finding]:
         if not _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
             continue
         reported.add(path)
-        hint = _suggestion(path, CORE_STATES)
-        yield Finding(state, f"the core services have no state '{path}'", "name", hint)
+        core = behaviour.machine.core
+        text = f"{core.name} has no state '{path}', and its innermost ones do not enclose it"
+        yield Finding(state, text, "name", _suggestion(path, core.states))
 
 
 def _refused_targets(behaviour: Behaviour) -> Iterator[Finding]:
     for path, transition in behaviour.transitions():
-        target = behaviour.target(path, transition)
-        core = None if target is None else core_leaf(target)
-        if core is None or core in ENTERED_BY_SERVICES or core_leaf(path) == core:
+        machine, target = behaviour.machine, behaviour.target(path, transition)
+        entered = machine.core_leaf(target) if target else None
+        # A state that encloses core states is left from any of them.
+        left = machine.core_leaf(path) or path
+        if entered in (None, left) or machine.core.may_enter(left, entered):
             continue
-        text = f"a transition may not enter '{core}' from '{path}'"
+        text = f"a transition may not enter '{entered}' from '{path}'"
         yield Finding(transition, text, "target", "only a message of the core services may")
 
 
 def _is_foreign(behaviour: Behaviour, path: str) -> bool:
-    is_core = path in CORE_STATES or core_leaf(path) is not None
-    return behaviour.machine.extends_core and not is_core
+    machine = behaviour.machine
+    is_core = path in machine.core_states or machine.core_leaf(path) is not None
+    return machine.extends_core and not is_core
 
 
 def _with_outer(path: str) -> Iterator[str]:
