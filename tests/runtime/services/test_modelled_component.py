@@ -325,3 +325,77 @@ def test_services_that_take_the_same_query_answer_it_once(world, client):
     for count_of_queries in (1, 2):
         assert client.ask(QueryTime(), twice) == [SENT]
         assert twice.taken == 2 * count_of_queries
+
+
+AVAILABLE = "Receiving.Ready.Controlled.Available"
+AWAY = "Receiving.Ready.Controlled.NotAvailable"
+
+
+class Spooler(ModelledComponent):
+    """Refines the states of AccessControl, whatever Management does besides."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.machine = self.add_machine(
+            "ReceiveFSM",
+            (
+                State(
+                    f"{AVAILABLE}.Waiting",
+                    initial=True,
+                    transitions=(
+                        On("Work", target=f"{AWAY}.Working", kind=Kind.PUSH),
+                        On("Leave", target="Receiving.Ready.NotControlled.Available"),
+                    ),
+                ),
+                State(f"{AWAY}.Working", transitions=(On("Done", kind=Kind.POP),)),
+                State(f"{AWAY}.Broken", initial=True),
+                State(
+                    "Receiving.Ready.NotControlled",
+                    transitions=(On("Work", target=f"{AVAILABLE}.Waiting"),),
+                ),
+            ),
+            extends="AccessControl",
+        )
+
+
+@pytest.fixture
+def spooler(world, client):
+    component = world.component("1.1.1", kind=Spooler, control_timeout=5)
+    component.start()
+    assert component.machine.state == "Receiving.Ready.NotControlled.Available"
+    client.ask(RequestControl(authority_code=100), component)
+    assert component.machine.state == f"{AVAILABLE}.Waiting"
+    return component
+
+
+def test_what_management_does_is_nothing_to_a_machine_that_extends_access_control(spooler, client):
+    client.ask(Resume(), spooler)
+    assert spooler.status is Status.READY
+    assert spooler.machine.state == f"{AVAILABLE}.Waiting"
+
+
+def test_a_machine_may_make_control_unavailable_and_come_back(spooler, client, world):
+    spooler.raise_event("Work")
+    assert (spooler.machine.state, spooler.control_available) == (f"{AWAY}.Working", False)
+    (refused,) = world.probe("3.1.1").ask(RequestControl(authority_code=200), spooler)
+    assert refused.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
+    assert spooler.controller == client.address
+    spooler.raise_event("Done")
+    assert (spooler.machine.state, spooler.control_available) == (f"{AVAILABLE}.Waiting", True)
+
+
+def test_a_machine_follows_who_makes_control_unavailable(spooler, client):
+    spooler.control_available = False
+    assert spooler.machine.state == f"{AWAY}.Broken"
+    spooler.control_available = True
+    client.ask(SetEmergency(), spooler)
+    assert spooler.machine.state == "Receiving.Ready.NotControlled.NotAvailable"
+
+
+def test_a_machine_lets_go_of_its_controller_and_does_not_take_one(spooler, world):
+    spooler.raise_event("Leave")
+    assert spooler.controller is None
+    assert spooler.machine.state == "Receiving.Ready.NotControlled.Available"
+    spooler.raise_event("Work")
+    assert spooler.machine.state == "Receiving.Ready.NotControlled.Available"
+    assert count(world, "component.core_state_refused") == 1

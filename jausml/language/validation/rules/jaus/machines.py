@@ -229,9 +229,12 @@ def kinds(subject: Subject) -> Iterator[Finding]:
 def core_states(subject: Subject) -> Iterator[Finding]:
     """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
 
-    States of its own lie inside one of the innermost core states (AS5710, Management). Of the core
-    states, a transition may enter Standby, Failure and Shutdown; into the others leads a message
-    that the core services take. A machine of another name is independent.
+    States of its own lie inside one of the innermost states of the core services that the service
+    inherits: those of Management (Standby, Ready and so on), or of AccessControl (Available and
+    NotAvailable). Of Management's states, a transition may enter Standby, Failure and Shutdown;
+    into the others leads a message that the core services take. A service that inherits
+    AccessControl alone may make control available or not, and let go of it. A machine of another
+    name is independent.
 
     Bad: `<machines name="ReceiveFSM"><states name="Idle"/></machines>`
 
@@ -363,13 +366,16 @@ def _foreign_machine(behaviour: Behaviour) -> Iterator[Finding]:
 
 def _foreign_states(behaviour: Behaviour) -> Iterator[Finding]:
     reported: set[str] = set()
+    known = core_machine(None).states
     for path, state in behaviour.states():
         if not _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
             continue
         reported.add(path)
-        core = behaviour.machine.core
-        text = f"{core.name} has no state '{path}', and its innermost ones do not enclose it"
-        yield Finding(state, text, "name", _suggestion(path, core.states))
+        text, hint = f"the core services have no state '{path}'", _suggestion(path, known)
+        if path in known:
+            text = f"'{path}' is a state of core services that '{behaviour.service.name}' does not"
+            text, hint = f"{text} inherit", "inherit Management"
+        yield Finding(state, text, "name", hint)
 
 
 def _refused_targets(behaviour: Behaviour) -> Iterator[Finding]:
@@ -386,8 +392,9 @@ def _refused_targets(behaviour: Behaviour) -> Iterator[Finding]:
 
 def _is_foreign(behaviour: Behaviour, path: str) -> bool:
     machine = behaviour.machine
-    is_core = path in machine.core_states or machine.core_leaf(path) is not None
-    return machine.extends_core and not is_core
+    if not machine.extends_core or path in machine.core_states:
+        return False
+    return machine.core_leaf(path) is None or path in core_machine(None).states
 
 
 def _with_outer(path: str) -> Iterator[str]:
