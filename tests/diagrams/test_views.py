@@ -208,7 +208,7 @@ def test_where_nothing_is_yet_there_is_the_system(tmp_path, name, text):
     [
         ("map:velocity_stat", "did you mean map:velocity_state?"),
         ("sytem", "did you mean system?"),
-        ("machine:x", "there are: system, map:velocity_state"),
+        ("machine:x", "there are: machine:AccessControl.ReceiveFSM"),
     ],
 )
 def test_an_unknown_view_names_the_nearest(view, hint):

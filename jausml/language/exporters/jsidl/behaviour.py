@@ -104,7 +104,9 @@ class BehaviourWriter:
         def all_of(feature: str) -> list[Any]:
             return [each for state in group.states for each in getattr(state, feature)]
 
-        initial = next((n for n, each in group.inside.items() if each.is_initial), None)
+        first = (whole.initial(path) or "").rpartition(".")[2]
+        of_core = first if first in group.inside else None
+        initial = next((n for n, each in group.inside.items() if each.is_initial), of_core)
         texts = filter(None, (said(each.documentation) for each in group.states))
         parts = [
             *self._steps("entry", all_of("entry")),

@@ -11,7 +11,12 @@ from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.jaus.core_services import CORE, core_urn, newest_services
+from jausml.language.semantics.jaus.core_services import (
+    CORE,
+    SERVED_BY_RUNTIME,
+    core_urn,
+    newest_services,
+)
 from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
@@ -249,13 +254,15 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
 
 
 def machine_with(element: jaus.StateMachine) -> Machine | None:
-    """Returns a machine put together with those that it extends.
+    """Returns a machine put together with those that it extends, but those of the core services.
 
     Returns:
         None where it stands in no service.
     """
-    chain = reversed(lineage(element.eContainer()))
-    return next((each for each in machines_of(chain) if element in each.elements), None)
+    owner = element.eContainer()
+    chain = [e for e in lineage(owner) if e is owner or e.urn not in SERVED_BY_RUNTIME]
+    machines = machines_of(reversed(chain))
+    return next((each for each in machines if element in each.elements), None)
 
 
 def states_of(machine: jaus.StateMachine) -> Iterator[tuple[str, jaus.State]]:
