@@ -68,3 +68,75 @@ def test_the_package_is_clean(workspace: Path) -> None:
 def test_the_tests_of_the_package_pass(workspace: Path) -> None:
     done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
     assert " passed" in done
+
+
+BALER = """<?xml version="1.0" encoding="UTF-8"?>
+<service_def xmlns="urn:jaus:jsidl:1.1" name="Baler" id="urn:example:farm:Baler" version="1.0">
+  <description>Bales, and ejects what is baled.</description>
+  <assumptions/>
+  <references>
+    <inherits_from name="accessControl" id="urn:jaus:jss:core:AccessControl" version="1.1"/>
+  </references>
+  <message_set>
+    <input_set>
+      <message_def name="SetBaling" message_id="D110" is_command="true">
+        <body name="Body"/>
+      </message_def>
+    </input_set>
+    <output_set/>
+  </message_set>
+  <internal_events_set>
+    <event_def name="Full"/>
+    <event_def name="Ejected"/>
+  </internal_events_set>
+  <protocol_behavior is_stateless="false">
+    <start state_machine_name="accessControl.events.transport.ReceiveFSM"
+        state_name="Receiving.Ready.NotControlled.Available"/>
+    <state_machine name="accessControl.events.transport.ReceiveFSM">
+      <state name="Receiving" initial_state="Ready">
+        <state name="Ready" initial_state="Controlled">
+          <state name="Controlled" initial_state="Available">
+            <state name="Available" initial_state="Idle">
+              <state name="Idle">
+                <transition name="accessControl.events.transport.Receive">
+                  <parameter type="SetBaling" value="msg"/>
+                  <guard condition="isControllingClient(msg)"/>
+                  <simple><end_state state="Receiving.Ready.Controlled.Available.Baling"/></simple>
+                </transition>
+              </state>
+              <state name="Baling">
+                <transition name="Full">
+                  <push><end_state state="Receiving.Ready.Controlled.NotAvailable.Ejecting"/></push>
+                  <action name="openGate"/>
+                </transition>
+              </state>
+            </state>
+            <state name="NotAvailable" initial_state="Ejecting">
+              <state name="Ejecting">
+                <transition name="Ejected">
+                  <pop/>
+                </transition>
+              </state>
+            </state>
+          </state>
+        </state>
+      </state>
+    </state_machine>
+  </protocol_behavior>
+</service_def>
+"""
+
+
+def test_a_service_refines_the_states_of_access_control(tmp_path: Path) -> None:
+    """Where Management has further states, which the service knows nothing of."""
+    (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")
+    said = run("jausml", "import", "jsidl", "Baler.xml", "-o", "services.xmi", cwd=tmp_path)
+    assert "error" not in said
+    system = SYSTEM.replace("hoist", "baler").replace("#Winch", "#Baler")
+    (tmp_path / "system.xmi").write_text(system, encoding="utf-8")
+    run("jausml", "generate", "system.xmi", "-o", ".", "--quiet", cwd=tmp_path)
+    base = (tmp_path / "baler/baler/baler_base.py").read_text(encoding="utf-8")
+    assert 'extends="AccessControl"' in base
+    test = (tmp_path / "baler/test/test_baler.py").read_text(encoding="utf-8")
+    assert '"Receiving.Ready.Controlled.NotAvailable.Ejecting",' in test
+    assert " passed" in run("pytest", "-q", "-W", "error", "baler/test", cwd=tmp_path)

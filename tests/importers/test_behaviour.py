@@ -196,3 +196,13 @@ def test_a_transition_that_stays_beside_entry_actions_is_told(states):
 )
 def test_a_transition_without_doubt_is_not_told(states):
     good(machine(states))
+
+
+def test_a_stateless_behaviour_that_says_nothing_is_no_machine():
+    def stateless(content):
+        text = machine(state(content))
+        return text.replace("<protocol_behavior>", '<protocol_behavior is_stateless="true">')
+
+    assert list(good(stateless("")).machines) == []
+    assert len(good(stateless(on("SetLamp", "<new:internal/>"))).machines) == 1
+    assert len(good(machine(state())).machines) == 1
