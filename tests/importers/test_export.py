@@ -244,7 +244,6 @@ def test_two_services_of_one_urn_are_no_jsidl(tmp_path):
     twin = winch().sets[0].services[0]
     twin.urn, twin.version = service.urn, service.version
     exported = export_jsidl(model, [service, twin])
-    assert exported.has_errors
     (found,) = (each for each in exported.diagnostics if each.rule == "JML633")
     assert "is declared twice" in found.message
 

@@ -62,7 +62,7 @@ def jsidl(
     result = export_jsidl(read, services.with_inherited(chosen) if with_inherited else chosen)
     report = Report(read, (model,), tuple(result.diagnostics), rules=JSIDL_EXPORT_RULES)
     click.echo(RENDERERS[output_format](report), nl=False)
-    if result.has_errors:
+    if report.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)
     folder = Path(output)

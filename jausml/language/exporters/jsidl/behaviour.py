@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.exporters.jsidl.elements import element, said
-from jausml.language.exporters.jsidl.names import qualified
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
@@ -15,9 +14,10 @@ from jausml.language.semantics.jaus.inherited_machines import (
     event_name,
     machine_with,
 )
+from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from xml.etree.ElementTree import Element
 
     from jausml.language.metamodel.classes import jaus
@@ -57,29 +57,21 @@ class BehaviourWriter:
     def behaviour(self) -> Element:
         """Returns its machines, or that it is stateless: AS5684 has no behaviour without one."""
         machines = [(each, machine_with(each)) for each in self._service.machines]
-        if not machines:
-            return self._stateless()
         written = [self._machine(element, whole) for element, whole in machines if whole]
-        starts = [start for start, _ in written]
-        return element("protocol_behavior", [*starts, *(m for _, m in written)], is_stateless=False)
-
-    def _stateless(self) -> Element:
-        name, state = self._machine_name(CORE_MACHINE), "Receiving"
-        return element(
-            "protocol_behavior",
-            [
-                element("start", state_machine_name=name, state_name=state),
-                element("state_machine", [element("state", name=state)], name=name),
-            ],
-            is_stateless=True,
-        )
+        if not written:
+            name, state = self._machine_name(CORE_MACHINE), "Receiving"
+            start = element("start", state_machine_name=name, state_name=state)
+            silent = element("state_machine", [element("state", name=state)], name=name)
+            written = [(start, silent)]
+        parts = [each for kind in zip(*written, strict=True) for each in kind]
+        return element("protocol_behavior", parts, is_stateless=not machines)
 
     def _machine_name(self, name: str) -> str:
         def has_it(service: jaus.Service) -> bool:
             is_core = name == CORE_MACHINE and str(service.urn).startswith(CORE)
             return is_core or any(each.name == name for each in service.machines)
 
-        return qualified(name, self._service, has_it)
+        return _qualified(name, self._service, has_it)
 
     def _machine(self, machine: jaus.StateMachine, whole: Machine) -> tuple[Element, Element]:
         """Returns where a machine starts, and the machine."""
@@ -143,7 +135,7 @@ class BehaviourWriter:
                 element("parameter", type=_SENT_WITH, value=_SENDER),
             ]
         elif event:
-            name = qualified(event, self._service, lambda each: event in _names(each.events))
+            name = _qualified(event, self._service, lambda each: event in _names(each.events))
         if transition.guard:
             parts.append(element("guard", condition=transition.guard))
         parts.append(_kind(transition, path, whole))
@@ -161,7 +153,24 @@ class BehaviourWriter:
         )
 
     def _of_transport(self, name: str) -> str:
-        return qualified(name, self._service, lambda each: each.urn == f"{CORE}Transport")
+        return _qualified(name, self._service, lambda each: each.urn == f"{CORE}Transport")
+
+
+def reference_name(service: jaus.Service) -> str:
+    """Returns the name under which heirs refer to a service, e.g. `accessControl`."""
+    name = str(service.name)
+    return name[:1].lower() + name[1:]
+
+
+def _qualified(name: str, service: jaus.Service, is_owner: Callable[[jaus.Service], bool]) -> str:
+    """Returns a name as a service writes it: `management.accessControl.Timedout`.
+
+    Of the services that declare it the farthest is meant, and without one the service itself.
+    """
+    chain = lineage(service)
+    owners = [place for place, each in enumerate(chain) if is_owner(each)]
+    inherited = chain[1 : owners[-1] + 1] if owners else []
+    return ".".join([*map(reference_name, inherited), name])
 
 
 def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:

@@ -11,6 +11,7 @@ from jausml.language.exporters.jsidl.losses import UNSAID, differences
 from jausml.language.exporters.jsidl.rules import finding
 from jausml.language.exporters.jsidl.services import service_element
 from jausml.language.importers.jsidl import Source, import_sources
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.semantics.jaus.services import with_inherited
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.importers.jsidl import ImportResult
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.model.comparison import Difference
     from jausml.language.model.model import Model
 
@@ -35,11 +35,6 @@ class ExportResult:
 
     documents: Mapping[str, bytes]
     diagnostics: list[Diagnostic]
-
-    @property
-    def has_errors(self) -> bool:
-        """True when a document is no JSIDL."""
-        return any(each.severity is Severity.ERROR for each in self.diagnostics)
 
 
 def export_jsidl(model: Model, services: Iterable[jaus.Service]) -> ExportResult:
@@ -99,8 +94,13 @@ def _lost(model: Model, service: jaus.Service, again: ImportResult) -> Iterator[
 
 
 def _unsaid_sets(model: Model, services: Iterable[jaus.Service]) -> Iterator[Diagnostic]:
-    """Yields what sets say of themselves: a file is a service."""
+    """Yields what sets say of themselves, and types that no message refers to."""
+    used = {each.target for each in model.instances(jaus.TypeReference)}
     for root in dict.fromkeys(each.eContainer() for each in services):
         if root is not None and root.documentation:
             message = f"JSIDL has no place for what the set '{root.name}' says of itself"
             yield finding("JML631", model.location(root, "documentation"), message)
+        for each in root.types if root is not None else ():
+            if each not in used:
+                message = f"the declared type '{each.name}' is left out: nothing refers to it"
+                yield finding("JML631", model.location(each), message)

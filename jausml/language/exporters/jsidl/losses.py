@@ -48,12 +48,11 @@ def differences(
     paths, targets by where they lead. Runs of white space are one blank.
     """
     found = [*_declared(service, imported, metamodels), *_done(service, imported)]
-    return [each for each in found if _told(each, each.first) != _told(each, each.second)]
+    return [e for e in found if folded(e.first) != folded(e.second) and not _is_same_code(e)]
 
 
-def _told(difference: Difference, value: str) -> str:
-    """Returns a value as it counts: message codes in letters of any size."""
-    return folded(value).upper() if difference.feature == "code" else folded(value)
+def _is_same_code(difference: Difference) -> bool:
+    return difference.feature == "code" and difference.first.upper() == difference.second.upper()
 
 
 def _declared(one: EObject, other: EObject, metamodels: Metamodels) -> Iterator[Difference]:
@@ -109,18 +108,15 @@ def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Mach
             # The order counts of those that share a trigger; AS5684 has those for all last.
             on = described(each)
             number[on] += 1
-            _note_transition(found, f"{at}/{feature} on {on} {number[on]}", path, each, whole)
-
-
-def _note_transition(
-    found: Facts, at: str, path: str, transition: jaus.Transition, whole: Machine
-) -> None:
-    target = transition.target
-    leads_to = (whole.resolve(path, target) or target) if target else ""
-    guard = repr(parse_guard(transition.guard))
-    _note(found, at, transition, kind=transition.kind.name, target=leads_to, guard=guard)
-    has_sender = transition.message is not None
-    _note_actions(found, at, transition.actions, has_sender=has_sender)
+            where, kind, target = (
+                f"{at}/{feature} on {on} {number[on]}",
+                each.kind.name,
+                each.target,
+            )
+            leads_to = (whole.resolve(path, target) or target) if target else ""
+            guard = repr(parse_guard(each.guard))
+            _note(found, where, each, kind=kind, target=leads_to, guard=guard)
+            _note_actions(found, where, each.actions, has_sender=each.message is not None)
 
 
 def _note_actions(
