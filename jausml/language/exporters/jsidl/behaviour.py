@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.exporters.jsidl.elements import element, said
+from jausml.language.exporters.jsidl.elements import element, explained
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
@@ -17,7 +16,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
 from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
     from xml.etree.ElementTree import Element
 
     from jausml.language.metamodel.classes import jaus
@@ -26,140 +25,144 @@ _SENDER = "transportData"
 _SENT_WITH = "Receive.Body.ReceiveRec"
 
 
-@dataclass
-class _StateGroup:
-    """The states of one path in one machine, of which several may say something."""
-
-    states: list[jaus.State] = field(default_factory=list)
-    inside: dict[str, _StateGroup] = field(default_factory=dict)
-
-    def enter(self, state: jaus.State) -> None:
-        """Adds a state, whose name may be a path, and those inside it."""
-        group = self
-        for name in str(state.name).split("."):
-            group = group.inside.setdefault(name, _StateGroup())
-        group.states.append(state)
-        for inner in state.states:
-            group.enter(inner)
-
-    @property
-    def is_initial(self) -> bool:
-        """Whether one of them says that it is initial."""
-        return any(state.initial for state in self.states)
+def behaviour(service: jaus.Service) -> Element:
+    """Returns the machines of a service, or that it is stateless: AS5684 asks for a machine."""
+    machines = [(each, machine_with(each)) for each in service.machines]
+    written = [_Writer(service, each, whole).machine() for each, whole in machines if whole]
+    if not written:
+        name, state = _machine_name(CORE_MACHINE, service), "Receiving"
+        start = element("start", state_machine_name=name, state_name=state)
+        silent = element("state_machine", [element("state", name=state)], name=name)
+        written = [(start, silent)]
+    parts = [each for kind in zip(*written, strict=True) for each in kind]
+    return element("protocol_behavior", parts, is_stateless=not machines)
 
 
-class BehaviourWriter:
-    """Writes the behaviour of one service."""
+class _Writer:
+    """Writes one machine."""
 
-    def __init__(self, service: jaus.Service) -> None:
+    def __init__(self, service: jaus.Service, machine: jaus.StateMachine, whole: Machine) -> None:
         self._service = service
+        self._machine = machine
+        self._whole = whole
+        self._states: dict[str, list[jaus.State]] = {}
+        self._group(machine.states, "")
 
-    def behaviour(self) -> Element:
-        """Returns its machines, or that it is stateless: AS5684 has no behaviour without one."""
-        machines = [(each, machine_with(each)) for each in self._service.machines]
-        written = [self._machine(element, whole) for element, whole in machines if whole]
-        if not written:
-            name, state = self._machine_name(CORE_MACHINE), "Receiving"
-            start = element("start", state_machine_name=name, state_name=state)
-            silent = element("state_machine", [element("state", name=state)], name=name)
-            written = [(start, silent)]
-        parts = [each for kind in zip(*written, strict=True) for each in kind]
-        return element("protocol_behavior", parts, is_stateless=not machines)
+    def _group(self, states: Sequence[jaus.State], outer: str) -> None:
+        """Groups states by their paths, with those that a name which is a path implies."""
+        for state in states:
+            path = outer
+            for name in str(state.name).split("."):
+                path = f"{path}.{name}" if path else name
+                self._states.setdefault(path, [])
+            self._states[path].append(state)
+            self._group(state.states, path)
 
-    def _machine_name(self, name: str) -> str:
-        def has_it(service: jaus.Service) -> bool:
-            is_core = name == CORE_MACHINE and str(service.urn).startswith(CORE)
-            return is_core or any(each.name == name for each in service.machines)
+    def machine(self) -> tuple[Element, Element]:
+        """Returns where the machine starts, and the machine."""
+        name = _machine_name(str(self._machine.name), self._service)
+        start = element("start", state_machine_name=name, state_name=self._whole.innermost(""))
+        made = element("state_machine", self._inside(""), name=name)
+        return start, explained(made, self._machine)
 
-        return _qualified(name, self._service, has_it)
+    def _inside(self, outer: str) -> list[Element]:
+        return [self._state(each) for each in self._states if each.rpartition(".")[0] == outer]
 
-    def _machine(self, machine: jaus.StateMachine, whole: Machine) -> tuple[Element, Element]:
-        """Returns where a machine starts, and the machine."""
-        name = self._machine_name(str(machine.name))
-        outermost = _StateGroup()
-        for state in machine.states:
-            outermost.enter(state)
-        start = element("start", state_machine_name=name, state_name=whole.innermost(""))
-        states = self._states(outermost, "", whole)
-        text = said(machine.documentation)
-        return start, element("state_machine", states, name=name, interpretation=text)
-
-    # -- states ----------------------------------------------------------------------------------
-
-    def _states(self, group: _StateGroup, path: str, whole: Machine) -> list[Element]:
-        return [
-            self._state(inner, name, f"{path}.{name}" if path else name, whole)
-            for name, inner in group.inside.items()
-        ]
-
-    def _state(self, group: _StateGroup, name: str, path: str, whole: Machine) -> Element:
+    def _state(self, path: str) -> Element:
         def all_of(feature: str) -> list[Any]:
-            return [each for state in group.states for each in getattr(state, feature)]
+            return [each for state in self._states[path] for each in getattr(state, feature)]
 
-        first = (whole.initial(path) or "").rpartition(".")[2]
-        of_core = first if first in group.inside else None
-        initial = next((n for n, each in group.inside.items() if each.is_initial), of_core)
-        texts = filter(None, (said(each.documentation) for each in group.states))
         parts = [
             *self._steps("entry", all_of("entry")),
             *self._steps("exit", all_of("exit")),
-            *self._transitions(all_of("transitions"), path, whole),
-            *self._states(group, path, whole),
+            *self._transitions(all_of("transitions"), path),
+            *self._inside(path),
         ]
-        if defaults := self._transitions(all_of("defaults"), path, whole):
+        if defaults := self._transitions(all_of("defaults"), path):
             parts.append(element("default_state", defaults))
-        text = " ".join(texts) or None
-        return element("state", parts, name=name, initial_state=initial, interpretation=text)
+        name, initial = path.rpartition(".")[2], self._initial(path)
+        made = element("state", parts, name=name, initial_state=initial)
+        return explained(made, *self._states[path])
+
+    def _initial(self, outer: str) -> str | None:
+        """Returns the state that is entered with one: as the machine says, or the core."""
+        inside = [each for each in self._states if each.rpartition(".")[0] == outer]
+        own = (each for each in inside if any(state.initial for state in self._states[each]))
+        of_core = (each for each in inside if each == self._whole.initial(outer))
+        path = next(own, None) or next(of_core, None)
+        return path and path.rpartition(".")[2]
 
     def _steps(self, tag: str, actions: list[jaus.Action]) -> Iterator[Element]:
         if actions:
             yield element(tag, [self._action(each, has_sender=False) for each in actions])
 
-    # -- transitions -----------------------------------------------------------------------------
-
-    def _transitions(
-        self, transitions: Iterable[jaus.Transition], path: str, whole: Machine
-    ) -> list[Element]:
+    def _transitions(self, transitions: list[jaus.Transition], path: str) -> list[Element]:
         # Those for all triggers stand behind the others (AS5684).
         ordered = sorted(transitions, key=lambda t: t.message is None and not event_name(t.event))
-        return [self._transition(each, path, whole) for each in ordered]
+        return [self._transition(each, path) for each in ordered]
 
-    def _transition(self, transition: jaus.Transition, path: str, whole: Machine) -> Element:
+    def _transition(self, transition: jaus.Transition, path: str) -> Element:
         message, event = transition.message, event_name(transition.event)
         parts: list[Element] = []
         name = None
         if message is not None:
             name = self._of_transport("Receive")
-            parts += [
-                element("parameter", type=message.name, value="msg"),
-                element("parameter", type=_SENT_WITH, value=_SENDER),
-            ]
+            parts.append(element("parameter", type=message.name, value="msg"))
+            parts.append(element("parameter", type=_SENT_WITH, value=_SENDER))
         elif event:
-            name = _qualified(event, self._service, lambda each: event in _names(each.events))
+            name = _qualified(
+                event, self._service, lambda s: any(e.name == event for e in s.events)
+            )
         if transition.guard:
             parts.append(element("guard", condition=transition.guard))
-        parts.append(_kind(transition, path, whole))
+        parts.append(self._kind(transition, path))
         parts += [self._action(a, has_sender=message is not None) for a in transition.actions]
-        tag, text = "transition" if name else "default_transition", said(transition.documentation)
-        return element(tag, parts, name=name, interpretation=text)
+        made = element("transition" if name else "default_transition", parts, name=name)
+        return explained(made, transition)
+
+    def _kind(self, transition: jaus.Transition, path: str) -> Element:
+        """Returns the kind of a transition with the state that it enters, by its whole path."""
+        kind, target = transition.kind.name, transition.target
+        if not target:
+            return element(kind)
+        resolved = self._whole.resolve(canonical(path), target) or target
+        is_whole = canonical(target) == resolved
+        return element(kind, [element("end_state", state=target if is_whole else resolved)])
 
     def _action(self, action: jaus.Action, *, has_sender: bool) -> Element:
-        arguments = arguments_of(action, has_sender=has_sender)
-        return element(
-            "action",
-            [element("argument", value=each) for each in arguments],
-            name=action.name if action.sends is None else self._of_transport("Send"),
-            interpretation=said(action.documentation),
-        )
+        values = arguments_of(action, has_sender=has_sender)
+        arguments = [element("argument", value=each) for each in values]
+        name = action.name if action.sends is None else self._of_transport("Send")
+        return explained(element("action", arguments, name=name), action)
 
     def _of_transport(self, name: str) -> str:
         return _qualified(name, self._service, lambda each: each.urn == f"{CORE}Transport")
+
+
+def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
+    """Returns the arguments of an action: of one that sends, what is sent, and to whom."""
+    arguments = list(action.arguments)
+    sent = f"'{action.sends.name}'" if action.sends is not None else ""
+    if not sent or arguments[:1] == [sent]:
+        return arguments
+    return [sent, _SENDER] if has_sender else [sent]
 
 
 def reference_name(service: jaus.Service) -> str:
     """Returns the name under which heirs refer to a service, e.g. `accessControl`."""
     name = str(service.name)
     return name[:1].lower() + name[1:]
+
+
+def _machine_name(name: str, service: jaus.Service) -> str:
+    is_core = name == CORE_MACHINE
+    return _qualified(
+        name,
+        service,
+        lambda s: (
+            (is_core and str(s.urn).startswith(CORE)) or any(m.name == name for m in s.machines)
+        ),
+    )
 
 
 def _qualified(name: str, service: jaus.Service, is_owner: Callable[[jaus.Service], bool]) -> str:
@@ -171,29 +174,3 @@ def _qualified(name: str, service: jaus.Service, is_owner: Callable[[jaus.Servic
     owners = [place for place, each in enumerate(chain) if is_owner(each)]
     inherited = chain[1 : owners[-1] + 1] if owners else []
     return ".".join([*map(reference_name, inherited), name])
-
-
-def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
-    """Returns the arguments of an action: of one that sends, what is sent, and to whom."""
-    arguments = list(action.arguments)
-    if action.sends is None:
-        return arguments
-    sent = f"'{action.sends.name}'"
-    if arguments[:1] == [sent]:
-        return arguments
-    return [sent, _SENDER] if has_sender else [sent]
-
-
-def _names(events: Iterable[jaus.InternalEvent]) -> set[str]:
-    return {str(each.name) for each in events}
-
-
-def _kind(transition: jaus.Transition, path: str, whole: Machine) -> Element:
-    """Returns the kind of a transition with the state that it enters, by its whole path."""
-    kind, target = transition.kind.name, transition.target
-    if not target:
-        return element(kind)
-    resolved = whole.resolve(canonical(path), target) or target
-    is_whole = canonical(target) == resolved
-    state = element("end_state", state=target if is_whole else resolved)
-    return element(kind, [state])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 from xml.etree import ElementTree
 
 from jausml.language.importers.jsidl.attributes import NUMERIC_TYPES, folded
@@ -11,6 +11,10 @@ from jausml.language.importers.jsidl.attributes import NUMERIC_TYPES, folded
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from xml.etree.ElementTree import Element
+
+    from jausml.language.metamodel.classes import jaus
+
+    Documented: TypeAlias = jaus.NamedElement | jaus.Value | jaus.Transition | jaus.Action
 
 NAMESPACE = "urn:jaus:jsidl:1.1"
 
@@ -39,9 +43,12 @@ def text_element(tag: str, text: str | None) -> Element:
     return made
 
 
-def said(documentation: str | None) -> str | None:
-    """Returns a documentation as the value of an `interpretation`, None without one."""
-    return folded(documentation) or None
+def explained(made: Element, *explaining: Documented) -> Element:
+    """Gives an element an `interpretation`, if what it stands for is documented."""
+    texts = (folded(each.documentation) for each in explaining)
+    if text := " ".join(filter(None, texts)):
+        made.set("interpretation", text)
+    return made
 
 
 def document(root: Element) -> bytes:

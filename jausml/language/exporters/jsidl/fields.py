@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from jausml.language.exporters.jsidl.elements import TYPE_NAMES, element, said
+from jausml.language.exporters.jsidl.elements import TYPE_NAMES, element, explained
 from jausml.language.importers.jsidl.attributes import largest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.words import snake_case
@@ -35,13 +35,9 @@ class FieldWriter:
         return made
 
     def _named(self, field: jaus.Field, name: str) -> Element:
-        optional, text = bool(field.optional), said(field.documentation)
-        general: dict[str, str | bool | None]
-        general = {"name": name, "optional": optional, "interpretation": text}
-        if isinstance(field, jaus.TypeReference):
-            reference = self._declare(field.target)
-            return element(_tag(field), declared_type_ref=reference, **general)
-        return element(_tag(field), self._inside(field), **general, **_attributes(field))
+        special, inside = self._attributes(field), self._inside(field)
+        made = element(_tag(field), inside, name=name, optional=bool(field.optional), **special)
+        return explained(made, field)
 
     def _declare(self, target: jaus.Field) -> str:
         """Returns the name by which a declared type is known in the service."""
@@ -53,6 +49,21 @@ class FieldWriter:
                 name = f"{base}_{number}"
             self._declared[target] = name
         return self._declared[target]
+
+    def _attributes(self, field: jaus.Field) -> dict[str, str | int]:
+        """Returns the attributes that a kind of field has alone."""
+        match field:
+            case jaus.TypeReference():
+                return {"declared_type_ref": self._declare(field.target)}
+            case jaus.FixedField():
+                return _number(field)
+            case jaus.BitField():
+                return {"field_type_unsigned": TYPE_NAMES[field.type.name]}
+            case jaus.FixedLengthString():
+                return {"string_length": field.length}
+            case jaus.VariableLengthField():
+                return {"field_format": field.format}
+        return {}
 
     def _inside(self, field: jaus.Field) -> list[Element]:
         match field:
@@ -74,20 +85,6 @@ class FieldWriter:
         return _inside(field)
 
 
-def _attributes(field: jaus.Field) -> dict[str, str | int]:
-    """Returns the attributes that a kind of field has alone."""
-    match field:
-        case jaus.FixedField():
-            return _number(field)
-        case jaus.BitField():
-            return {"field_type_unsigned": TYPE_NAMES[field.type.name]}
-        case jaus.FixedLengthString():
-            return {"string_length": field.length}
-        case jaus.VariableLengthField():
-            return {"field_format": field.format}
-    return {}
-
-
 def _inside(field: jaus.Field) -> list[Element]:
     """Returns what a field that encloses no others consists of."""
     made: list[Element] = []
@@ -99,16 +96,15 @@ def _inside(field: jaus.Field) -> list[Element]:
         case jaus.BitField():
             made = list(map(_sub_field, field.subFields))
         case jaus.VariableFormatField():
-            made = [element("format_field", map(_format, field.formats))]
+            known = (
+                element("format_enum", index=f.index, field_format=f.name) for f in field.formats
+            )
+            made = [element("format_field", known)]
     match field:
         case jaus.VariableLengthString() | jaus.VariableLengthField() | jaus.VariableFormatField():
             kind = field.countType.name
             made.append(_count(kind, field.minimumLength, field.maximumLength))
     return made
-
-
-def _format(choice: jaus.Format) -> Element:
-    return element("format_enum", index=choice.index, field_format=choice.name)
 
 
 def _tag(field: jaus.Field) -> str:
@@ -152,34 +148,24 @@ def _value_set(values: jaus.ValueSet) -> Element:
 
 
 def _value(value: jaus.Value) -> Element:
-    text = said(value.documentation)
     if isinstance(value, jaus.ValueRange):
-        return element(
-            "value_range",
-            lower_limit=value.lower,
-            lower_limit_type="inclusive" if value.lowerInclusive else "exclusive",
-            upper_limit=value.upper,
-            upper_limit_type="inclusive" if value.upperInclusive else "exclusive",
-            interpretation=text,
-        )
-    named = cast("jaus.EnumeratedValue", value)
-    index, constant = named.value, named.name
-    return element("value_enum", enum_index=index, enum_const=constant, interpretation=text)
+        kinds = ("exclusive", "inclusive")
+        lower, upper = kinds[value.lowerInclusive], kinds[value.upperInclusive]
+        bounds = {"lower_limit_type": lower, "upper_limit_type": upper}
+        made = element("value_range", lower_limit=value.lower, upper_limit=value.upper, **bounds)
+    else:
+        named = cast("jaus.EnumeratedValue", value)
+        made = element("value_enum", enum_index=named.value, enum_const=named.name)
+    return explained(made, value)
 
 
 def _alternative(choice: jaus.Alternative) -> Element:
-    return element(
-        "type_and_units_enum",
-        _legal(choice),
-        name=choice.name,
-        index=choice.index,
-        **_number(choice),
-        interpretation=said(choice.documentation),
-    )
+    name, index = choice.name, choice.index
+    made = element("type_and_units_enum", _legal(choice), name=name, index=index, **_number(choice))
+    return explained(made, choice)
 
 
 def _sub_field(part: jaus.SubField) -> Element:
     bits = element("bit_range", from_index=part.lowBit, to_index=part.highBit)
     values = [_value_set(part.values)] if part.values is not None else []
-    text = said(part.documentation)
-    return element("sub_field", [bits, *values], name=part.name, interpretation=text)
+    return explained(element("sub_field", [bits, *values], name=part.name), part)

@@ -22,6 +22,7 @@ from jausml.language.semantics.jaus.machines import described, is_core_trigger
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.language.exporters.jsidl.elements import Documented
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
 
@@ -34,8 +35,7 @@ Messages and behaviour are the same without them.
 _POLICY = Policy(ignored=frozenset({"jaus.Service.machines"}))
 _OF_REFERENCE = ("name", "optional", "documentation")
 
-Documented: TypeAlias = "jaus.StateMachine | jaus.State | jaus.Transition | jaus.Action"
-Facts: TypeAlias = dict[tuple[str, str], tuple[list[str], Documented]]
+Facts: TypeAlias = "dict[tuple[str, str], tuple[list[str], Documented]]"
 """What is said of places in machines, by place and feature, with an element that says it."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.exporters.jsidl.behaviour import BehaviourWriter, reference_name
+from jausml.language.exporters.jsidl.behaviour import behaviour, reference_name
 from jausml.language.exporters.jsidl.elements import element, text_element
 from jausml.language.exporters.jsidl.fields import FieldWriter
 
@@ -32,7 +32,7 @@ def service_element(service: jaus.Service) -> Element:
         parts.append(element("declared_type_set", types, name="types"))
     sets = [element("input_set", inputs), element("output_set", outputs)]
     parts += [element("message_set", sets), element("internal_events_set", events)]
-    parts.append(BehaviourWriter(service).behaviour())
+    parts.append(behaviour(service))
     return element("service_def", parts, name=service.name, id=service.urn, version=service.version)
 
 
