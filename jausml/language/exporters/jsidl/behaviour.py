@@ -10,13 +10,14 @@ from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
     Machine,
     canonical,
+    core_machine,
     event_name,
     machine_with,
 )
 from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator
     from xml.etree.ElementTree import Element
 
     from jausml.language.metamodel.classes import jaus
@@ -28,12 +29,12 @@ _SENT_WITH = "Receive.Body.ReceiveRec"
 def behaviour(service: jaus.Service) -> Element:
     """Returns the machines of a service, or that it is stateless: AS5684 asks for a machine."""
     machines = [(each, machine_with(each)) for each in service.machines]
-    written = [_Writer(service, each, whole).machine() for each, whole in machines if whole]
+    written = [
+        _Writer(service, each.name, w, each.states).machine(each) for each, w in machines if w
+    ]
     if not written:
-        name, state = _machine_name(CORE_MACHINE, service), "Receiving"
-        start = element("start", state_machine_name=name, state_name=state)
-        silent = element("state_machine", [element("state", name=state)], name=name)
-        written = [(start, silent)]
+        silent = Machine(CORE_MACHINE, core_machine(service))
+        written = [_Writer(service, CORE_MACHINE, silent, ()).machine()]
     parts = [each for kind in zip(*written, strict=True) for each in kind]
     return element("protocol_behavior", parts, is_stateless=not machines)
 
@@ -41,32 +42,38 @@ def behaviour(service: jaus.Service) -> Element:
 class _Writer:
     """Writes one machine."""
 
-    def __init__(self, service: jaus.Service, machine: jaus.StateMachine, whole: Machine) -> None:
+    def __init__(
+        self, service: jaus.Service, name: str, whole: Machine, states: Iterable[jaus.State]
+    ) -> None:
         self._service = service
-        self._machine = machine
+        self._name = name
         self._whole = whole
         self._states: dict[str, list[jaus.State]] = {}
-        self._group(machine.states, "")
+        for path, state in _paths(states):
+            self._states.setdefault(path, []).extend([state] if state is not None else [])
+        # Who extends a machine says its states again: generators of others look for them.
+        inherited = (m for s in lineage(service)[1:] for m in s.machines if m.name == name)
+        for each in inherited:
+            self._states |= {
+                path: [] for path, _ in _paths(each.states) if path not in self._states
+            }
+        self._states = self._states or {whole.core.states[0]: []}
 
-    def _group(self, states: Sequence[jaus.State], outer: str) -> None:
-        """Groups states by their paths, with those that a name which is a path implies."""
-        for state in states:
-            path = outer
-            for name in str(state.name).split("."):
-                path = f"{path}.{name}" if path else name
-                self._states.setdefault(path, [])
-            self._states[path].append(state)
-            self._group(state.states, path)
-
-    def machine(self) -> tuple[Element, Element]:
+    def machine(self, *explaining: jaus.StateMachine) -> tuple[Element, Element]:
         """Returns where the machine starts, and the machine."""
-        name = _machine_name(str(self._machine.name), self._service)
-        start = element("start", state_machine_name=name, state_name=self._whole.innermost(""))
+        name = _machine_name(self._name, self._service)
+        first = ""
+        while inside := self._initial(first):
+            first = inside
+        start = element("start", state_machine_name=name, state_name=first)
         made = element("state_machine", self._inside(""), name=name)
-        return start, explained(made, self._machine)
+        return start, explained(made, *explaining)
+
+    def _paths_in(self, outer: str) -> list[str]:
+        return [each for each in self._states if each.rpartition(".")[0] == outer]
 
     def _inside(self, outer: str) -> list[Element]:
-        return [self._state(each) for each in self._states if each.rpartition(".")[0] == outer]
+        return [self._state(each) for each in self._paths_in(outer)]
 
     def _state(self, path: str) -> Element:
         def all_of(feature: str) -> list[Any]:
@@ -80,17 +87,16 @@ class _Writer:
         ]
         if defaults := self._transitions(all_of("defaults"), path):
             parts.append(element("default_state", defaults))
-        name, initial = path.rpartition(".")[2], self._initial(path)
-        made = element("state", parts, name=name, initial_state=initial)
+        name, initial = path.rpartition(".")[2], (self._initial(path) or "").rpartition(".")[2]
+        made = element("state", parts, name=name, initial_state=initial or None)
         return explained(made, *self._states[path])
 
     def _initial(self, outer: str) -> str | None:
         """Returns the state that is entered with one: as the machine says, or the core."""
-        inside = [each for each in self._states if each.rpartition(".")[0] == outer]
+        inside = self._paths_in(outer)
         own = (each for each in inside if any(state.initial for state in self._states[each]))
         of_core = (each for each in inside if each == self._whole.initial(outer))
-        path = next(own, None) or next(of_core, None)
-        return path and path.rpartition(".")[2]
+        return next(own, None) or next(of_core, None)
 
     def _steps(self, tag: str, actions: list[jaus.Action]) -> Iterator[Element]:
         if actions:
@@ -137,6 +143,19 @@ class _Writer:
 
     def _of_transport(self, name: str) -> str:
         return _qualified(name, self._service, lambda each: each.urn == f"{CORE}Transport")
+
+
+def _paths(
+    states: Iterable[jaus.State], outer: str = ""
+) -> Iterator[tuple[str, jaus.State | None]]:
+    """Yields the paths of states as they are written, before them those that a name implies."""
+    for state in states:
+        path = outer
+        for name in str(state.name).split("."):
+            path = f"{path}.{name}" if path else name
+            yield path, None
+        yield path, state
+        yield from _paths(state.states, path)
 
 
 def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
