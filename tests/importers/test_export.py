@@ -217,7 +217,11 @@ def test_a_file_has_what_as5684_asks_for_in_its_order():
         ('real_upper_limit="2"', 'real_upper_limit="3"', "RopeSpeed"),
         ('field_units="newton"', 'field_units="meter"', "Tension"),
         ('enum_index="2"', 'enum_index="9"', "PAYING_OUT"),
-        ("paysOut || paysIn", "paysOut &amp;&amp; paysIn", "Moving/defaults on SetWinchCommand 1"),
+        (
+            "paysOut(msg) || paysIn",
+            "paysOut(msg) &amp;&amp; paysIn",
+            "Moving/defaults on SetWinchCommand 1",
+        ),
         (
             '"Receiving.Ready.Controlled.Available.Ready.Locked"',
             '"Receiving"',

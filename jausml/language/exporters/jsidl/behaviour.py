@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.exporters.jsidl.elements import element, explained
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 _SENDER = "transportData"
 _SENT_WITH = "Receive.Body.ReceiveRec"
+_OF_SENDER = ("isControllingClient", "isIDStored")
+_CONDITION = re.compile(r"([A-Za-z_][\w.]*)(\s*\([^()|&!]*\))?")
 
 
 def behaviour(service: jaus.Service) -> Element:
@@ -120,7 +123,8 @@ class _Writer:
                 event, self._service, lambda s: any(e.name == event for e in s.events)
             )
         if transition.guard:
-            parts.append(element("guard", condition=transition.guard))
+            called = _called(transition.guard, has_message=message is not None)
+            parts.append(element("guard", condition=called))
         parts.append(self._kind(transition, path))
         parts += [self._action(a, has_sender=message is not None) for a in transition.actions]
         made = element("transition" if name else "default_transition", parts, name=name)
@@ -165,6 +169,18 @@ def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
     if not sent or arguments[:1] == [sent]:
         return arguments
     return [sent, _SENDER] if has_sender else [sent]
+
+
+def _called(guard: str, *, has_message: bool) -> str:
+    """Returns a guard whose conditions have arguments, as those of AS5684 have."""
+
+    def with_arguments(match: re.Match[str]) -> str:
+        name, arguments = match.groups()
+        asked = _SENDER if name in _OF_SENDER else "msg"
+        given = f"({asked})" if has_message else "()"
+        return f"{name}{arguments or given}"
+
+    return _CONDITION.sub(with_arguments, guard)
 
 
 def reference_name(service: jaus.Service) -> str:
