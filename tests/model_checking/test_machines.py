@@ -85,3 +85,41 @@ def test_a_state_that_nothing_leaves_is_found(tmp_path):
     (tmp_path / "lamp.xmi").write_text(text.replace(way_out, ""), encoding="utf-8")
     assert found_in(LAMP)["spot: LampFSM of Lamp"] == set()
     assert DEADLOCK in found_in(tmp_path / "lamp.xmi")["spot: LampFSM of Lamp"]
+
+
+REFINES_ACCESS_CONTROL = """<?xml version="1.0" encoding="UTF-8"?>
+<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:jaus="http://www.jausml.org/jaus/1.0" xmlns:system="http://www.jausml.org/system/1.0">
+  <jaus:ServiceSet name="farm">
+    <services xmi:id="Baler" name="Baler" urn="urn:example:farm:Baler">
+      <inherits href="http://www.jausml.org/library/jaus/core-1.1.xmi#AccessControl"/>
+      <inputs xmi:id="Baler.SetBaling" name="SetBaling" code="0xD110" isCommand="true"/>
+      <machines name="ReceiveFSM">
+        <states name="Receiving.Ready.Controlled.Available">
+          <states name="Idle" initial="true">
+            <transitions message="Baler.SetBaling" guard="isControllingClient"
+                target="Receiving.Ready.Controlled.{target}"/>
+          </states>
+          <states name="Baling"/>
+        </states>
+        <states name="Receiving.Ready.Controlled.NotAvailable"><states name="Baling"/></states>
+      </machines>
+    </services>
+  </jaus:ServiceSet>
+  <system:System name="farm">
+    <components name="baler" address="1.1.1" controlTimeout="2" provides="Baler"/>
+  </system:System>
+</xmi:XMI>
+"""
+
+
+@pytest.mark.parametrize(
+    ("target", "rules"),
+    [("Available.Baling", set()), ("NotAvailable.Baling", {DEADLOCK, LIVELOCK, LATE_STOP})],
+)
+def test_control_lapses_where_it_is_available_alone(tmp_path, target, rules):
+    """A machine that has made control unavailable keeps a client that is lost (AS5710)."""
+    path = tmp_path / "farm.xmi"
+    path.write_text(REFINES_ACCESS_CONTROL.format(target=target), encoding="utf-8")
+    (found,) = found_in(path).values()
+    assert found == rules
