@@ -46,6 +46,37 @@ def test_a_robot_for_the_judge_leaves_safety_to_a_person(tmp_path, monkeypatch, 
     assert done.exit_code == 0, done.output
 
 
+def test_a_vehicle_of_iop_leaves_safety_to_a_person(tmp_path, monkeypatch, jausml):
+    assert jausml("init", tmp_path / "ugv", "--from", "iop-ugv").exit_code == 0
+    monkeypatch.chdir(tmp_path / "ugv")
+    model = Path("models/ugv.ros2jaus")
+    assert jausml("format", "--check", "models").exit_code == 0
+    done = jausml("validate", "models")
+    assert done.exit_code == 1
+    errors = [each for each in done.output.splitlines() if ": error: " in each]
+    assert [each.split(": error: ")[1][:6] for each in errors] == ["JML498"] * 3 + ["JML451"]
+    assert "say after how much silence the vehicle stops" in done.output
+
+    decided = {
+        "namespace: vehicle": 'allowedHosts: "127.0.0.1" namespace: vehicle',
+        "topic cmd_vel": "silenceTimeout: 0.5 topic cmd_vel",
+        "topic parking_brake\n": 'onSilence: hold holdReason: "it keeps its place" '
+        "topic parking_brake\n",
+    }
+    text = "".join(
+        each
+        for each in model.read_text(encoding="utf-8").splitlines(keepends=True)
+        if "openDecisions" not in each
+    )
+    for what, decision in decided.items():
+        assert text.count(what) == 1
+        text = text.replace(what, decision)
+    model.write_text(text, encoding="utf-8")
+    assert jausml("validate", "models", "--strict").exit_code == 0
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+
+
 @EMF
 def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
     assert jausml("init", tmp_path / "rover", *JSIDL).exit_code == 0

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.topics import Crossing
     from jausml.language.importers.jsidl import ImportResult
 
-_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, _IGVC = "example", "empty", "topics", "jsidl", "igvc"
+_EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
+_PROFILES = ("igvc", "iop-ugv")
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 """A SOURCE for each way to begin that needs some."""
 
@@ -38,18 +39,19 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 @click.option(
     "--notation",
     type=click.Choice(["xmi", "text"]),
-    help="Notation of the model; by default, xmi, and text of an igvc model.",
+    help="Notation of the model; by default, xmi, and text of a profile.",
 )
 @click.option(
     "--from",
     "origin",
-    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, _IGVC]),
+    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, *_PROFILES]),
     default=_EXAMPLE,
     show_default=True,
     help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
     "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
     "component with the services of the SOURCEs, which are JSIDL files and folders; igvc: a robot "
-    "for the JAUS challenge, as `jausml judge` judges it.",
+    "for the JAUS challenge, as `jausml judge` judges it; iop-ugv: a ground vehicle of IOP, as far "
+    "as that is public.",
 )
 @click.option(
     "--copies",
@@ -89,9 +91,10 @@ def command(
         if sources and all(":" in each for each in sources):
             what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
-    if origin == _IGVC and notation == "xmi":
-        raise click.UsageError("--from igvc uses ready maps, which are text; leave out --notation")
-    profile = origin if origin == _IGVC else ""
+    profile = origin if origin in _PROFILES else ""
+    if profile and notation == "xmi":
+        text = f"--from {origin} uses ready maps, which are text; leave out --notation"
+        raise click.UsageError(text)
     chosen: Sequence[Crossing] = ()
     try:
         is_text = notation == "text" or bool(profile)
