@@ -27,6 +27,13 @@ def test_the_nearest_name_comes_first():
     assert found[0].label == "geometry_msgs/Twist"
 
 
+def test_the_very_name_comes_before_what_fits_where_it_is_dropped():
+    scope = scope_of(CAR)
+    onto = named(scope, bridge.Bridge, "catvehicle.bridge")
+    assert labels(palette(scope, "node", onto=onto))[0] == "node"
+    assert labels(palette(scope, "health", onto=onto))[0] == "health"
+
+
 def test_kinds_and_limits_are_kept():
     scope = scope_of(CAR)
     found = palette(scope, "", kinds=["elements"])

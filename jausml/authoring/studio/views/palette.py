@@ -82,8 +82,8 @@ def palette(
 ) -> list[PaletteItem]:
     """Returns what can be added, the best first.
 
-    What fits an element comes before what the system takes; without words to look for it leaves
-    half of the room to that.
+    What has the very name that is looked for comes first. Then, what fits an element comes before
+    what the system takes; without words to look for it leaves half of the room to that.
 
     Args:
         kinds: The groups that are meant, all when None.
@@ -96,11 +96,16 @@ def palette(
     turns: list[tuple[EObject | None, int]] = [(None, limit)]
     if target is not None:
         turns.insert(0, (target, limit if wanted else limit // 2))
+    others = [_external(scope), *_own(scope), *library_entries()]
+    ranked = [
+        (each, most, _ranked([*_elements(scope, each), *others], wanted, groups))
+        for each, most in turns
+    ]
     found: list[PaletteItem] = []
-    for each, most in turns:
-        entries = [*_elements(scope, each), _external(scope), *_own(scope), *library_entries()]
-        items = _items(scope, _ranked(entries, wanted, groups), each)
-        found += islice(items, most - len(found))
+    for is_named in (True, False) if wanted else (False,):
+        for each, most, entries in ranked:
+            meant = (entry for rank, entry in entries if (rank == 0 and bool(wanted)) is is_named)
+            found += islice(_items(scope, meant, each), most - len(found))
     return found
 
 
@@ -117,15 +122,14 @@ def _target(scope: Scope, onto: str) -> EObject | None:
 
 def _ranked(
     entries: Sequence[Entry], wanted: Sequence[str], groups: set[str] | None
-) -> Iterator[Entry]:
-    """Yields the entries of some groups that fit words, the best first."""
+) -> list[tuple[int, Entry]]:
+    """Returns the entries of some groups that fit words with their ranks, the best first."""
     ranked = sorted(
         (rank, len(each.label) if wanted else 0, index)
         for index, each in enumerate(entries)
         if (groups is None or each.group in groups) and (rank := each.rank(wanted)) is not None
     )
-    for *_, index in ranked:
-        yield entries[index]
+    return [(rank, entries[index]) for rank, _, index in ranked]
 
 
 def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> Iterator[PaletteItem]:
