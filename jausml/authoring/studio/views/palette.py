@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 MOST = 60
 """How many items are shown unless more are asked for."""
 
+_MENTIONED = 3
+"""The rank of what has the words in its description alone."""
+
 COMPONENTS, SERVICES, TYPES, MAPS, ELEMENTS = (
     "components",
     "services",
@@ -70,7 +73,7 @@ class Entry:
             return 0
         if label.startswith(wanted[0]) or f" {wanted[0]}" in f" {self.words.split('|', 1)[0]}":
             return 1
-        return 2 if wanted[0] in label else 3
+        return 2 if wanted[0] in label else _MENTIONED
 
 
 def palette(
@@ -82,8 +85,9 @@ def palette(
 ) -> list[PaletteItem]:
     """Returns what can be added, the best first.
 
-    What has the very name that is looked for comes first. Then, what fits an element comes before
-    what the system takes; without words to look for it leaves half of the room to that.
+    What fits an element comes before what the system takes; without words to look for it leaves
+    half of the room to that. Where something has the very name that is looked for, what only
+    mentions it is left out.
 
     Args:
         kinds: The groups that are meant, all when None.
@@ -101,11 +105,11 @@ def palette(
         (each, most, _ranked([*_elements(scope, each), *others], wanted, groups))
         for each, most in turns
     ]
+    is_named = any(rank == 0 for *_, entries in ranked for rank, _ in entries)
     found: list[PaletteItem] = []
-    for is_named in (True, False) if wanted else (False,):
-        for each, most, entries in ranked:
-            meant = (entry for rank, entry in entries if (rank == 0 and bool(wanted)) is is_named)
-            found += islice(_items(scope, meant, each), most - len(found))
+    for each, most, entries in ranked:
+        meant = (entry for rank, entry in entries if rank < _MENTIONED or not is_named)
+        found += islice(_items(scope, meant, each), most - len(found))
     return found
 
 
