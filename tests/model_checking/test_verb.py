@@ -201,4 +201,4 @@ def test_files_of_a_user_are_left_alone(examples):
 def test_a_folder_that_is_a_file(tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert run(CARELESS, "-o", tmp_path / "file", status=2)
-    assert "cannot make" in run(CARELESS, "-o", tmp_path / "file" / "below", status=2).output
+    assert "cannot write" in run(CARELESS, "-o", tmp_path / "file" / "below", status=2).output

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, counted, say, write_document
+from jausml.cli.shared.files import (
+    PROBLEMS,
+    EnvironmentFault,
+    counted,
+    made_folder,
+    say,
+    write_document,
+)
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 
@@ -65,12 +72,7 @@ def jsidl(
     if report.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)
-    folder = Path(output)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        shown = click.format_filename(output)
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    folder = made_folder(Path(output))
     states = [
         write_document(str(folder / name), data, (), force=force)
         for name, data in result.documents.items()

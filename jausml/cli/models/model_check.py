@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_document, write_report
+from jausml.cli.shared.files import (
+    PROBLEMS,
+    EnvironmentFault,
+    made_folder,
+    write_document,
+    write_report,
+)
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import FiniteRange, format_option, quiet_option
 
@@ -115,11 +121,7 @@ def _write_examples(
     from jausml.model_checking.virtual_test import virtual_test
     from jausml.views.diagrams.writers import sequence
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        shown = click.format_filename(folder)
-        raise EnvironmentFault(f"cannot make {shown}: {error.strerror}") from error
+    made_folder(folder)
     for outcome in outcomes:
         for each in (each for each in outcome.found if each.moments):
             words = re.findall(r"\w+", f"{outcome.subject.name} {each.rule.lower()}")

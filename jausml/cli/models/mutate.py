@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, made_folder, write_report
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
-from jausml.cli.shared.options import FiniteRange, format_option, scheduler_option
+from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
@@ -43,12 +43,7 @@ if TYPE_CHECKING:
     metavar="SECONDS",
     help="Time after which no further mutation is begun.",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="Processes that work at once; by default, one for each processor.",
-)
+@jobs_option
 @click.option(
     "--run",
     "run",
@@ -170,9 +165,5 @@ def _run(
 
 
 def _write_page(text: str, folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        name = click.format_filename(folder)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+    made_folder(folder)
     write_report(text, str(folder / "index.html"))

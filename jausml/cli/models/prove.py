@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, made_folder, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
-from jausml.cli.shared.options import FiniteRange, format_option, scheduler_option
+from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
@@ -38,12 +38,7 @@ _FORMATS = ("text", "json", "sarif")
     metavar="SECONDS",
     help="Time for all values of numbers of 17 to 32 bits; without it, chosen ones are tried.",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="Processors that work at once; by default, one for each processor.",
-)
+@jobs_option
 @click.option("--no-cache", is_flag=True, help="Prove what was proved before, too.")
 @scheduler_option
 @format_option("Format of the results.", _FORMATS)
@@ -139,11 +134,7 @@ def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> 
     from jausml.proving.findings import by_map
     from jausml.proving.pages import pages
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        name = click.format_filename(folder)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+    made_folder(folder)
     for name, page in pages(results, by_map(judged)):
         write_report(page, str(folder / name))
 

@@ -48,6 +48,16 @@ def write_report(rendered: str | bytes, output: str | None) -> None:
         raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
 
 
+def made_folder(folder: Path) -> Path:
+    """Returns a folder that is there, which files can be written into."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        name = click.format_filename(folder)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+    return folder
+
+
 def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     """Returns root elements as the bytes of a document.
 

@@ -75,6 +75,13 @@ def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorat
     )
 
 
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Processes that work at once; by default, one for each processor.",
+)
+
 scheduler_option = click.option(
     "--scheduler",
     default="",
