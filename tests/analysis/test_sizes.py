@@ -14,8 +14,7 @@ from jausml.live.messages.samples import example, sample
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Priority
 from jausml.runtime.transports.packets.packetizer import Packetizer
-from jausml.views.analysis.cdr import ros_size
-from jausml.views.analysis.sizes import jaus_size
+from jausml.views.analysis.sizes import jaus_size, ros_size
 from jausml.views.analysis.streams import on_wire, packet_count
 
 HERE, THERE = JausAddress(1, 1, 1), JausAddress(2, 1, 1)

@@ -325,7 +325,7 @@ def test_what_is_skipped_is_counted(jausml, tmp_path):
 
 
 def test_infinity_is_a_string_since_json_has_none():
-    from jausml.cli.shared.lines import to_json
+    from jausml.cli.shared.files import to_json
 
     assert to_json({"x": [float("inf"), 1.5]}) == '{"x": ["inf", 1.5]}'
 

@@ -197,7 +197,7 @@ def test_projects_that_write_at_once_lose_nothing(project: Project) -> None:
 def test_a_program_that_holds_the_folder_is_not_waited_for_forever(
     project: Project, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("jausml.authoring.editing.disk._PATIENCE", 0.05)
+    monkeypatch.setattr("jausml.authoring.editing.reading._PATIENCE", 0.05)
     held = os.open(project.root, os.O_RDONLY)
     fcntl.flock(held, fcntl.LOCK_EX)
     with pytest.raises(EditError, match="for too long") as caught:

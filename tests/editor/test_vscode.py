@@ -10,7 +10,7 @@ from build_grammar import GRAMMAR as GRAMMAR_FILE
 from build_grammar import grammar
 from for_each import for_each
 
-from jausml.authoring.editor.classes import keywords
+from jausml.authoring.editor.context import keywords
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.notation import SUFFIX

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from jausml.authoring.differences.finding import changes
-from jausml.authoring.merging.conflicts import MERGE_RULES
 from jausml.authoring.merging.merging import UnmergeableError, merged
+from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.language.model import LIBRARY_URI, read_models
 from jausml.language.model.library import LIBRARY_URI as NAME
 

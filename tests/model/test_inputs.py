@@ -13,7 +13,7 @@ from jausml.language.model.inputs import LIMIT, open_input, read_input, read_tex
 pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
-    "views/analysis/constants.py",
+    "views/analysis/assumptions.py",
     "generation/again.py",
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
@@ -31,7 +31,7 @@ OWN_DATA = {
 
 STREAMS = {
     "cli/live/decode.py": "lines, after is_file",
-    "cli/shared/lines.py": "lines of bounded length, by pipes too",
+    "cli/shared/files.py": "lines of bounded length, by pipes too",
     "cli/live/recordings.py": "writes, and captures, large and by pipes",
     "live/recording/parts.py": "writes",
     "live/machine/network.py": "a setting of the kernel",

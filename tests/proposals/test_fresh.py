@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.authoring.proposals.fresh import free_name
+from jausml.authoring.proposals.new_elements import free_name
 
 
 def test_a_name_of_any_length_can_be_made_unique():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.authoring.proposals.parameters import (
+from jausml.authoring.proposals.topics import (
     described_joints,
     frame_role,
     is_worth_reading,

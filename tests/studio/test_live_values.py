@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.studio.live_values import HISTORY, Places, live_values, places_of
+from jausml.authoring.studio.live import HISTORY, Places, live_values, places_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.declared import components_of, declarations_of

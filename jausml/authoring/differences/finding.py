@@ -6,9 +6,10 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.authoring.differences.changes import Change, Kind, breaks
-from jausml.authoring.differences.matching import Matching, address, owned, values
-from jausml.authoring.differences.wording import (
+from jausml.authoring.differences.changes import (
+    Change,
+    Kind,
+    breaks,
     element_words,
     is_sign_change,
     statement,
@@ -16,6 +17,7 @@ from jausml.authoring.differences.wording import (
     with_unit,
     words,
 )
+from jausml.authoring.differences.matching import Matching, address, owned, values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge, jaus
 

@@ -1,21 +1,16 @@
-"""Drafts: the files of a project while commands are planned, before anything is written."""
+"""Drafts: the files of a project while commands are planned, and what planners are told of them."""
 
 from __future__ import annotations
 
 import posixpath
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
 from urllib.parse import quote
 
 from jausml.authoring.editing.applying import converted, feature_of
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.layout import is_layout
-from jausml.authoring.editing.reading import (
-    can_be_parsed,
-    digest,
-    is_library,
-    is_text,
-    stored,
-)
+from jausml.authoring.editing.reading import can_be_parsed, digest, is_library, is_text, stored
 from jausml.authoring.editing.records import FileChange, Stored
 from jausml.authoring.editing.splices import applied, difference, merged
 from jausml.language.metamodel import FeatureKind, load_metamodels
@@ -30,14 +25,16 @@ from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.authoring.editing.commands import Create, Values
+    from jausml.authoring.editing.commands import Create, ElementCommand, Values
     from jausml.authoring.editing.reading import Reader
     from jausml.authoring.editing.splices import Splice
-    from jausml.language.metamodel import FeatureTable, Metamodels
+    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
+    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.documents import Document
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.model.refs import Ref
 
@@ -218,3 +215,61 @@ def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
         set_values(root, feature, found)
     elif found:
         set_value(root, feature, found[0])
+
+
+@dataclass(frozen=True)
+class Context:
+    """The file for which is planned, and the model that was read of it and all it refers to.
+
+    Attributes:
+        root: The opened folder, symbolic links followed.
+        working_copy: The elements of all files concerned, as the commands will have them.
+        paths: The paths of copies of the working copy before the commands.
+    """
+
+    file: str
+    root: Path
+    model: Model
+    working_copy: WorkingCopy
+    paths: Mapping[ElementCopy, str]
+    locate: Callable[[Ref], tuple[EObject, Model]]
+
+    @property
+    def document(self) -> Document:
+        """The document of the file."""
+        return self.model.documents[0]
+
+    def find(self, ref: Ref) -> EObject | None:
+        """Returns the element of a ref, None when neither the file nor what it refers to has it."""
+        return refs.find(ref, self.model, self.root)
+
+    def ref(self, copy: ElementCopy) -> Ref:
+        """Returns the ref of an element as it was read."""
+        return f"{copy.file}#{self.working_copy.identifiers.get(copy) or self.paths[copy]}"
+
+    def find_class(self, ref: Ref) -> ClassTable:
+        """Returns the class of the element of a ref."""
+        obj, model = self.locate(ref)
+        return model.metamodels.class_of(obj)
+
+    def is_own(self, obj: EObject | None) -> bool:
+        """Tells whether an element stands in the file."""
+        return self.model.document_of(obj) is self.document
+
+
+class Planner(Protocol):
+    """Plans changes of a file of one notation."""
+
+    def __call__(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
+        """Returns what is to change in one file so that commands hold.
+
+        In the file that has an element of a command this is the change itself; in a file that
+        refers to it, what that file says of it. What goes with an element that is removed was
+        worked out before: it stands among the commands, as `Set` and `Remove` of their own.
+
+        Args:
+            commands: The commands, all of the same state of the files.
+
+        Raises:
+            UnwritableError: The notation cannot say what is wanted.
+        """

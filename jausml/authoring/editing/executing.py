@@ -18,9 +18,8 @@ from jausml.authoring.editing.commands import (
     Set,
     with_created,
 )
-from jausml.authoring.editing.drafts import new_document
+from jausml.authoring.editing.drafts import Context, new_document
 from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
-from jausml.authoring.editing.planning import Context
 from jausml.authoring.editing.records import Referrer
 from jausml.authoring.editing.text.planner import plan_text
 from jausml.authoring.editing.working_copy import WorkingCopy
@@ -34,9 +33,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command, ElementCommand
-    from jausml.authoring.editing.drafts import Draft
+    from jausml.authoring.editing.drafts import Draft, Planner
     from jausml.authoring.editing.layout import Layout
-    from jausml.authoring.editing.planning import Planner
     from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject

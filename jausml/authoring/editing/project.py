@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.describing import described, pasted
-from jausml.authoring.editing.disk import Disk
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
-from jausml.authoring.editing.log import Log, takes_back
 from jausml.authoring.editing.reading import (
+    Disk,
     Reader,
     encoded,
     is_library,
@@ -30,8 +29,10 @@ from jausml.authoring.editing.records import (
     FileChange,
     FileInfo,
     Freshness,
+    Log,
     Preview,
     Referrer,
+    takes_back,
 )
 from jausml.authoring.editing.splices import applied, difference, unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy

@@ -1,4 +1,4 @@
-"""A project's files: texts become the bytes of files, and bytes become models, each read once."""
+"""A project's files as they are stored, locked and replaced, and their models, each read once."""
 
 from __future__ import annotations
 
@@ -6,30 +6,34 @@ import codecs
 import hashlib
 import os
 import re
+import sys
+import time
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing import layout
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness, Stored
 from jausml.language.model.diagnostics import Severity
+from jausml.language.model.inputs import read_input
 from jausml.language.model.library import library_root
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.xmi.parsing import parse as parse_xmi
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project.index import Index, Models
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
     from jausml.language.text.reading.parsing import Parsed
-
 
 _MARKS = (b"<<<<<<< ", b">>>>>>> ")
 
@@ -195,3 +199,90 @@ def encoded(text: str, before: bytes) -> bytes:
     except UnicodeEncodeError as error:
         message = f"the text has half a character, U+{ord(text[error.start]):04X}"
         raise EditError(message) from error
+
+
+if sys.platform != "win32":
+    import fcntl
+
+_PATIENCE, _STEP = 2.0, 0.005
+"""Seconds that is waited for others to have stored, and from one look to the next."""
+
+
+def _is_locked(descriptor: int) -> bool:
+    """Locks what is open unless another has; also where there are no locks."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+class Disk:
+    """The files below a folder."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._is_alone = False
+
+    def read(self, file: str) -> bytes | None:
+        """Returns what is stored of a file, None when it is not there."""
+        path = self._root / file
+        if not Path(os.path.realpath(path)).is_relative_to(self._root):
+            raise EditError(f"{file} lies outside the opened folder")
+        try:
+            return read_input(path)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise EditError(f"{file} cannot be read: {error.strerror}") from error
+
+    def readable(self, file: str) -> bytes | None:
+        """Returns what is stored of a file, None also when it cannot be read."""
+        try:
+            return self.read(file)
+        except EditError:
+            return None
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keeps other projects of this folder from storing as long as the context lasts.
+
+        One thread at a time may ask, also within such a context.
+
+        The folder itself is locked, so that no file is left. Windows, and some file systems, have
+        no such lock.
+
+        Raises:
+            EditError: Another one has stored for longer than anybody waits.
+        """
+        if sys.platform == "win32" or self._is_alone:
+            yield
+            return
+        descriptor = os.open(self._root, os.O_RDONLY)
+        try:
+            end = time.monotonic() + _PATIENCE
+            while not _is_locked(descriptor):
+                if time.monotonic() > end:
+                    message = "another program has been writing into the folder for too long"
+                    raise EditError(message, conflict=True)
+                time.sleep(_STEP)
+            self._is_alone = True
+            yield
+        finally:
+            self._is_alone = False
+            os.close(descriptor)
+
+    def store(self, file: str, data: bytes | None) -> None:
+        """Stores a file, which is old or new at any moment; None deletes it.
+
+        Raises:
+            OSError: It cannot be stored; it is left as it was.
+        """
+        path = self._root / file
+        if data is None:
+            path.unlink(missing_ok=True)
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            replace_file(path, data)

@@ -6,8 +6,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editor.classes import contained_classes, features_of, keywords, table
-from jausml.authoring.editor.context import Part, context_at
+from jausml.authoring.editor.context import (
+    Part,
+    contained_classes,
+    context_at,
+    features_of,
+    keywords,
+    table,
+)
 from jausml.authoring.editor.paths import facts, fields_of, sides_at
 from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import names_in, pieces_parsed

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editor.classes import features_of, keywords, table
-from jausml.authoring.editor.context import Part, context_at
+from jausml.authoring.editor.context import Part, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, word_at
 from jausml.authoring.editor.paths import facts, sides_at
 from jausml.authoring.editor.positions import Place

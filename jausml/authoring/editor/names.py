@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editor.classes import class_of, class_of_value, feature_named, table
+from jausml.authoring.editor.context import class_of, class_of_value, feature_named, table
 from jausml.authoring.editor.positions import is_within
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
 from jausml.language.text.tree import (

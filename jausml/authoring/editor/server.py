@@ -18,10 +18,8 @@ from pygls.uris import from_fs_path, to_fs_path
 from jausml import __version__
 from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
 from jausml.authoring.editor.definition import Symbol, define, outline
-from jausml.authoring.editor.fixing import Fix, fixes
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.positions import Columns, Place
-from jausml.authoring.editor.renaming import RenameError, rename, renamed_span
 from jausml.authoring.editor.workbench import (
     Problem,
     Workbench,
@@ -29,6 +27,7 @@ from jausml.authoring.editor.workbench import (
     parsed_text,
     syntax_problems,
 )
+from jausml.authoring.editor.workspace_edits import Fix, RenameError, fixes, rename, renamed_span
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX
@@ -40,7 +39,7 @@ from jausml.language.text.writing.spelling import word
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.authoring.editor.unsaved import Edit
+    from jausml.authoring.editor.workspace_edits import Edit
 
 PAUSE = 0.3
 """Seconds without a change after which an open text is read as a model."""

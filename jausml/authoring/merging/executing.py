@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.authoring.differences.wording import words
+from jausml.authoring.differences.changes import words
 from jausml.authoring.editing.commands import IDENTIFIER, Add, Child, EditError, Move, Remove, Set
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.working_copy import WorkingCopy
-from jausml.authoring.merging.conflicts import GONE_HERE, LOST_TARGET, Conflict
+from jausml.authoring.merging.planning import GONE_HERE, LOST_TARGET, Conflict
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import NOTATIONS, Reader, stored
-from jausml.authoring.merging.conflicts import ELSEWHERE, MERGE_RULES, Conflict
 from jausml.authoring.merging.executing import Execution
-from jausml.authoring.merging.planning import planned
+from jausml.authoring.merging.planning import ELSEWHERE, MERGE_RULES, Conflict, planned
 from jausml.authoring.merging.sides import Sides
 from jausml.language.model import refs
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jausml.authoring.differences.changes import element_words
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.differences.matching import Matching
-from jausml.authoring.differences.wording import element_words
 from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import contents

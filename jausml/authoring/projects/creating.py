@@ -23,7 +23,7 @@ from jausml.authoring.projects.places import (
     place_of,
     text_of,
 )
-from jausml.authoring.proposals.fresh import free_address
+from jausml.authoring.proposals.new_elements import free_address
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file, to_xmi

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import NEW, Add, Child, Set, with_created
 from jausml.authoring.editing.describing import described
 from jausml.authoring.proposals.elements import literal, values_of
-from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
+from jausml.authoring.proposals.new_elements import free_address, name_among, participant_name
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case

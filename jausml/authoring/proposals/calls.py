@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.bridging import copied, fitting, offer_of, shifted, with_service
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.fresh import name_among
-from jausml.authoring.proposals.open_points import OpenPoint, open_decisions
+from jausml.authoring.proposals.new_elements import OpenPoint, name_among, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.project.library import library

@@ -13,7 +13,7 @@ from jausml.authoring.proposals.calls import (
     peers_of,
 )
 from jausml.authoring.proposals.named_elements import are_examples
-from jausml.authoring.proposals.open_points import OpenPoint, open_decisions, pending
+from jausml.authoring.proposals.new_elements import OpenPoint, open_decisions, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words

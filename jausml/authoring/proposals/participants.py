@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import NEW, Add, Child, Set
 from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
 from jausml.authoring.proposals.elements import service_of, type_of
-from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
 from jausml.authoring.proposals.named_elements import copied_with_names
+from jausml.authoring.proposals.new_elements import free_name, stated_or_free_address
 from jausml.authoring.proposals.topics import joins_of
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case

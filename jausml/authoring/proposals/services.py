@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
 from jausml.authoring.proposals.elements import AnswerError, label_of, service_of
-from jausml.authoring.proposals.fresh import free_name
 from jausml.authoring.proposals.message_words import (
     COMMAND,
     QUERY,
@@ -16,6 +15,7 @@ from jausml.authoring.proposals.message_words import (
     MessageWish,
     message_of_words,
 )
+from jausml.authoring.proposals.new_elements import free_name
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.values import show

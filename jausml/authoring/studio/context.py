@@ -1,21 +1,21 @@
-"""What request handlers work with: the project, what was found about it, and the pages."""
+"""What request handlers work with: the project, its pictures and kept edits, and the pages."""
 
 from __future__ import annotations
 
 import logging
 import threading
-from collections import OrderedDict, deque
+from collections import OrderedDict, defaultdict, deque
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.editing.commands import Add, Create, Place
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
-from jausml.authoring.studio.drawing import Drawings
-from jausml.authoring.studio.json_values import entry_as_json, files_as_json
-from jausml.authoring.studio.kept_edits import KeptEdits
+from jausml.authoring.studio.json_values import as_json, entry_as_json, files_as_json
 from jausml.authoring.studio.views.trying import Trials
+from jausml.language.model import refs
 from jausml.language.model.refs import file_of
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
@@ -24,18 +24,155 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
+from jausml.views.diagrams.bundling import framed, is_crowded
+from jausml.views.diagrams.layout.columns import Columns
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.writers import values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
     from jausml.authoring.editing.records import Change, Entry
+    from jausml.views.diagrams.graph import Graph
+
+_MOST_KEPT = 64
+
+
+@dataclass(frozen=True)
+class KeptEdit:
+    """An edit that was not done."""
+
+    number: int
+    label: str
+    commands: tuple[Command, ...]
+    base: int
+    why: str
+
+    @property
+    def files(self) -> frozenset[str]:
+        """The files that it would change."""
+        return frozenset(filter(None, map(_file, self.commands)))
+
+    def as_json(self) -> dict[str, Any]:
+        """What pages are told of it."""
+        return {
+            "number": self.number,
+            "label": self.label,
+            "commands": as_json(self.commands),
+            "why": self.why,
+            "files": sorted(self.files),
+        }
+
+
+class KeptEdits:
+    """The edits that are kept, the oldest first; any thread may ask."""
+
+    def __init__(self) -> None:
+        self._edits: dict[int, KeptEdit] = {}
+        self._count = 0
+        self._lock = threading.Lock()
+
+    @property
+    def all(self) -> tuple[KeptEdit, ...]:
+        """All of them."""
+        with self._lock:
+            return tuple(self._edits.values())
+
+    def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
+        """Keeps an edit; tells whether there was room for it."""
+        with self._lock:
+            if len(self._edits) >= _MOST_KEPT:
+                return False
+            self._count += 1
+            kept = KeptEdit(self._count, label, tuple(commands), base, why)
+            self._edits[kept.number] = kept
+            return True
+
+    def find(self, number: int) -> KeptEdit | None:
+        """Returns an edit, None when it is kept no more."""
+        with self._lock:
+            return self._edits.get(number)
+
+    def discard(self, number: int) -> None:
+        """Forgets an edit."""
+        with self._lock:
+            self._edits.pop(number, None)
+
+    def concerning(self, files: frozenset[str]) -> tuple[KeptEdit, ...]:
+        """Returns those that would change one of some files."""
+        return tuple(each for each in self.all if not each.files.isdisjoint(files))
+
+
+def _file(command: Command) -> str:
+    """Returns the file that a command changes first."""
+    if isinstance(command, Create | Place):
+        return command.file
+    return refs.split(command.owner if isinstance(command, Add) else command.element)[0]
+
+
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass
+class _View:
+    """What is known of a view; the lock is held while it is drawn.
+
+    Whether it is crowded is decided when its boxes get their places: no edit moves them.
+    """
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    standing: values.Standing = field(default_factory=values.Standing)
+    is_crowded: bool = False
+
+
+class Drawings:
+    """Views as pages draw them: what stands stays until someone asks to arrange it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._views: dict[tuple[str, str], _View] = defaultdict(_View)
+        self._engine = Graphviz()
+
+    def draw(self, file: str, graph: Graph, moved: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
+        """Returns a graph with sizes and places."""
+        view = self._view(file, graph.view)
+        with view.lock:
+            try:
+                return self._drawn(view, graph, moved)
+            except LayoutError:
+                raise
+            except Exception:
+                # What is remembered of former pictures must not keep the view from being shown.
+                _LOG.exception("the view %s of %s is drawn anew", graph.view, file)
+                view.standing = values.Standing()
+                return self._drawn(view, graph, moved)
+
+    def _drawn(
+        self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
+    ) -> dict[str, Any]:
+        if not view.standing.shown:
+            view.is_crowded = is_crowded(graph)
+        if view.is_crowded:
+            return values.render(framed(graph), Columns(), moved, view.standing)
+        return values.render(graph, self._engine, moved, view.standing)
+
+    def forget(self, file: str, name: str) -> None:
+        """Forgets where the boxes of a view stand."""
+        view = self._view(file, name)
+        with view.lock:
+            view.standing = values.Standing()
+
+    def _view(self, file: str, name: str) -> _View:
+        with self._lock:
+            return self._views[file, name]
 
 
 _MOST_SHOWN = 8
 
-_MOST = 100
+_MOST_FAULTS = 100
 
 _LOGGER = "jausml"
 
@@ -108,7 +245,7 @@ class Faults(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
-        self._records: deque[dict[str, Any]] = deque(maxlen=_MOST)
+        self._records: deque[dict[str, Any]] = deque(maxlen=_MOST_FAULTS)
         self._lock = threading.Lock()
         self._format = logging.Formatter("%(message)s")
 

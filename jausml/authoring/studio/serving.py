@@ -18,8 +18,8 @@ from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
-from jausml.authoring.studio.page_socket import LARGEST_MESSAGE, PageSocket
 from jausml.authoring.studio.security import Guard, Served, Token
+from jausml.authoring.studio.sockets import LARGEST_MESSAGE, PageSocket
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
@@ -152,8 +152,8 @@ class Studio:
 
     async def _language_socket(self, socket: WebSocket) -> None:
         # It takes longer to load than all else, and who draws only never needs it.
-        await asyncio.to_thread(import_module, "jausml.authoring.studio.language")
-        from jausml.authoring.studio.language import LanguageSocket  # noqa: PLC0415
+        await asyncio.to_thread(import_module, "jausml.authoring.studio.sockets")
+        from jausml.authoring.studio.sockets import LanguageSocket  # noqa: PLC0415
 
         async with self._accepted(socket) as is_accepted:
             if is_accepted:

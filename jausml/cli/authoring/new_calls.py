@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.calls import Half
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.goals import ListWay
-    from jausml.authoring.proposals.open_points import OpenPoint
+    from jausml.authoring.proposals.new_elements import OpenPoint
     from jausml.language.metamodel.classes import bridge as bridges
     from jausml.language.metamodel.classes import ros
     from jausml.language.metamodel.classes.ecore import EObject
@@ -136,8 +136,8 @@ def _map_of(
 ) -> Sequence[Command] | None:
     """Returns what makes the map of a half; None where the model can refer to one."""
     from jausml.authoring.proposals.calls import own_copy
-    from jausml.authoring.proposals.fresh import name_among
     from jausml.authoring.proposals.mapping.beginning import Wish
+    from jausml.authoring.proposals.new_elements import name_among
     from jausml.cli.authoring.new_map import begun_map
     from jausml.language.model.names import name_of
 
@@ -272,7 +272,7 @@ def _chosen_way(
 def _free_name(owner: bridges.Bridge, name: str) -> str:
     """Returns a name for the connection of a service or action that a bridge does not have yet."""
     from jausml.authoring.projects.places import ProjectError
-    from jausml.authoring.proposals.fresh import name_among
+    from jausml.authoring.proposals.new_elements import name_among
     from jausml.language.model.names import name_of
 
     carried = (*(each.service for each in owner.serviceConnections),)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from jausml.authoring.projects.places import Place
-    from jausml.authoring.proposals.open_points import OpenPoint
+    from jausml.authoring.proposals.new_elements import OpenPoint
 
 
 def model_option(command: Callable[..., None]) -> Callable[..., None]:

@@ -49,7 +49,7 @@ def graph_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def what_runs_here(seconds: float) -> Running:
     """Returns what runs now, after it has listed all of it."""
-    from jausml.authoring.proposals.parameters import is_worth_reading
+    from jausml.authoring.proposals.topics import is_worth_reading
     from jausml.live.ros.node import RosFault
     from jausml.live.ros.running import what_runs
 
@@ -82,7 +82,7 @@ def _said_lines(running: Running) -> Iterator[str]:
 
 def _parameter_lines(running: Running) -> Iterator[str]:
     """Yields the parameters that say something for a model, and what."""
-    from jausml.authoring.proposals.parameters import says
+    from jausml.authoring.proposals.topics import says
 
     for node, values in sorted(running.parameters.items()):
         for name, value in sorted(values.items()):
@@ -98,7 +98,7 @@ def _frames(running: Running) -> dict[str, str]:
 
     Odometry tells what is; parameters tell what somebody wants.
     """
-    from jausml.authoring.proposals.parameters import frame_role
+    from jausml.authoring.proposals.topics import frame_role
 
     published: dict[str, set[str]] = {}
     for topic in running.graph.topics:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.live.recordings import opened, skipped_lines
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
-from jausml.cli.shared.lines import (
+from jausml.cli.shared.files import (
     FORMATS,
+    PROBLEMS,
     STDIN,
+    EnvironmentFault,
     read_lines,
     reason_of,
     shown_path,

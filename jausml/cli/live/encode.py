@@ -8,8 +8,7 @@ from typing import Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS
-from jausml.cli.shared.lines import STDIN, read_lines, shown_path, write
+from jausml.cli.shared.files import PROBLEMS, STDIN, read_lines, shown_path, write
 from jausml.cli.shared.models import model_option, open_catalogue, told
 
 

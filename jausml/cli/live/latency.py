@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.live.network import Settings, operator_options, until_interrupted
-from jausml.cli.shared.files import PROBLEMS
-from jausml.cli.shared.lines import to_json
+from jausml.cli.shared.files import PROBLEMS, to_json
 from jausml.cli.shared.models import only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn

@@ -10,8 +10,7 @@ import click
 
 from jausml.cli.live.network import TARGET, Settings, operator_options, until_interrupted
 from jausml.cli.shared import options
-from jausml.cli.shared.files import PROBLEMS
-from jausml.cli.shared.lines import to_json
+from jausml.cli.shared.files import PROBLEMS, to_json
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
 

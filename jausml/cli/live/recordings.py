@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.lines import STDIN, reason_of, shown_path
+from jausml.cli.shared.files import STDIN, EnvironmentFault, reason_of, shown_path
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from jausml.cli.live.recordings import (
     stopped_by_signals,
     written,
 )
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
-from jausml.cli.shared.lines import shown_path
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, shown_path
 from jausml.cli.shared.models import bridge_options, only_system, open_catalogue, valid_model
 from jausml.cli.shared.options import (
     FiniteRange,

@@ -153,7 +153,7 @@ def _sources(
 
 def _print(state: SystemState, *, as_json: bool) -> None:
     if as_json:
-        from jausml.cli.shared.lines import to_json
+        from jausml.cli.shared.files import to_json
         from jausml.live.systems.state import state_as_json
 
         now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")

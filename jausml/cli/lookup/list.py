@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml.cli.shared.files import line_format_option, to_json, write
 from jausml.cli.shared.known import known, library_file
-from jausml.cli.shared.lines import line_format_option, to_json, write
 from jausml.cli.shared.models import is_in_project, model_option, project_files
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.authoring.merging.conflicts import MERGE_RULES
+from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.cli.shared.project_names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES

@@ -35,8 +35,8 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
 
     Exit status: 0 merged, 1 merged with conflicts, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.merging.conflicts import AS_LINES
     from jausml.authoring.merging.merging import UnmergeableError, merged
+    from jausml.authoring.merging.planning import AS_LINES
     from jausml.language.model.project import find_project_root
     from jausml.language.text.notation import SUFFIX
     from jausml.language.validation.formats.text import lines_of

@@ -14,7 +14,7 @@ from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.memory import remembering
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
-from jausml.views.analysis.cdr import ros_size
+from jausml.views.analysis.sizes import ros_size
 from jausml.views.analysis.streams import Wire, is_to_ros
 from jausml.views.analysis.traffic import traffic_of
 

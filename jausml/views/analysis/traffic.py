@@ -17,17 +17,20 @@ from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
-from jausml.views.analysis.constants import runtime_constants
-from jausml.views.analysis.requests import Request, alike_requests, peers_of, requests_of
+from jausml.views.analysis.assumptions import runtime_constants
 from jausml.views.analysis.sizes import Size, jaus_size
 from jausml.views.analysis.streams import (
     ASSUMED,
     DECLARED,
+    Request,
     Stream,
     Traffic,
+    alike_requests,
     is_single,
     is_to_ros,
     keeps_control,
+    peers_of,
+    requests_of,
 )
 
 if TYPE_CHECKING:

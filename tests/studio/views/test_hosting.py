@@ -6,7 +6,7 @@ import pytest
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import AnswerError, Scope
-from jausml.authoring.studio.views.hosting import hosted
+from jausml.authoring.studio.views.connecting import hosted
 from jausml.language.metamodel.classes import jaus, ros, system
 from jausml.language.semantics.hosts import host_of
 

@@ -11,8 +11,7 @@ from jausml.language.text.writing.layout import WIDTH, lines_of, space
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.editing.text.outline import Body, Outline
-    from jausml.authoring.editing.text.source import Edits
+    from jausml.authoring.editing.text.source import Body, Edits, Outline
     from jausml.language.text.tree import Item
 
 _INDENT = "    "

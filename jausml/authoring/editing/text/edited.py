@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.text.blocks import Blocks
 from jausml.authoring.editing.text.naming import Naming
-from jausml.authoring.editing.text.outline import Outline
-from jausml.authoring.editing.text.source import Edits, TextSource
+from jausml.authoring.editing.text.source import Edits, Outline, TextSource
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import hang, link, new_object, point, set_value, set_values
@@ -31,8 +30,8 @@ from jausml.language.text.writing.maps import MAP, MapWriter
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from jausml.authoring.editing.planning import Context
-    from jausml.authoring.editing.text.outline import Body, Part
+    from jausml.authoring.editing.drafts import Context
+    from jausml.authoring.editing.text.source import Body, Part
     from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject

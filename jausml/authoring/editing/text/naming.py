@@ -13,7 +13,7 @@ from jausml.language.text.writing.references import DocumentNames
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.authoring.editing.planning import Context
+    from jausml.authoring.editing.drafts import Context
     from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document

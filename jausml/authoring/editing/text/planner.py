@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 from jausml.authoring.editing.applying import converted
 from jausml.authoring.editing.commands import Add, EditError, Move, Rename, Set
-from jausml.authoring.editing.text.adding import Adding
 from jausml.authoring.editing.text.edited import EditedText, FeatureChange, InsertionPoints
 from jausml.authoring.editing.text.mapping import ENDS, MapChanges
-from jausml.authoring.editing.text.moving import Moving, Removing
 from jausml.authoring.editing.text.naming import named_references
+from jausml.authoring.editing.text.placing import Adding, Moving, Removing
 from jausml.authoring.editing.text.values import DOCUMENTATION, NAME, Heads, Values
 from jausml.language.model.names import name_of
 from jausml.language.model.notation import BY_NAME
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.authoring.editing.commands import ElementCommand
-    from jausml.authoring.editing.planning import Context
+    from jausml.authoring.editing.drafts import Context
     from jausml.authoring.editing.splices import Splice
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject

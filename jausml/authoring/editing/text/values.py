@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.authoring.editing.text.edited import EditedText, FeatureChange, InsertionPoints
-    from jausml.authoring.editing.text.outline import Part
+    from jausml.authoring.editing.text.source import Part
     from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
 

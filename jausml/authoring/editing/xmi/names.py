@@ -21,9 +21,8 @@ from jausml.language.model.xmi.writer import attribute_text, element_text
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.authoring.editing.planning import Context
-    from jausml.authoring.editing.xmi.edits import Edits, Line
-    from jausml.authoring.editing.xmi.source import Attribute, Element, Source
+    from jausml.authoring.editing.drafts import Context
+    from jausml.authoring.editing.xmi.source import Attribute, Edits, Element, Line, Source
     from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.model.documents import Document
     from jausml.language.model.refs import Ref

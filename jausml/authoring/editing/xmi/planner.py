@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, cast
 from jausml.authoring.editing.commands import Add, Move, Remove, Rename, Set
 from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editing.working_copy import ElementCopy
-from jausml.authoring.editing.xmi.edits import Edits
 from jausml.authoring.editing.xmi.names import (
     Names,
     element_lines,
@@ -18,7 +17,7 @@ from jausml.authoring.editing.xmi.names import (
     reference_line,
     value_line,
 )
-from jausml.authoring.editing.xmi.source import Source
+from jausml.authoring.editing.xmi.source import Edits, Source
 from jausml.language.metamodel import FeatureKind
 from jausml.language.model.values import convert
 from jausml.language.model.xmi.writer import attribute_text, lexical
@@ -27,10 +26,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.authoring.editing.commands import ElementCommand
-    from jausml.authoring.editing.planning import Context
+    from jausml.authoring.editing.drafts import Context
     from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editing.xmi.edits import Line
     from jausml.authoring.editing.xmi.names import Item
+    from jausml.authoring.editing.xmi.source import Line
     from jausml.language.metamodel import DataTypeTable, FeatureTable
     from jausml.language.model.refs import Ref
     from jausml.language.model.xmi.parsing import Node

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Add, Child
 from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
-from jausml.authoring.proposals.mapping.corresponding import corresponding
-from jausml.authoring.proposals.mapping.members import leaves
+from jausml.authoring.proposals.mapping.members import corresponding, leaves
 from jausml.authoring.proposals.mapping.tabling import additions, tabled
 from jausml.authoring.proposals.mapping.trial import judge, judge_together
 from jausml.language.metamodel.classes import bridge

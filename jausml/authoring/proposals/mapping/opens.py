@@ -10,7 +10,7 @@ from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import leaves
 from jausml.authoring.proposals.mapping.trial import judge
-from jausml.authoring.proposals.open_points import OpenPoint, blocking, pending
+from jausml.authoring.proposals.new_elements import OpenPoint, blocking, pending
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone

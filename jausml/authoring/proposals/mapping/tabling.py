@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child
-from jausml.authoring.proposals.fresh import free_name
+from jausml.authoring.proposals.new_elements import free_name
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.named_values import compared, table_entries

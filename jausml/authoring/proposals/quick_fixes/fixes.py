@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Remove, Rename, Set
 from jausml.authoring.proposals.elements import AnswerError, literal, values_of
-from jausml.authoring.proposals.fresh import free_address, free_name, name_among, participant_name
+from jausml.authoring.proposals.new_elements import (
+    free_address,
+    free_name,
+    name_among,
+    participant_name,
+)
 from jausml.authoring.proposals.quick_fixes import connections, maps
 from jausml.authoring.proposals.quick_fixes.found import Found, QuickFix, renamed_as_meant, unset
 from jausml.authoring.proposals.targets import everywhere

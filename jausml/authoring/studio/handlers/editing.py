@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, EditError, Place, Set
-from jausml.authoring.proposals.fresh import free_address
+from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.handlers import showing
 from jausml.authoring.studio.json_values import command, entry_as_json
 from jausml.authoring.studio.rpc import Method, Nothing
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.records import Entry
-    from jausml.authoring.studio.context import StudioContext
-    from jausml.authoring.studio.kept_edits import KeptEdit
+    from jausml.authoring.studio.context import KeptEdit, StudioContext
     from jausml.language.model import Model
 
 _ADDRESS = "address"

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.proposals.elements import AnswerError, Options, Scope, label_of
 from jausml.authoring.proposals.mapping.assigning import assign, partners
 from jausml.authoring.studio.rpc import Method
-from jausml.authoring.studio.views.connecting import connect, ends
+from jausml.authoring.studio.views.connecting import connect, ends, hosted
 from jausml.authoring.studio.views.forms import form
-from jausml.authoring.studio.views.hosting import hosted
 from jausml.authoring.studio.views.inheriting import cut, heritage, join
 from jausml.authoring.studio.views.moving import lead
 from jausml.authoring.studio.views.palette import MOST, palette

@@ -1,27 +1,29 @@
-"""Connecting: what can flow from one end of the system view to another, and how."""
+"""Connecting in the system view: what can flow between two ends, and what runs on a host."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.editing.commands import Add, Child, Remove, Set
 from jausml.authoring.proposals.bridging import is_served, offers, profile_of
-from jausml.authoring.proposals.elements import Option, Options
-from jausml.authoring.proposals.fresh import name_among
+from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.new_elements import name_among
 from jausml.authoring.studio.views.crossing import bridged, carried, further_peer, through
 from jausml.authoring.studio.views.spots import all_spots
-from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from typing import Any
 
+    from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.studio.views.spots import Spot
     from jausml.language.metamodel.classes.ecore import EObject
@@ -218,3 +220,85 @@ def _seen_from(node: EObject, other: EObject, name: str) -> str:
     if name.startswith("/") or (is_same and not name.startswith("~")):
         return name
     return resolve_topic(name, _namespace(other), name_of(other))
+
+
+_FEATURES = ("components", "nodes")
+
+
+def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) -> Option:
+    """Returns what lets elements run on a host; without commands where they do already.
+
+    Args:
+        host: The host; None for the frame of none, where external components alone can be.
+    """
+    moved: dict[system.System, list[EObject]] = {}
+    for each in elements:
+        whole = _system_of(each, host)
+        if whole is not None and host_of(whole, cast("jaus.Component", each)) is not host:
+            moved.setdefault(whole, []).append(each)
+    what = name_of(elements[0]) if len(elements) == 1 else f"{len(elements)} elements"
+    where = f"on {name_of(host)}" if host is not None else "on no host of the system"
+    commands = [
+        command for whole, some in moved.items() for command in _placed(scope, whole, some, host)
+    ]
+    return Option(f"Run {what} {where}", "", "", commands)
+
+
+def _system_of(element: EObject, host: system.Host | None) -> system.System | None:
+    """Returns the system of an element whose host is to change, None if there is nothing to do."""
+    whole = element.eContainer()
+    name = name_of(element) or element.eClass.name
+    if not isinstance(element, jaus.Component | ros.Node) or not isinstance(whole, system.System):
+        raise AnswerError(f"{name} is no component or node of a system, which could run on a host")
+    if host is None:
+        # Any other is somewhere in the system, wherever its box stands.
+        is_external = isinstance(element, jaus.Component) and bool(element.external)
+        return whole if is_external else None
+    if host.eContainer() is not whole:
+        raise AnswerError(f"{name} and {name_of(host)} are of different systems")
+    return whole
+
+
+def _placed(
+    scope: Scope, whole: system.System, elements: Sequence[EObject], host: system.Host | None
+) -> Iterator[Command]:
+    """Yields what changes the placements of a system."""
+    own = next((each for each in whole.placements if each.host is host), None)
+    emptied = []
+    for placement in whole.placements:
+        left = {name: _without(getattr(placement, name), elements) for name in _FEATURES}
+        if placement is own:
+            for name in _FEATURES:
+                left[name] += [each for each in elements if _feature(each) == name]
+        if not any(left.values()):
+            emptied.append(placement)
+            continue
+        for name, values in left.items():
+            if values != list(getattr(placement, name)):
+                refs = tuple(scope.ref(each) for each in values)
+                yield Set(scope.ref(placement), name, refs)
+    if own is None and host is not None and not _follows(whole, elements, host):
+        placed = {
+            name: refs
+            for name in _FEATURES
+            if (refs := tuple(scope.ref(e) for e in elements if _feature(e) == name))
+        }
+        given = {"host": (scope.ref(host),), **placed}
+        yield Add(scope.ref(whole), "placements", "system.Placement", given)
+    # The last one first: those behind one that goes have other positions.
+    for each in reversed(emptied):
+        yield Remove(scope.ref(each))
+
+
+def _feature(element: EObject) -> str:
+    return "nodes" if isinstance(element, ros.Node) else "components"
+
+
+def _without(values: Sequence[EObject], others: Sequence[EObject]) -> list[EObject]:
+    return [each for each in values if each not in others]
+
+
+def _follows(whole: system.System, elements: Sequence[EObject], host: system.Host) -> bool:
+    """Tells whether elements run on a host without being placed there."""
+    is_external = any(isinstance(each, jaus.Component) and each.external for each in elements)
+    return next(iter(whole.hosts), None) is host and not is_external

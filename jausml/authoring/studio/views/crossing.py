@@ -17,8 +17,8 @@ from jausml.authoring.proposals.bridging import (
     system_of,
 )
 from jausml.authoring.proposals.elements import Option, Options
-from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.named_elements import are_examples
+from jausml.authoring.proposals.new_elements import name_among
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case

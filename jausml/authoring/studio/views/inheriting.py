@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.new_elements import free_code
 from jausml.authoring.proposals.targets import everywhere
-from jausml.authoring.studio.views.beginnings import free_code
 from jausml.authoring.studio.views.spots import element_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of

@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Add, Child, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
 from jausml.authoring.proposals.elements import AnswerError, label_of
-from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
-from jausml.authoring.studio.views.beginnings import PACKAGES, usual_values
-from jausml.authoring.studio.views.forms import kinds_of
+from jausml.authoring.proposals.new_elements import (
+    PACKAGES,
+    free_address,
+    name_among,
+    participant_name,
+    usual_values,
+)
+from jausml.authoring.studio.views.forms import Drop, PaletteItem, kinds_of
 from jausml.authoring.studio.views.inheriting import inherit
-from jausml.authoring.studio.views.shapes import Drop, PaletteItem
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of

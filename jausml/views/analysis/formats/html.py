@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.views.analysis.formats import words
+from jausml.views.analysis.formats import text as words
 from jausml.views.pages import page_head
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.analysis.constants import runtime_constants
+from jausml.views.analysis.assumptions import runtime_constants
 
 if TYPE_CHECKING:
     from jausml.views.analysis.budgets import Budget

@@ -1,0 +1,216 @@
+"""Workspace edits: what commands, quick fixes and new names change in texts of an editor."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from jausml.authoring.editing.commands import EditError, Rename
+from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.executing import execute
+from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
+from jausml.authoring.editing.splices import common_ends
+from jausml.authoring.editor.definition import declaration_at
+from jausml.authoring.editor.positions import is_within, start_of
+from jausml.authoring.editor.workbench import checked, names_in
+from jausml.authoring.proposals.elements import Scope
+from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
+from jausml.language.model import refs
+from jausml.language.model.library import library_root
+from jausml.language.text.reading.document import TextDocument
+from jausml.language.text.tree import Span
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.editing.splices import Splice
+    from jausml.authoring.editor.names import Declaration
+    from jausml.authoring.editor.positions import Place
+    from jausml.authoring.editor.workbench import Workbench
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.diagnostics import Diagnostic
+    from jausml.language.model.model import Model
+    from jausml.language.model.reading.reader import ReadResult
+    from jausml.language.model.refs import Ref
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A change of a text."""
+
+    path: Path
+    span: Span
+    text: str
+
+
+class Unsaved:
+    """Some texts as somebody holds them.
+
+    Args:
+        texts: The texts by real path. What they refer to besides is read where it is stored.
+    """
+
+    def __init__(self, texts: Mapping[Path, str]) -> None:
+        self.root = Path(os.path.commonpath([each.parent for each in texts]))
+        self._names = {path: path.relative_to(self.root).as_posix() for path in texts}
+        self._texts = texts
+        self._files = {
+            name: stored(name, texts[path].encode(), 0) for path, name in self._names.items()
+        }
+        self._reader = Reader(self.root)
+
+    def read(self, path: Path) -> ReadResult:
+        """Returns the model of a text and all that it refers to."""
+        return self._reader.read(self._names[path], self._files)
+
+    def ref(self, path: Path, find: Callable[[Model], EObject | None]) -> Ref:
+        """Returns the ref of an element of a text, empty where there is none."""
+        model = self.read(path).model
+        return refs.ref_of(find(model), model, self.root)
+
+    def edits(self, path: Path, commands: Sequence[Command]) -> list[Edit]:
+        """Returns what commands would change.
+
+        Args:
+            path: The text that they begin with, which has to be sound.
+
+        Raises:
+            EditError: They cannot be carried out.
+        """
+        name = self._names[path]
+        if not can_be_parsed(name, self._files[name].data):
+            raise EditError(f"{name} cannot be parsed as it is: fix it first")
+        draft = Draft(self.root, self._files, self._reader, 1)
+        execute(commands, draft)
+        steps = {each.file: each.steps for each in draft.changes()}
+        return [
+            edit
+            for file, of_file in self._names.items()
+            if of_file in steps
+            for edit in self._edits(file, steps[of_file], draft.files[of_file].data.decode())
+        ]
+
+    def _edits(self, path: Path, steps: Sequence[Sequence[Splice]], new: str) -> Iterator[Edit]:
+        text = self._texts[path]
+        if len(steps) == 1:
+            data = text.encode()
+            for each in steps[0]:
+                before, old = data[: each.start].decode(), each.old.decode()
+                yield _edit(path, text, len(before), len(old), each.new.decode())
+        else:
+            # Later steps count in what the earlier ones have made.
+            front, back = common_ends(text, new)
+            size = len(text) - back - front
+            yield _edit(path, text, front, size, new[front : len(new) - back])
+
+
+def _edit(path: Path, text: str, start: int, size: int, new: str) -> Edit:
+    (line, column), (end_line, end_column) = (
+        (before.count("\n") + 1, len(before) - before.rfind("\n"))
+        for before in (text[:start], text[: start + size])
+    )
+    return Edit(path, Span(line, column, end_line, end_column), new)
+
+
+def unsaved(bench: Workbench, path: Path) -> Unsaved:
+    """Returns a text, the open ones and what these import, as an editor holds them."""
+    return Unsaved({each: bench.text(each) for each in bench.related(path) if not is_shipped(each)})
+
+
+def is_shipped(path: Path) -> bool:
+    """Tells whether a file is one of the library, which nobody changes."""
+    return path.is_relative_to(library_root().resolve())
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """What makes a finding go away."""
+
+    label: str
+    finding: Diagnostic
+    edits: list[Edit]
+
+
+def fixes(bench: Workbench, path: Path, lines: range) -> Iterator[Fix]:
+    """Yields the quick fixes of what is found in some lines of a text, counted from 1."""
+    held = unsaved(bench, path)
+    result = held.read(path)
+    scope, shown = Scope(result.model, held.root), result.model.documents[0].display
+    for finding in checked(result):
+        if finding.location.path != shown or finding.location.line not in lines:
+            continue
+        for fix in quick_fixes(scope, finding):
+            try:
+                edits = held.edits(path, fix.commands)
+            except EditError:
+                continue
+            yield Fix(fix.label, finding, edits)
+
+
+class RenameError(ValueError):
+    """A name cannot be given."""
+
+
+def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
+    """Returns the name at a place that can be changed, None when there is none."""
+    if declaration_at(bench, path, place) is None:
+        return None
+    names = names_in(bench.text(path))
+    spans = [each.name.span for each in names.declarations]
+    spans += [each.name.span for each in names.references]
+    return next(each for each in spans if is_within(each, place))
+
+
+def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
+    """Returns the changes that give an element another name, wherever a text names it.
+
+    Args:
+        name: The new name, without back quotes.
+
+    Raises:
+        RenameError: No text of the user declares what is at the place, the name is taken or empty,
+            or a text that would change cannot be read.
+    """
+    found = declaration_at(bench, path, place)
+    if found is None:
+        raise RenameError("only what a text declares can be renamed here")
+    home, declaration = found
+    if home not in bench.texts and is_shipped(home):
+        raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
+    if not name.strip() or any(not each.isprintable() for each in name):
+        raise RenameError("a name has printable characters")
+    _check_free(bench, home, declaration, name)
+    held = unsaved(bench, home)
+    try:
+        element = held.ref(home, partial(_declared, declaration=declaration))
+        return held.edits(home, [Rename(element, name)])
+    except EditError as error:
+        raise RenameError(str(error)) from error
+
+
+def _declared(model: Model, declaration: Declaration) -> EObject | None:
+    """Returns the element of a declaration in the model of its text."""
+    document = model.documents[0]
+    written = document.written
+    pending = list(document.root_nodes)
+    while pending and isinstance(written, TextDocument):
+        node = pending.pop()
+        pending += node.children
+        source = written.source_of(node)
+        is_there = source is not None and start_of(source.span) == start_of(declaration.item.span)
+        if is_there and model.metamodels.class_of(node.obj) in declaration.table.subtypes:
+            return cast("EObject", node.obj)
+    return None
+
+
+def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: str) -> None:
+    for other in names_in(bench.text(home)).declarations:
+        is_beside = list(map(id, other.owners)) == list(map(id, declaration.owners))
+        is_beside = is_beside and other.table is declaration.table
+        if is_beside and other.name.text == name and other is not declaration:
+            line = other.name.span.line
+            raise RenameError(f"line {line} declares another element of the name '{name}'")
