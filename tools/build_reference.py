@@ -159,7 +159,13 @@ def rules_page() -> str:
 def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = [_COMMAND_LINE]
-    root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
+    root = click.Context(
+        command_line,
+        info_name="jausml",
+        terminal_width=96,
+        max_content_width=96,
+        show_default=True,
+    )
     for context in _contexts(root):
         text = context.command.get_help(context)
         lines += [f"## {context.command_path}", "", "```text", text, "```", ""]

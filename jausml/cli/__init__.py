@@ -1,4 +1,4 @@
-"""The command line: one module for each verb, in folders, loaded when the verb is used.
+"""The command line: verbs in modules and folders by what they are for, loaded when used.
 
 Exit status of all verbs: 0 done and no errors, 1 problems of the models or of generated files,
 2 usage or environment, 3 internal error, 130 interrupted, 141 nobody reads the output any more.
@@ -14,13 +14,12 @@ import signal
 import sys
 import traceback
 from contextlib import contextmanager
-from importlib import import_module
-from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from jausml import __version__
+from jausml.cli.shared.groups import LazyGroup
 from jausml.cli.shared.options import COMPLETION
 from jausml.cli.shared.terminal import Verbosity, colour_allowed
 
@@ -28,45 +27,51 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 VERBS = {
-    "init": ("authoring", "Make a project of models."),
-    "new": ("authoring", "Add an element to a model: a bridge, a component, a node."),
-    "validate": ("models", "Check models."),
-    "prove": ("models", "Prove what becomes of every value that goes through a map."),
-    "generate": ("models", "Generate a workspace from the system in a model."),
-    "build": ("live", "Compile the translations of a generated workspace."),
-    "run": ("live", "Start the processes of a generated workspace."),
-    "mutate": ("models", "Break a model to see what notices it."),
-    "report": ("models", "Report the load and the worst-case times of a system."),
-    "model-check": ("models", "Check the protocol of a system: control, states and stops."),
-    "case": ("models", "Make the safety case of a model, or check it."),
-    "diagram": ("models", "Draw a system, a map, a service or a state machine."),
-    "studio": ("authoring", "Show and edit models in the browser."),
-    "diff": ("models", "Show what changed from one state of models to another."),
-    "merge": ("models", "Merge the changes of two sides to a model."),
-    "convert": ("models", "Write a model as ros2jaus text, or text as XMI."),
-    "format": ("models", "Lay out ros2jaus text."),
-    "import": ("models", "Make models from JSIDL and from ROS interfaces."),
-    "export": ("models", "Write services as JSIDL."),
-    "list": ("lookup", "List the JAUS services, messages and maps."),
-    "show": ("lookup", "Show one message, service or map."),
-    "decode": ("live", "Show JAUS messages: from hex, from captures, or live."),
-    "encode": ("live", "Turn messages in JSON into hex."),
-    "record": ("live", "Record both sides of a running system."),
-    "replay": ("live", "Replay recordings through the maps of a model."),
-    "ocu": ("live", "Operate running JAUS components from any vendor."),
-    "ping": ("live", "Ask a component repeatedly, and time its answers."),
-    "latency": ("live", "Measure the reports of a running system."),
-    "top": ("live", "Watch a running system."),
-    "conformance": ("live", "Check the conformance of a running component."),
-    "judge": ("live", "Let a running component take the tasks of a competition."),
-    "peer": ("live", "Start a rover as other makes have it, to try a robot with."),
-    "doctor": ("live", "Show what this machine lacks, and how to fix it."),
-    "rules": ("lookup", "List the rules."),
-    "explain": ("lookup", "Explain a rule."),
-    "language-server": ("authoring", "Serve editors that show ros2jaus text."),
-    "completion": ("lookup", "Print the script that lets a shell complete commands."),
+    "init": ("authoring.init", "Make a project of models."),
+    "new": ("authoring.new", "Add an element to a model: a bridge, a component, a node."),
+    "validate": ("models.validate", "Check models."),
+    "prove": ("models.prove", "Prove what becomes of every value that goes through a map."),
+    "generate": ("models.generate", "Generate a workspace from the system in a model."),
+    "build": ("live.run:build", "Compile the translations of a generated workspace."),
+    "run": ("live.run", "Start the processes of a generated workspace."),
+    "mutate": ("models.mutate", "Break a model to see what notices it."),
+    "report": ("models.report", "Report the load and the worst-case times of a system."),
+    "model-check": (
+        "models.model_check",
+        "Check the protocol of a system: control, states and stops.",
+    ),
+    "case": ("models.case", "Make the safety case of a model, or check it."),
+    "diagram": ("models.diagram", "Draw a system, a map, a service or a state machine."),
+    "studio": ("authoring.studio", "Show and edit models in the browser."),
+    "diff": ("models.diff", "Show what changed from one state of models to another."),
+    "merge": ("models.merge", "Merge the changes of two sides to a model."),
+    "convert": ("models.convert", "Write a model as ros2jaus text, or text as XMI."),
+    "format": ("models.convert:format_", "Lay out ros2jaus text."),
+    "import": ("models.exchange:imports", "Make models from JSIDL and from ROS interfaces."),
+    "export": ("models.exchange:exports", "Write services as JSIDL."),
+    "list": ("lookup.list", "List the JAUS services, messages and maps."),
+    "show": ("lookup.show", "Show one message, service or map."),
+    "decode": ("live.decode", "Show JAUS messages: from hex, from captures, or live."),
+    "encode": ("live.encode", "Turn messages in JSON into hex."),
+    "record": ("live.record", "Record both sides of a running system."),
+    "replay": ("live.replay", "Replay recordings through the maps of a model."),
+    "ocu": ("live.ocu", "Operate running JAUS components from any vendor."),
+    "ping": ("live.measuring:ping", "Ask a component repeatedly, and time its answers."),
+    "latency": ("live.measuring:latency", "Measure the reports of a running system."),
+    "top": ("live.top", "Watch a running system."),
+    "conformance": ("live.conformance", "Check the conformance of a running component."),
+    "judge": ("live.conformance:judge", "Let a running component take the tasks of a competition."),
+    "peer": ("live.peer", "Start a rover as other makes have it, to try a robot with."),
+    "doctor": ("live.doctor", "Show what this machine lacks, and how to fix it."),
+    "rules": ("lookup.rules:rules", "List the rules."),
+    "explain": ("lookup.rules:explain", "Explain a rule."),
+    "language-server": (
+        "authoring.studio:language_server",
+        "Serve editors that show ros2jaus text.",
+    ),
+    "completion": ("lookup.completion", "Print the script that lets a shell complete commands."),
 }
-"""The verbs in the order of use: their folder, and what `--help` says before they are loaded."""
+"""The verbs in the order of use, as `LazyGroup` has them."""
 
 LASTING = {
     "run",
@@ -92,37 +97,19 @@ READER_GONE = 128 + signal.SIGPIPE
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
-class Verbs(click.Group):
-    """The group of verbs: imports a verb's module on demand and guards against our own faults."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """Returns the verbs in the order of use."""
-        return list(VERBS)
+class Verbs(LazyGroup):
+    """The group of verbs, which guards against our own faults."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Returns the verb that is meant and what stands behind it."""
-        if args[0] not in VERBS:
+        if args[0] not in self.verbs:
             from difflib import get_close_matches
 
-            if near := get_close_matches(args[0], VERBS, n=1):
+            if near := get_close_matches(args[0], self.verbs, n=1):
                 ctx.fail(f"No such command '{args[0]}'; did you mean {near[0]}?")
         return super().resolve_command(ctx, args)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Returns a verb, or None when there is none of the name."""
-        if cmd_name not in VERBS:
-            return None
-        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
-        folder, _ = VERBS[cmd_name]
-        command: click.Command = import_module(f"jausml.cli.{folder}.{module}").command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Writes the list of verbs, without loading them."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in VERBS.items()])
 
     def shell_complete(
         self, ctx: click.Context, incomplete: str
@@ -132,7 +119,7 @@ class Verbs(click.Group):
 
         verbs = [
             CompletionItem(name, help=text)
-            for name, (_, text) in VERBS.items()
+            for name, (_, text) in self.verbs.items()
             if name.startswith(incomplete)
         ]
         return [*verbs, *click.Command.shell_complete(self, ctx, incomplete)]
@@ -187,7 +174,11 @@ def _written_out() -> Iterator[None]:
         raise click.exceptions.Exit(ENVIRONMENT_FAULT) from error
 
 
-@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=Verbs,
+    verbs=VERBS,
+    context_settings={"help_option_names": ["-h", "--help"], "show_default": True},
+)
 @click.version_option(__version__, prog_name="jausml")
 @click.option("-q", "--quiet", is_flag=True, help="Print only results and problems.")
 @click.option("-v", "--verbose", is_flag=True, help="Print each step, and how long it takes.")

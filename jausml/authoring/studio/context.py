@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, Create, Place
 from jausml.authoring.editing.records import Freshness
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.json_values import as_json, entry_as_json, files_as_json
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
     from jausml.authoring.editing.records import Change, Entry
+    from jausml.language.model.model import Model
     from jausml.views.diagrams.graph import Graph
 
 _MOST_KEPT = 64
@@ -316,6 +318,11 @@ class StudioContext:
             f"\u201c{kept[0].label}\u201d was not done and is kept: do it again or discard it first"
         )
         return Freshness("conflict", verdict.revision, why)
+
+    def scope_of(self, file: str, model: Model | None = None) -> Scope:
+        """Returns the model of a file as answers see it, with the rest of the project."""
+        model = self.project.model(file).model if model is None else model
+        return Scope(model, self.project.root, lambda: self.project.beside(file))
 
     def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
         """Keeps an edit that met a change beneath it, and tells of it; tells whether it could."""

@@ -5,23 +5,24 @@ from __future__ import annotations
 import collections.abc
 import math
 import types
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import lru_cache, partial
+from inspect import Parameter, signature
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from jausml.authoring.editing import commands
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
     from jausml.authoring.editing.records import Entry, Freshness
 
 
-ParamsT = TypeVar("ParamsT")
+MadeT = TypeVar("MadeT")
 
 _WORDS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
 
@@ -42,10 +43,10 @@ class TypedError(Exception):
     """A value is not of its type; the message says which."""
 
 
-def typed(kind: type[ParamsT], value: object, where: str = "params") -> ParamsT:
-    """Returns a value as what a type says."""
+def typed(call: Callable[..., MadeT], value: object, where: str = "params") -> Callable[[], MadeT]:
+    """Returns a call, of a class or function, with the members of an object as its parameters."""
     try:
-        made: ParamsT = _typed(kind, value, where)
+        made: Callable[[], MadeT] = _bound(call, value, where)
     except RecursionError as error:
         raise TypedError(f"{where} is too deep") from error
     return made
@@ -56,7 +57,7 @@ def _typed(kind: Any, value: Any, where: str) -> Any:
     if kind is object:
         return value
     if is_dataclass(kind):
-        return _made(kind, value, where)
+        return _bound(kind, value, where)()
     if origin in (Union, types.UnionType):
         return _one_of(get_args(kind), value, where)
     if origin is Literal:
@@ -70,19 +71,20 @@ def _typed(kind: Any, value: Any, where: str) -> Any:
     return _plain(kind, value, where)
 
 
-def _made(kind: Any, value: Any, where: str) -> Any:
+def _bound(call: Any, value: Any, where: str) -> Any:
+    """Returns what a dataclass or another callable makes of an object with its parameters."""
     if not isinstance(value, dict):
         raise TypedError(f"{where} is an object")
-    hints = _hints(kind)
-    unknown = [each for each in value if each not in hints]
+    hints, known = _hints(getattr(call, "func", call)), signature(call).parameters
+    unknown = [each for each in value if each not in known]
     if unknown:
         raise TypedError(f"{where} has no {unknown[0]!a}")
-    for each in fields(kind):
-        is_required = each.default is MISSING and each.default_factory is MISSING
-        if is_required and each.name not in value:
-            raise TypedError(f"{where} lacks {each.name}")
-    return kind(
-        **{name: _typed(hints[name], each, f"{where}.{name}") for name, each in value.items()}
+    for name, each in known.items():
+        if each.default is Parameter.empty and name not in value:
+            raise TypedError(f"{where} lacks {name}")
+    return partial(
+        call,
+        **{name: _typed(hints[name], each, f"{where}.{name}") for name, each in value.items()},
     )
 
 
@@ -159,12 +161,13 @@ def command(value: Mapping[str, object], where: str = "command") -> Command:
     """
     given = dict(value)
     name = given.pop("kind", None)
-    kind = _COMMANDS.get(name) if isinstance(name, str) else None
+    kind: Any = _COMMANDS.get(name) if isinstance(name, str) else None
     if kind is None:
         raise TypedError(f"{where}.kind is one of {', '.join(_COMMANDS)}")
     if "type" in given:
         given["kind"] = given.pop("type")
-    return typed(kind, given, where)
+    made: Command = typed(kind, given, where)()
+    return made
 
 
 def as_json(value: Any) -> Any:

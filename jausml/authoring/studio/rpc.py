@@ -6,7 +6,7 @@ import asyncio
 import json
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.proposals.elements import AnswerError
@@ -30,8 +30,6 @@ Id = str | int | float | None
 
 _LARGEST = 2**53
 """Beyond it the numbers of JSON are not exact."""
-
-ParamsT = TypeVar("ParamsT")
 
 ResultT = TypeVar("ResultT")
 
@@ -114,29 +112,21 @@ def _text(message: Mapping[str, Any]) -> str:
 
 
 @dataclass(frozen=True)
-class Method(Generic[ParamsT]):
-    """A method.
+class Method:
+    """What answers a request: a function, whose parameters are those of the request.
 
-    Attributes:
-        answer: Returns the result; any thread may call it.
-        in_turn: Whether it waits until those that were asked for before are done, as all do that
-            change something.
+    It runs on any thread; `in_turn`, it waits until those that were asked for before are done, as
+    all do that change something.
     """
 
-    params: type[ParamsT]
-    answer: Callable[[ParamsT], object]
+    answer: Callable[..., object]
     in_turn: bool = False
-
-
-@dataclass(frozen=True)
-class Nothing:
-    """No parameters."""
 
 
 class Answering:
     """Answers requests on threads, so that none waits for a slow one."""
 
-    def __init__(self, methods: Mapping[str, Method[Any]]) -> None:
+    def __init__(self, methods: Mapping[str, Method]) -> None:
         self._methods = methods
         self._threads = ThreadPoolExecutor(_THREADS, "answer")
         self._changes = ThreadPoolExecutor(1, "change")
@@ -147,14 +137,10 @@ class Answering:
         if method is None:
             raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")
         try:
-            params = typed(method.params, dict(request.params))
-        except TypedError as fault:
-            raise RpcError(INVALID_PARAMS, str(fault)) from fault
-        try:
+            call = typed(method.answer, dict(request.params))
             if method.in_turn:
-                return await self.in_turn(method.answer, params)
-            loop = asyncio.get_running_loop()
-            return await loop.run_in_executor(self._threads, method.answer, params)
+                return await self.in_turn(call)
+            return await asyncio.get_running_loop().run_in_executor(self._threads, call)
         except EditError as error:
             refused = RpcError(REFUSED, str(error), {"conflict": error.conflict})
             raise refused from error
@@ -163,9 +149,9 @@ class Answering:
         except AnswerError as error:
             raise RpcError(REFUSED, str(error)) from error
 
-    async def in_turn(self, work: Callable[[ParamsT], ResultT], params: ParamsT) -> ResultT:
+    async def in_turn(self, work: Callable[[], ResultT]) -> ResultT:
         """Does something when all that was asked for before and changes something is done."""
-        return await asyncio.get_running_loop().run_in_executor(self._changes, work, params)
+        return await asyncio.get_running_loop().run_in_executor(self._changes, work)
 
     def close(self) -> None:
         """Begins nothing more; what was begun is done."""

@@ -7,20 +7,14 @@ import logging
 import os
 import threading
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import TYPE_CHECKING
 
 from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.handlers import (
-    editing,
-    generating,
-    mapping,
-    modelling,
-    showing,
-    texts,
-)
+from jausml.authoring.studio.handlers import editing, modelling, showing
 from jausml.authoring.studio.handlers.live_system import LiveRequests
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.views.palette import library_entries
@@ -39,7 +33,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.rpc import Request
 
 
-_MODULES = (showing, editing, modelling, texts, mapping, generating)
+_MODULES = (showing, editing, modelling)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
@@ -103,7 +97,7 @@ class Session:
     async def _watch(self, end: asyncio.Event) -> None:
         try:
             async for files in changes(self._context.project.root, end):
-                await self._answering.in_turn(self._context.refresh, files)
+                await self._answering.in_turn(partial(self._context.refresh, files))
         except OSError:
             _LOG.exception("changes by other programs are not seen any more")
 

@@ -55,7 +55,7 @@ async def greeted(socket: WebSocket, token: Token) -> Request | None:
     try:
         text = await asyncio.wait_for(socket.receive_text(), _SECONDS_TO_GREET)
         request = rpc.parsed(text)
-        hello = typed(Hello, request.params)
+        hello = typed(Hello, request.params)()
     except (WebSocketDisconnect, asyncio.TimeoutError, KeyError, RpcError, TypedError):
         request, hello = None, None
     if request is not None and hello is not None:

@@ -46,7 +46,6 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
     "origin",
     type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, *_PROFILES]),
     default=_EXAMPLE,
-    show_default=True,
     help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
     "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
     "component with the services of the SOURCEs, which are JSIDL files and folders; igvc: a robot "
@@ -164,7 +163,7 @@ def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
 
 def _imported(paths: Sequence[str]) -> ImportResult:
     """Returns services in JSIDL; ends when the files have errors."""
-    from jausml.cli.models.import_ import JSIDL_SUFFIXES, findings_of
+    from jausml.cli.models.exchange import JSIDL_SUFFIXES, findings_of
     from jausml.language.importers.jsidl import import_jsidl
     from jausml.language.validation.formats import text
 

@@ -1,48 +1,37 @@
-"""`jausml new`: adds elements to the models of a project."""
+"""`jausml new`, and what its verbs share: the model that gets an element, and what was written."""
 
 from __future__ import annotations
 
-from importlib import import_module
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.groups import LazyGroup
 from jausml.cli.shared.options import format_option
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.authoring.projects.places import Place
+    from jausml.authoring.proposals.new_elements import OpenPoint
+
 _KINDS = {
-    "bridge": ("new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
-    "connection": ("new_bridges:connection", "Further topics for a bridge."),
-    "service-connection": ("new_calls:service_connection", "A ROS service for a bridge."),
-    "action-connection": ("new_calls:action_connection", "A ROS action for a bridge."),
-    "component": ("new_parts:component", "A JAUS component."),
-    "node": ("new_parts:node", "A node of ROS."),
-    "map": ("new_map:map_", "A map between a JAUS message and a ROS type."),
-    "service": ("new_parts:service", "A JAUS service."),
+    "bridge": ("authoring.new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
+    "connection": ("authoring.new_bridges:connection", "Further topics for a bridge."),
+    "service-connection": ("authoring.new_calls:service_connection", "A ROS service for a bridge."),
+    "action-connection": ("authoring.new_calls:action_connection", "A ROS action for a bridge."),
+    "component": ("authoring.new_parts:component", "A JAUS component."),
+    "node": ("authoring.new_parts:node", "A node of ROS."),
+    "map": ("authoring.new_map:map_", "A map between a JAUS message and a ROS type."),
+    "service": ("authoring.new_parts:service", "A JAUS service."),
 }
-"""The kinds: module and name of the verb, and what `--help` says before it is loaded."""
+"""The kinds, as `LazyGroup` has them."""
 
 
-class Kinds(click.Group):
-    """The kinds of elements; the module of one is imported when it is wanted."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """Returns the kinds."""
-        return list(_KINDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Returns the verb of a kind, or None when there is none of the name."""
-        if cmd_name not in _KINDS:
-            return None
-        module, _, name = _KINDS[cmd_name][0].partition(":")
-        command: click.Command = getattr(import_module(f"jausml.cli.authoring.{module}"), name)
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Writes the list of kinds, without loading them."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(kind, text) for kind, (_, text) in _KINDS.items()])
-
-
-@click.group("new", cls=Kinds, invoke_without_command=True, no_args_is_help=True)
+@click.group("new", cls=LazyGroup, verbs=_KINDS, invoke_without_command=True, no_args_is_help=True)
 @click.option(
     "--open", "is_open", is_flag=True, help="List what is open in the project, and add nothing."
 )
@@ -87,3 +76,70 @@ def _list_open(output_format: str) -> None:
     if others := report.count(Severity.ERROR) - listed.count(Severity.ERROR):
         said = "1 error" if others == 1 else f"{others} errors"
         warn(f"{said} besides, which may hide what is open: jausml validate")
+
+
+def model_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the option of the model that gets the element to a verb."""
+    return click.option(
+        "-m",
+        "--model",
+        metavar="FILE",
+        type=click.Path(dir_okay=False, path_type=Path),
+        help="Model to change; by default, the one in this project that has a system.",
+    )(command)
+
+
+def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]]:
+    """Returns the two parts of words that have a sign between them."""
+    found = []
+    for word in words:
+        first, mark, second = word.partition(sign)
+        if not (first and mark and second):
+            raise click.UsageError(f"{word!a} should be like {example}")
+        found.append((first.strip(), second.strip()))
+    return found
+
+
+def place_for(model: Path | None) -> Place:
+    """Returns the place of a model, by default that of the project of the current folder."""
+    from jausml.authoring.projects.places import place_of, system_in
+
+    return place_of(model) if model is not None else system_in(Path.cwd())
+
+
+@contextmanager
+def stopping() -> Iterator[None]:
+    """Ends the verb where something cannot be added."""
+    from jausml.authoring.projects.places import ProjectError
+
+    try:
+        yield
+    except ProjectError as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename}: {error.strerror}") from error
+
+
+def report(place: Place, files: Sequence[str]) -> None:
+    """Says what was written, and what comes next."""
+    for each in files:
+        click.echo(f"{_shown(place.root / each)} written", err=True)
+    click.echo(f"next: jausml validate {_shown(place.path)}", err=True)
+
+
+def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:
+    """Says what a person has to decide, and what else to know of a new element.
+
+    Args:
+        findings: What rules report of the element as it is.
+    """
+    decisions = [*(str(each) for each in points if each.rule), *findings]
+    remarks = [each.text for each in points if not each.rule]
+    for title, lines in (("open", decisions), ("remarks", remarks)):
+        for line in [title, *(f"  {each}" for each in lines)] if lines else ():
+            click.echo(line)
+
+
+def _shown(path: Path) -> str:
+    here = Path.cwd()
+    return click.format_filename(path.relative_to(here) if path.is_relative_to(here) else path)

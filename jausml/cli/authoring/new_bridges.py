@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, place_for, report, stopping
+from jausml.cli.authoring.new import model_option, place_for, report, stopping
 from jausml.cli.authoring.running import (
     graph_options,
     left_topic,

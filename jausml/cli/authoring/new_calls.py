@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, pairs, place_for, report, show_open, stopping
+from jausml.cli.authoring.new import model_option, pairs, place_for, report, show_open, stopping
 from jausml.cli.authoring.topics import side_option
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose, remark

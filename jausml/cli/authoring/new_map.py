@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, pairs, place_for, report, show_open, stopping
+from jausml.cli.authoring.new import model_option, pairs, place_for, report, show_open, stopping
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
@@ -44,7 +44,6 @@ _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
     "--direction",
     type=click.Choice(list(_WAYS)),
     default="both",
-    show_default=True,
     help="Directions to fill.",
 )
 @click.option("--copy", "ready", metavar="MAP", help="Copy this ready map.")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.places import model_option, pairs, place_for, report, stopping
+from jausml.cli.authoring.new import model_option, pairs, place_for, report, stopping
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,10 +24,17 @@ if TYPE_CHECKING:
     multiple=True,
     help="Message in words, such as 'ReportDepth: Depth m 0..100'; may be repeated.",
 )
-@click.option("--urn", default="", metavar="URN", help="URN, by default urn:example:SYSTEM:NAME.")
+@click.option(
+    "--urn",
+    default="",
+    show_default=False,
+    metavar="URN",
+    help="URN, by default urn:example:SYSTEM:NAME.",
+)
 @click.option(
     "--inherits",
     default="",
+    show_default=False,
     metavar="SERVICE",
     help="Name or URN of the service that it extends, or none; by default a core service.",
 )

@@ -40,7 +40,6 @@ def graph_options(command: Callable[..., None]) -> Callable[..., None]:
         "seconds",
         type=FiniteRange(0.1, 600),
         default=10.0,
-        show_default=True,
         metavar="SECONDS",
         help="Longest time to look at the running system.",
     )

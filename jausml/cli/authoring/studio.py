@@ -1,4 +1,4 @@
-"""`jausml studio`: shows and edits models in the browser."""
+"""`jausml studio` and `jausml language-server`: serve models to browsers and editors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
 @click.option(
     "--host",
     default="127.0.0.1",
-    show_default=True,
     metavar="ADDRESS",
     help="Address to serve at; 127.0.0.1 is reachable from this computer only, others from the "
     "network.",
@@ -36,12 +35,17 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
     "page_port",
     type=click.IntRange(0, 65535),
     default=0,
+    show_default=False,
     metavar="PORT",
     help="Port to serve at; by default, a free one.",
 )
 @click.option("--no-browser", is_flag=True, help="Print the address without opening a browser.")
 @click.option(
-    "--out", default="", metavar="DIR", help="Output folder for code generated from the page."
+    "--out",
+    default="",
+    show_default=False,
+    metavar="DIR",
+    help="Output folder for code generated from the page.",
 )
 @interface_option("--jaus-interface")
 @port_option("--jaus-port")
@@ -95,3 +99,18 @@ def command(
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
+
+
+@click.command("language-server")
+def language_server() -> None:
+    """Serve editors that show ros2jaus text, by the Language Server Protocol on stdin and stdout.
+
+    Editors start this command; docs/how-to/editor.md shows how. It needs the extra `editor`.
+
+    Exit status: 0 the editor ended it or disconnected, 2 the extra is missing, 3 internal error.
+    """
+    if find_spec("pygls") is None:
+        raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")
+    from jausml.authoring.editor.server import serve
+
+    serve()

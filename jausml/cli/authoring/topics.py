@@ -26,7 +26,6 @@ def side_option(command: Callable[..., None]) -> Callable[..., None]:
         "--side",
         type=click.Choice(["vehicle", "operator"]),
         default="vehicle",
-        show_default=True,
         help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
         "one.",
     )(command)

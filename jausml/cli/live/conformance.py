@@ -1,8 +1,8 @@
-"""`jausml conformance`: checks a running component of any make over the wire."""
+"""`jausml conformance` and `jausml judge`: test a running component of any make over the wire."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,14 +17,15 @@ from jausml.cli.live.network import (
 )
 from jausml.cli.shared.files import PROBLEMS, write_report
 from jausml.cli.shared.models import open_catalogue
-from jausml.cli.shared.options import CONFORMANCE_FORMATS, format_option
+from jausml.cli.shared.options import COMPETITIONS, CONFORMANCE_FORMATS, FiniteRange, format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
     from jausml.live.peers.conformance.groups import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.judging.competition import Score
 
 _REMEDY = (
     "Use another port and say where the target is, which also holds for one behind a node manager: "
@@ -32,7 +33,7 @@ _REMEDY = (
 )
 
 CLIENTS = 3
-"""Ids that the checks use."""
+"""Ids that the tests use."""
 
 
 def _checks(
@@ -82,12 +83,8 @@ def command(
     destructive: bool,
     timeout: float,
     quiet_time: float,
-    own_id: str | None,
-    interface: str,
-    port: int,
-    multicast_group: str,
-    peers: tuple[str, ...],
     models: tuple[str, ...],
+    **options: Any,
 ) -> None:
     """Check the conformance of the running component TARGET_ID, from any vendor, over the wire.
 
@@ -110,7 +107,7 @@ def command(
         return
     if target is None:
         raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
-    network = network_from(own_id, interface, port, multicast_group, peers)
+    network = network_from(**options)
     limits = Limits(slow=slow, destructive=destructive)
     with (
         reaching(network, _REMEDY),
@@ -181,3 +178,151 @@ def _list_checks(selection: CheckFilter) -> None:
         click.echo(f"{check.id:44} {check.title}{mark}")
     if selection.takes("codecs"):
         click.echo(f"{'codecs.SERVICE.QUERY':44} One for each query of the announced services")
+
+
+_REMEDY_OF_JUDGE = (
+    "Use another port and say where the component is: --port 3795 --peer ID=HOST:3794; its own "
+    "model says where the judge is"
+)
+
+
+def _waypoints(
+    _context: click.Context, _option: click.Parameter, words: tuple[str, ...]
+) -> tuple[tuple[float, float], ...]:
+    from math import isfinite
+
+    found = []
+    for each in words:
+        try:
+            x, y = (float(part) for part in each.split(","))
+        except ValueError:
+            raise click.BadParameter(f"{each!a} is not X,Y in metres, e.g. 2,-1.5") from None
+        if not (isfinite(x) and isfinite(y) and max(abs(x), abs(y)) <= 1000):
+            raise click.BadParameter(f"{each!a} is more than 1000 m away")
+        found.append((x, y))
+    return tuple(found)
+
+
+@click.command("judge")
+@click.argument("target", metavar="TARGET_ID")
+@click.option(
+    "--competition",
+    type=click.Choice(COMPETITIONS),
+    default=COMPETITIONS[0],
+    help="Whose tasks are taken.",
+)
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="TASK",
+    help="Judge only this task, or this part of one; may be repeated.",
+)
+@format_option("Format of what is printed.")
+@click.option("-o", "--output", metavar="FILE", help="Also write the score sheet as HTML.")
+@click.option(
+    "--waypoint",
+    "waypoints",
+    multiple=True,
+    callback=_waypoints,
+    metavar="X,Y",
+    help="A waypoint in metres, x forward and y right in the local frame of the target; may be "
+    "repeated. By default, a square of two metres.",
+)
+@click.option(
+    "--drive-time",
+    type=FiniteRange(1, 3600),
+    default=60.0,
+    help="Seconds in which the next waypoint must be reached.",
+)
+@waiting_options
+@network_options
+def judge(
+    target: str,
+    competition: str,
+    only: tuple[str, ...],
+    output_format: str,
+    output: str | None,
+    waypoints: tuple[tuple[float, float], ...],
+    drive_time: float,
+    timeout: float,
+    quiet_time: float,
+    models: tuple[str, ...],
+    **options: Any,
+) -> None:
+    """Let a running component, TARGET_ID, of any vendor take the tasks of a competition.
+
+    Sends what the judges of the competition send, in their order, and gives points as the rules
+    say. WITH igvc-jaus AND igvc-iop THE VEHICLE DRIVES along the waypoints, and is shut down at the
+    end; Ctrl-C releases control, which must stop it. Without --id, these judges have the id 42.1.1
+    of the published rules. The tool uses three ids: its own and the two after it.
+
+    Exit status: 0 full marks, 1 points were lost, 2 the component cannot be reached or an option is
+    wrong, 3 internal error.
+    """
+    from jausml.live.peers.judging import competitions, pages, sheets
+    from jausml.live.peers.judging.driving import Course
+
+    _check_names(only, competition)
+    course = Course(waypoints or Course().waypoints, drive_time)
+    rules = competitions.competition(competition, course)
+    options["own_id"] = options["own_id"] or competitions.ID.get(competition)
+    network = network_from(**options)
+    live = output_format == "text"
+    with (
+        reaching(network, _REMEDY_OF_JUDGE),
+        ended_by_signals(),
+        identified_network(network, CLIENTS) as ours,
+    ):
+        address = target_of(target, ours)
+        if live:
+            click.echo(f"{rules.title}: {address}\n{rules.source}")
+            click.echo("Ctrl-C ends it, and releases control")
+        sheet = competitions.judged(
+            ours,
+            address,
+            open_catalogue(models),
+            rules,
+            only=only,
+            on_score=_shown() if live else lambda _: None,
+            timeout=timeout,
+            quiet=quiet_time,
+        )
+    if live:
+        click.echo("\n".join(sheets.ending(sheet)))
+    else:
+        click.echo(sheets.render_json(sheet), nl=False)
+    if output is not None:
+        write_report(pages.render_html(sheet), output)
+    if not sheet.is_full:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _check_names(only: tuple[str, ...], competition: str) -> None:
+    """Refuses names that no task and no part has."""
+    from jausml.live.messages.errors import did_you_mean, similar
+    from jausml.live.peers.judging.competitions import task_names
+
+    known = task_names(competition)
+    for each in only:
+        if each not in known and not each.startswith("codecs."):
+            hint = did_you_mean(similar(each, known)) or f"; it has {', '.join(sorted(known))}"
+            raise click.BadParameter(
+                f"no task {each!a} in {competition}{hint}", param_hint="--only"
+            )
+
+
+def _shown() -> Callable[[Score], None]:
+    """Returns what prints each score as it comes, under the title of its task."""
+    from jausml.live.peers.judging.sheets import score_lines, task_lines
+
+    latest = ""
+
+    def show(score: Score) -> None:
+        nonlocal latest
+        lines = [*score_lines(score)]
+        if score.task.name != latest:
+            latest = score.task.name
+            lines = ["", *task_lines(score.task), *lines]
+        click.echo("\n".join(lines))
+
+    return show

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import wraps
+from functools import reduce, wraps
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -56,7 +56,6 @@ _TRANSPORT_OPTIONS = (
         "transport",
         type=click.Choice(TRANSPORTS),
         default=TRANSPORTS[0],
-        show_default=True,
         help="UDP, TCP, or the node manager of this host.",
     ),
     click.option(
@@ -64,6 +63,7 @@ _TRANSPORT_OPTIONS = (
         "--jaus-node-manager-directory",
         "node_manager_directory",
         default="",
+        show_default=False,
         metavar="FOLDER",
         help="Folder of the local sockets of the node manager; by default, the one for temporary "
         "files.",
@@ -71,18 +71,25 @@ _TRANSPORT_OPTIONS = (
 )
 
 
+_NETWORK = (
+    "own_id",
+    "interface",
+    "port",
+    "multicast_group",
+    "peers",
+    "transport",
+    "node_manager_directory",
+)
+
+
 def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that choose a transport."""
-    for option in reversed(_TRANSPORT_OPTIONS):
-        function = option(function)
-    return function
+    return reduce(lambda made, option: option(made), reversed(_TRANSPORT_OPTIONS), function)
 
 
 def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that `network_from` and `open_catalogue` take."""
-    for option in reversed(_OPTIONS):
-        function = option(function)
-    return function
+    return reduce(lambda made, option: option(made), reversed(_OPTIONS), function)
 
 
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -91,14 +98,12 @@ def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
         "--timeout",
         type=FiniteRange(0.05, 60),
         default=1.0,
-        show_default=True,
         help="Seconds to wait for an answer.",
     )
     quiet = click.option(
         "--quiet-time",
         type=FiniteRange(0.02, 60),
         default=0.3,
-        show_default=True,
         help="Seconds of silence that count as no answer.",
     )
     return timeout(quiet(function))
@@ -300,34 +305,18 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
         "--timeout",
         type=FiniteRange(0.05, 600),
         default=3.0,
-        show_default=True,
         help="Seconds to wait for an answer.",
     )
     @format_option("Format of the output.")
     @wraps(function)
     def run(
         *arguments: Any,
-        own_id: str | None,
-        interface: str,
-        port: int,
-        multicast_group: str,
-        peers: tuple[str, ...],
         models: tuple[str, ...],
-        transport: str,
-        node_manager_directory: str,
         timeout: float,
         output_format: str,
         **others: Any,
     ) -> None:
-        network = network_from(
-            own_id,
-            interface,
-            port,
-            multicast_group,
-            peers,
-            transport=transport,
-            node_manager_directory=node_manager_directory,
-        )
+        network = network_from(**{name: others.pop(name) for name in _NETWORK})
         settings = Settings(network, models, timeout, output_format == "json")
         function(*arguments, settings=settings, **others)
 

@@ -76,7 +76,6 @@ def session(settings: Settings) -> None:
     "--duration",
     type=FiniteRange(0.05, 3600),
     default=2.0,
-    show_default=True,
     help="Seconds to listen.",
 )
 @operator_options
@@ -219,7 +218,6 @@ _AUTHORITY = click.option(
     "--authority",
     type=click.IntRange(0, 255),
     default=AUTHORITY,
-    show_default=True,
     help="Authority with which to request control.",
 )
 _NO_RESUME = click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
@@ -281,6 +279,7 @@ def request_answer(
     "--duration",
     type=FiniteRange(min=0),
     default=0.0,
+    show_default=False,
     metavar="SECONDS",
     help="Keep control for this time after the first message.",
 )

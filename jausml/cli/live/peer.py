@@ -36,7 +36,6 @@ _REMEDY = "Give the peer an address of its own: --interface 127.0.0.3"
     "address",
     callback=parsed_address,
     default="152.1.1",
-    show_default=True,
     metavar="ID",
     help="JAUS id of the rover.",
 )
@@ -44,7 +43,6 @@ _REMEDY = "Give the peer an address of its own: --interface 127.0.0.3"
 @click.option(
     "--interface",
     default=_HOST,
-    show_default=True,
     metavar="ADDRESS",
     help="IPv4 address that the rover has; by default, a host of its own on this computer.",
 )

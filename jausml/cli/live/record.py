@@ -86,7 +86,6 @@ _NAMED = 5
     "--flush-every",
     type=FiniteRange(0.05, 3600),
     default=1.0,
-    show_default=True,
     metavar="S",
     help="Flush the files to the disk every S seconds; if the power fails, this is what you lose.",
 )
@@ -112,7 +111,6 @@ _NAMED = 5
     "--compression",
     type=click.Choice(["zstd", "lz4", "none"]),
     default="zstd",
-    show_default=True,
     help="Compression of the MCAP file.",
 )
 def command(

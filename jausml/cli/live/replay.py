@@ -68,6 +68,7 @@ _NANO = 10**9
     "--start",
     type=FiniteRange(0),
     default=0.0,
+    show_default=False,
     metavar="S",
     help="Begin this many seconds after the first message of RECORDING.",
 )
@@ -78,14 +79,12 @@ _NANO = 10**9
     "--rate",
     type=FiniteRange(0, 100, min_open=True),
     default=1.0,
-    show_default=True,
     help="Seconds of the recording to replay per second.",
 )
 @click.option(
     "--max-rate",
     type=FiniteRange(0, 10000, min_open=True),
     default=1000.0,
-    show_default=True,
     metavar="HZ",
     help="Highest number of messages per second; messages beyond it are late.",
 )
@@ -94,7 +93,6 @@ _NANO = 10**9
     "--wait",
     type=FiniteRange(0, 3600),
     default=3.0,
-    show_default=True,
     metavar="S",
     help="Seconds to wait before the first message, so that others find the bridges.",
 )
@@ -102,7 +100,6 @@ _NANO = 10**9
     "--hold",
     type=FiniteRange(0, 3600),
     default=1.0,
-    show_default=True,
     metavar="S",
     help="Seconds to keep the bridges after the last message.",
 )

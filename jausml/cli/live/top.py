@@ -36,14 +36,12 @@ if TYPE_CHECKING:
     "--interval",
     type=FiniteRange(0.1, 3600),
     default=1.0,
-    show_default=True,
     help="Seconds between updates.",
 )
 @click.option(
     "--duration",
     type=FiniteRange(0.1, 3600),
     default=5.0,
-    show_default=True,
     help="Seconds to listen with --once.",
 )
 @network_options

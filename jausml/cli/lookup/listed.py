@@ -10,7 +10,7 @@ import click
 
 from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.cli.shared.models import open_catalogue, readable_model
-from jausml.cli.shared.project_names import listed_fields, listed_service
+from jausml.cli.shared.names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
 from jausml.language.importers.jsidl.rules import JSIDL_RULES

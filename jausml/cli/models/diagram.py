@@ -24,7 +24,6 @@ THEMES = ("auto", "light", "dark")
 @click.option(
     "--view",
     default="system",
-    show_default=True,
     metavar="VIEW",
     help="View to draw: system, map:NAME, service:NAME or machine:NAME.",
 )
@@ -39,7 +38,6 @@ THEMES = ("auto", "light", "dark")
     "--theme",
     type=click.Choice(THEMES),
     default="auto",
-    show_default=True,
     help="Colours of pictures; auto follows the viewer's settings.",
 )
 @reading_options

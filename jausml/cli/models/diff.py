@@ -40,15 +40,12 @@ _SAME_MEANING = (
 @click.argument("old", metavar="OLD")
 @click.argument("new", metavar="NEW")
 @format_option("Text for people, one JSON object, or a coloured diagram of NEW.", FORMATS)
-@click.option(
-    "--view", default="system", show_default=True, metavar="VIEW", help="View to draw in a diagram."
-)
+@click.option("--view", default="system", metavar="VIEW", help="View to draw in a diagram.")
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
 @click.option(
     "--fail-on",
     type=click.Choice(["nothing", "breaking", "any"]),
     default="nothing",
-    show_default=True,
     help="Exit with 1 for changes that break peers or code, or for any change.",
 )
 @click.option(

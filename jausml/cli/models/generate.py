@@ -96,6 +96,7 @@ class WholeLibraryOption(click.Option):
 @click.option(
     "--adopt",
     default="",
+    show_default=False,
     metavar="NAME",
     help="Take over the files in OUT that belong to the model NAME, because it has been renamed.",
 )

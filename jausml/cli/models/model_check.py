@@ -55,14 +55,12 @@ _BUDGET = 60.0
     "--states",
     type=click.IntRange(min=1),
     default=_STATES,
-    show_default=True,
     help="Search at most this many states of each product.",
 )
 @click.option(
     "--budget",
     type=FiniteRange(0, min_open=True),
     default=_BUDGET,
-    show_default=True,
     metavar="SECONDS",
     help="Search at most this long.",
 )

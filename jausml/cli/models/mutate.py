@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     "--limit",
     type=click.IntRange(min=1),
     default=1000,
-    show_default=True,
     metavar="N",
     help="Most mutations; of more, a sample that is spread over the operators.",
 )
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
     "--budget",
     type=FiniteRange(min=0, min_open=True),
     default=600.0,
-    show_default=True,
     metavar="SECONDS",
     help="Time after which no further mutation is begun.",
 )

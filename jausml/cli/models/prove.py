@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, made_folder, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, finite, made_folder, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
 from jausml.cli.shared.terminal import step
@@ -34,7 +33,6 @@ _FORMATS = ("text", "json", "sarif")
     "--budget",
     type=FiniteRange(min=0, min_open=True),
     default=60.0,
-    show_default=True,
     metavar="SECONDS",
     help="Time for all values of numbers of 17 to 32 bits; without it, chosen ones are tried.",
 )
@@ -146,18 +144,9 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
     from jausml.proving.findings import by_map
 
     short = by_map(judged)
-    maps = [_finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]
+    maps = [finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]
     found = {"digests": digests(judged.model), "maps": maps}
     return json.dumps(found, indent=2, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """Returns JSON in which numbers that are not finite, for which it has none, are texts."""
-    if isinstance(value, dict):
-        return {name: _finite(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:

@@ -1,4 +1,4 @@
-"""Names that complete words: those of the library, and of the project of the current folder.
+"""Names of what is known, as JSON, which complete words: of the library and of a project.
 
 To read a project takes longer than a person waits for a completion: its names are kept in the cache
 of the user until one of its models changes.
@@ -14,6 +14,11 @@ import click
 
 from jausml import __version__
 from jausml.cli.shared.known import known
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.live.messages import Catalogue, ServiceEntry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
@@ -91,7 +96,6 @@ def _all(kind: str, models: Sequence[str]) -> list[dict[str, Any]]:
 
 def _named(models: Sequence[str]) -> Names:
     from jausml.cli.shared.models import open_catalogue
-    from jausml.cli.shared.project_names import names_of
 
     return names_of(open_catalogue(models))
 
@@ -108,7 +112,6 @@ def _of_project() -> Names:
     name = f"names-{blake2b(bytes(root), digest_size=12).hexdigest()}"
     names: Names | None = kept(name, state)
     if names is None:
-        from jausml.cli.shared.project_names import names_of
         from jausml.live.messages.of_project import project_catalogue
 
         names = names_of(project_catalogue(lambda _: None))
@@ -130,3 +133,37 @@ def _state(root: Path) -> str:
         found.update(f"\0{each}\0{len(data)}\0".encode("utf-8", "surrogateescape"))
         found.update(data)
     return found.hexdigest()
+
+
+def names_of(found: Catalogue) -> dict[str, list[dict[str, Any]]]:
+    """Returns the services of a catalogue that are not the library's, and their fields."""
+    own = [s for s in found.services.values() if not found.model.is_library(s.definition)]
+    return {"services": [listed_service(each) for each in own], "fields": listed_fields(own)}
+
+
+def listed_service(service: ServiceEntry) -> dict[str, Any]:
+    """Returns a service."""
+    return {
+        "service": service.urn,
+        "version": service.version,
+        "name": service.name,
+        "set": service.set_name,
+        "inherits": service.inherits.label if service.inherits else None,
+        "inputs": [entry.name for entry in service.inputs],
+        "outputs": [entry.name for entry in service.outputs],
+    }
+
+
+def listed_fields(services: Iterable[ServiceEntry]) -> list[dict[str, Any]]:
+    """Returns the messages of services with the paths of their fields, by name."""
+    from jausml.live.messages import MessageError
+    from jausml.live.messages.definitions import paths_of
+
+    found: dict[str, dict[str, None]] = {}
+    for entry in (each for service in services for each in service.messages):
+        try:
+            paths = paths_of(entry)
+        except MessageError:
+            continue  # Whoever uses it is told what is wrong.
+        found.setdefault(entry.name, {}).update(dict.fromkeys(paths))
+    return [{"message": name, "paths": list(found[name])} for name in sorted(found) if found[name]]

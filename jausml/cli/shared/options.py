@@ -70,7 +70,6 @@ def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorat
         "output_format",
         type=click.Choice(formats),
         default=formats[0],
-        show_default=True,
         help=text,
     )
 
@@ -85,6 +84,7 @@ jobs_option = click.option(
 scheduler_option = click.option(
     "--scheduler",
     default="",
+    show_default=False,
     metavar="ADDRESS",
     help="Scheduler of Dask whose workers do the work, such as tcp://host:8786; needs the extra "
     "`dask`.",
@@ -112,7 +112,6 @@ def interface_option(
         *(names or ("--interface", "--jaus-interface")),
         "interface",
         default=INTERFACE,
-        show_default=True,
         metavar="ADDRESS",
         help=text,
     )
@@ -129,7 +128,6 @@ def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
         "port",
         type=click.IntRange(1, 65535),
         default=PORT,
-        show_default=True,
         help=text,
     )
 
@@ -144,7 +142,6 @@ def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") 
         *(names or ("--multicast-group", "--jaus-multicast-group")),
         "multicast_group",
         default=GROUP,
-        show_default=True,
         metavar="ADDRESS",
         help=text,
     )

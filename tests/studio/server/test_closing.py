@@ -26,7 +26,7 @@ async def closed_while_busy(session: Session, folder: Path) -> None:
     answering, may_go_on = session._answering, threading.Event()
     turns = answering._changes._work_queue
     async with session.running():
-        busy = asyncio.ensure_future(answering.in_turn(lambda _: may_go_on.wait(60), None))
+        busy = asyncio.ensure_future(answering.in_turn(lambda: may_go_on.wait(60)))
         file = folder / "catvehicle.xmi"
         text = file.read_text(encoding="utf-8")
         # The watcher may not be there yet: it sees one of several changes.

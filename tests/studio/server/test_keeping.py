@@ -184,22 +184,21 @@ def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
 ) -> None:
     (folder / FILE).write_text(TEXT, encoding="utf-8")
     context = StudioContext(Project(folder))
-    asked = showing.OfView(FILE, "system")
-    first = showing.view(context, asked)
+    first = showing.view(context, FILE, "system")
 
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a fault of the view")
 
     with monkeypatch.context() as patched, context.faults.kept():
         patched.setattr(showing, "graph_of", fail)
-        seen = showing.view(context, asked)
+        seen = showing.view(context, FILE, "system")
     assert seen["graph"] == first["graph"]
     assert seen["freshness"]["state"] == "stale"
     assert seen["freshness"]["since"] == first["revision"]
     (fault,) = context.faults.all
     assert "cannot be drawn" in fault["text"]
     assert "ZeroDivisionError: a fault of the view" in fault["details"]
-    assert showing.view(context, asked)["freshness"]["state"] == "current"
+    assert showing.view(context, FILE, "system")["freshness"]["state"] == "current"
 
 
 def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder: Path) -> None:

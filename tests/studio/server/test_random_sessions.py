@@ -22,7 +22,7 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import StudioContext
-from jausml.authoring.studio.handlers import editing, generating, showing
+from jausml.authoring.studio.handlers import editing, showing
 from jausml.authoring.studio.json_values import typed
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
@@ -65,15 +65,14 @@ class Studio:
         self.late.clear()
         self.methods = {
             name: method
-            for module in (showing, editing, generating)
+            for module in (showing, editing)
             for name, method in module.methods(self.context).items()
         }
         self.first = (self.root / FILE).read_bytes()
         self.look()
 
     def ask(self, name: str, **params: object) -> Any:
-        method = self.methods[name]
-        return method.answer(typed(method.params, dict(params)))
+        return typed(self.methods[name].answer, dict(params))()
 
     def look(self) -> None:
         """Brings the page to what the project knows now."""

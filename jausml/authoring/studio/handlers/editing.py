@@ -1,113 +1,83 @@
-"""Requests that change the project, and the answers that say what was done."""
+"""Requests that change the project or what is generated of it, and what was done."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, EditError, Place, Set
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
+from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.handlers import showing
-from jausml.authoring.studio.json_values import command, entry_as_json
-from jausml.authoring.studio.rpc import Method, Nothing
+from jausml.authoring.studio.json_values import (
+    as_json,
+    command,
+    entry_as_json,
+    freshness_as_json,
+)
+from jausml.authoring.studio.rpc import Method
+from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.language.metamodel.classes import jaus
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.records import Entry
-    from jausml.authoring.studio.context import KeptEdit, StudioContext
+    from jausml.authoring.studio.checking import Verdict
+    from jausml.authoring.studio.context import KeptEdit
     from jausml.language.model import Model
+    from jausml.language.validation.report import Report
 
 _ADDRESS = "address"
 
 
-@dataclass(frozen=True)
-class Edit:
-    """Commands to be carried out, all or none."""
-
-    commands: tuple[Mapping[str, object], ...]
-    label: str
-    base: int | None = None
-    dry: bool = False
-
-
-@dataclass(frozen=True)
-class Write:
-    """What somebody typed."""
-
-    file: str
-    text: str
-    base: int
-
-
-@dataclass(frozen=True)
-class Copy:
-    """Elements to be described."""
-
-    elements: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Paste:
-    """Descriptions of elements that are to be added.
-
-    Attributes:
-        commands: What `copy` gave.
-    """
-
-    owner: str
-    commands: tuple[Mapping[str, object], ...]
-
-
-@dataclass(frozen=True)
-class Kept:
-    """An edit that is kept, by its number."""
-
-    number: int
-
-
-def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
+def methods(context: StudioContext) -> Mapping[str, Method]:
     """Returns the methods by name."""
     return {
-        "edit": Method(Edit, lambda request: _edit(context, request), in_turn=True),
-        "kept": Method(Nothing, lambda _: _kept(context)),
-        "kept.again": Method(Kept, lambda request: _again(context, request), in_turn=True),
-        "kept.discard": Method(Kept, lambda request: _discard(context, request), in_turn=True),
-        "copy": Method(
-            Copy, lambda request: {"commands": context.project.describe(request.elements)}
-        ),
-        "paste": Method(Paste, lambda request: _paste(context, request), in_turn=True),
-        "undo": Method(Nothing, lambda _: _undo(context), in_turn=True),
-        "redo": Method(Nothing, lambda _: _redo(context), in_turn=True),
-        "log": Method(Nothing, lambda _: _log(context)),
-        "write": Method(Write, lambda request: _write(context, request), in_turn=True),
-        "arrange": Method(showing.OfView, lambda request: _arrange(context, request), in_turn=True),
+        "edit": Method(partial(_edit, context), in_turn=True),
+        "kept": Method(partial(_kept, context)),
+        "kept.again": Method(partial(_again, context), in_turn=True),
+        "kept.discard": Method(partial(_discard, context), in_turn=True),
+        "copy": Method(partial(_copy, context)),
+        "paste": Method(partial(_paste, context), in_turn=True),
+        "undo": Method(partial(_undo, context), in_turn=True),
+        "redo": Method(partial(_redo, context), in_turn=True),
+        "log": Method(partial(_log, context)),
+        "write": Method(partial(_write, context), in_turn=True),
+        "arrange": Method(partial(_arrange, context), in_turn=True),
+        "plan": Method(partial(_plan, context)),
+        "diff": Method(partial(_diff, context)),
+        "generate": Method(partial(_generate, context), in_turn=True),
     }
 
 
-def _edit(context: StudioContext, request: Edit) -> dict[str, Any]:
-    commands = [command(each, f"commands[{i}]") for i, each in enumerate(request.commands)]
-    return edit(context, commands, request.label, request.base, dry=request.dry)
-
-
-def edit(
-    context: StudioContext, commands: list[Command], label: str, base: int | None, *, dry: bool
+def _edit(
+    context: StudioContext,
+    commands: tuple[Mapping[str, object], ...],
+    label: str,
+    base: int | None = None,
+    dry: bool = False,  # noqa: FBT001, FBT002 - a parameter by name
 ) -> dict[str, Any]:
-    """Carries out commands, or tells what they would do; see `Edit`."""
-    project = context.project
+    """Carries out commands, all or none; dry, tells what they would do."""
+    meant, project = _commands(commands), context.project
     if dry:
-        seen = project.preview(commands, base)
+        seen = project.preview(meant, base)
         return {
             "revision": project.revision,
             "created": seen.created,
             "diff": seen.diff,
             "referrers": seen.referrers,
         }
-    base = project.revision if base is None else base
-    return _carried_out(context, commands, label, base)
+    return _carried_out(context, meant, label, project.revision if base is None else base)
+
+
+def _commands(given: tuple[Mapping[str, object], ...]) -> list[Command]:
+    return [command(each, f"commands[{i}]") for i, each in enumerate(given)]
 
 
 def _carried_out(
@@ -141,24 +111,30 @@ def _kept(context: StudioContext) -> dict[str, Any]:
     return {"edits": [each.as_json() for each in context.kept.all]}
 
 
-def _again(context: StudioContext, request: Kept) -> dict[str, Any]:
-    edit = context.kept.find(request.number)
+def _again(context: StudioContext, number: int) -> dict[str, Any]:
+    edit = context.kept.find(number)
     if edit is None:
         raise EditError("this edit is kept no more")
     return _carried_out(context, edit.commands, edit.label, edit.base, edit)
 
 
-def _discard(context: StudioContext, request: Kept) -> dict[str, Any]:
-    context.kept.discard(request.number)
+def _discard(context: StudioContext, number: int) -> dict[str, Any]:
+    context.kept.discard(number)
     context.notify_kept()
     return {}
 
 
-def _paste(context: StudioContext, request: Paste) -> dict[str, Any]:
-    given = [command(each, f"commands[{i}]") for i, each in enumerate(request.commands)]
-    added = [each for each in given if isinstance(each, Add | Set)]
-    model = context.project.find(request.owner)[1]
-    made = context.project.paste(with_free_addresses(model, added), request.owner, "Paste")
+def _copy(context: StudioContext, elements: tuple[str, ...]) -> dict[str, Any]:
+    return {"commands": context.project.describe(elements)}
+
+
+def _paste(
+    context: StudioContext, owner: str, commands: tuple[Mapping[str, object], ...]
+) -> dict[str, Any]:
+    """Adds what `copy` gave."""
+    added = [each for each in _commands(commands) if isinstance(each, Add | Set)]
+    model = context.project.find(owner)[1]
+    made = context.project.paste(with_free_addresses(model, added), owner, "Paste")
     context.changed(made)
     return {
         "revision": context.project.revision,
@@ -186,19 +162,19 @@ def _log(context: StudioContext) -> dict[str, Any]:
     return {"entries": [entry_as_json(each) for each in (*done, *undone)], "at": len(done)}
 
 
-def _write(context: StudioContext, request: Write) -> dict[str, Any]:
-    made = context.project.write_text(request.file, request.text, request.base)
+def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str, Any]:
+    made = context.project.write_text(file, text, base)
     context.changed(made)
     return {"revision": context.project.revision}
 
 
-def _arrange(context: StudioContext, request: showing.OfView) -> dict[str, Any]:
-    placed = context.project.positions(request.file, request.view)
+def _arrange(context: StudioContext, file: str, view: str) -> dict[str, Any]:
+    placed = context.project.positions(file, view)
     if placed:
-        forget = Place(request.file, request.view, dict.fromkeys(placed))
-        context.changed(context.project.do([forget], f"Arrange {request.view}"))
-    context.drawings.forget(request.file, request.view)
-    return showing.view(context, request)
+        forget = Place(file, view, dict.fromkeys(placed))
+        context.changed(context.project.do([forget], f"Arrange {view}"))
+    context.drawings.forget(file, view)
+    return showing.view(context, file, view)
 
 
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:
@@ -215,3 +191,62 @@ def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add
             found.append(each)
         used.update(own)
     return found
+
+
+def _out(context: StudioContext, file: str, out: str) -> Path:
+    return out_folder(context.project.root, file, out, context.out)
+
+
+def _plan(
+    context: StudioContext,
+    file: str,
+    out: str = "",
+    force: bool = False,  # noqa: FBT001, FBT002
+) -> object:
+    verdict = context.verdicts.of(file)
+    folder = _out(context, file, out)
+    why = _obstacle(context, verdict)
+    planned = (
+        Planned(str(folder), problems=why) if why else plan(verdict.report, folder, force=force)
+    )
+    freshness = freshness_as_json(context.freshness(verdict))
+    return {**as_json(planned), "revision": verdict.revision, "freshness": freshness}
+
+
+def _obstacle(context: StudioContext, verdict: Verdict) -> str:
+    """Returns why no code may be made whatever was found, empty when it may."""
+    return verdict.fault or context.freshness(verdict).why
+
+
+def _report(context: StudioContext, file: str) -> Report:
+    """Returns what was found about a file, of which code may be made if that has no errors."""
+    verdict = context.verdicts.of(file)
+    why = _obstacle(context, verdict)
+    if why:
+        raise AnswerError(why)
+    return verdict.report
+
+
+def _diff(
+    context: StudioContext,
+    file: str,
+    out: str,
+    path: str,
+    force: bool = False,  # noqa: FBT001, FBT002
+) -> object:
+    report = _report(context, file)
+    return {"diff": diff(report, _out(context, file, out), path, force=force)}
+
+
+def _generate(
+    context: StudioContext,
+    file: str,
+    out: str,
+    digest: str,
+    force: bool = False,  # noqa: FBT001, FBT002
+) -> object:
+    """Carries out the plan that was shown, by its digest."""
+    # Also what another program has saved this very moment counts.
+    context.refresh()
+    report = _report(context, file)
+    return execute(report, _out(context, file, out), digest, force=force)

@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.studio.json_values import freshness_as_json
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
-from jausml.authoring.studio.rpc import REFUSED, Method, Nothing, RpcError
+from jausml.authoring.studio.rpc import REFUSED, Method, RpcError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.authoring.studio.context import StudioContext
-
-
-@dataclass(frozen=True)
-class Started:
-    """The file whose system is watched."""
-
-    file: str
-
-
-@dataclass(frozen=True)
-class Glance:
-    """A connection, by the id of its row in the system view."""
-
-    connection: str
 
 
 class LiveRequests:
@@ -39,12 +24,12 @@ class LiveRequests:
         self._live: LiveSystem | None = None
         self._lock = threading.Lock()
 
-    def methods(self) -> Mapping[str, Method[Any]]:
+    def methods(self) -> Mapping[str, Method]:
         """Returns the methods by name."""
         return {
-            "live.start": Method(Started, lambda request: self.start(request.file)),
-            "live.stop": Method(Nothing, lambda _: self.stop()),
-            "live.message": Method(Glance, lambda request: self.message(request.connection)),
+            "live.start": Method(self.start),
+            "live.stop": Method(self.stop),
+            "live.message": Method(self.message),
         }
 
     def start(self, file: str) -> dict[str, Any]:
@@ -71,7 +56,7 @@ class LiveRequests:
         threading.Thread(target=self.stop, name="leaving", daemon=True).start()
 
     def message(self, connection: str) -> dict[str, Any]:
-        """Returns the last message of a connection on both sides."""
+        """Returns the last message of a connection, by the id of its row, on both sides."""
         with self._lock:
             live = self._live
         try:

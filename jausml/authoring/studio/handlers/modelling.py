@@ -1,54 +1,45 @@
-"""Requests that need thought: forms, the palette, what can be connected."""
+"""Requests that need thought: forms, the palette, what can be connected, values that are tried."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.authoring.proposals.elements import AnswerError, Options, Scope, label_of
 from jausml.authoring.proposals.mapping.assigning import assign, partners
+from jausml.authoring.proposals.mapping.assignments import clock, constant, ignore
+from jausml.authoring.proposals.mapping.filling import fill_map
+from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
 from jausml.authoring.studio.views.forms import form
 from jausml.authoring.studio.views.inheriting import cut, heritage, join
 from jausml.authoring.studio.views.moving import lead
 from jausml.authoring.studio.views.palette import MOST, palette
-from jausml.authoring.studio.views.spots import JAUS_END, ROS_END, element_of, end_of, spot
-from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.authoring.studio.views.spots import (
+    JAUS_END,
+    ROS_END,
+    element_of,
+    end_of,
+    map_named,
+    map_of,
+    map_shown,
+    spot,
+)
+from jausml.authoring.studio.views.trying import inputs
+from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import refs
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
-    from jausml.authoring.studio.context import StudioContext
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
 
-
-@dataclass(frozen=True)
-class OfElement:
-    """An element."""
-
-    element: str
-
-
-@dataclass(frozen=True)
-class Search:
-    """What shall be added.
-
-    Attributes:
-        kinds: The groups of the palette that are meant; None for all.
-        limit: How many at most; None for as many as are usual.
-        onto: The element that it is dropped on; empty for the system.
-    """
-
-    file: str
-    query: str = ""
-    kinds: tuple[str, ...] | None = None
-    limit: int | None = None
-    onto: str = ""
+Direction = Literal["to_ros", "to_jaus"]
 
 
 @dataclass(frozen=True)
@@ -59,131 +50,80 @@ class Port:
     port: str = ""
 
 
-@dataclass(frozen=True)
-class Line:
-    """A line that was drawn in a view."""
-
-    file: str
-    view: str
-    source: Port
-    target: Port
-
-
-@dataclass(frozen=True)
-class Start:
-    """Where a line starts in a view."""
-
-    file: str
-    view: str
-    node: str
-    port: str = ""
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A line that a view shows, by its id."""
-
-    file: str
-    view: str
-    line: str
-
-
-@dataclass(frozen=True)
-class Hosting:
-    """Boxes that were dragged into the frame of a host."""
-
-    file: str
-    nodes: tuple[str, ...]
-    host: str = ""
-
-
-def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
+def methods(context: StudioContext) -> Mapping[str, Method]:
     """Returns the methods by name."""
     return {
-        "form": Method(OfElement, lambda request: _form(context, request)),
-        "palette": Method(Search, lambda request: _palette(context, request)),
-        "connect": Method(Line, lambda request: _connect(context, request)),
-        "ends": Method(Start, lambda request: _ends(context, request)),
-        "unlink": Method(Drawn, lambda request: _unlink(context, request)),
-        "host": Method(Hosting, lambda request: _host(context, request)),
+        "form": Method(partial(_form, context)),
+        "palette": Method(partial(_palette, context)),
+        "connect": Method(partial(_connect, context)),
+        "ends": Method(partial(_ends, context)),
+        "unlink": Method(partial(_unlink, context)),
+        "host": Method(partial(_host, context)),
+        "tried": Method(partial(_inputs, context)),
+        "fill": Method(partial(_fill, context)),
+        "fill_map": Method(partial(_fill_map, context)),
+        "try": Method(partial(_try, context)),
     }
 
 
-def scope_of(context: StudioContext, file: str) -> Scope:
-    """Returns the model of a file as answers see it."""
-    return scope_around(context, file, context.project.model(file).model)
-
-
-def scope_around(context: StudioContext, file: str, model: Model) -> Scope:
-    """Returns a model of a file as answers see it, with the rest of the project."""
-    return Scope(model, context.project.root, lambda: context.project.beside(file))
-
-
-def _form(context: StudioContext, request: OfElement) -> object:
-    file, _ = refs.split(request.element)
+def _form(context: StudioContext, element: str) -> object:
+    file, _ = refs.split(element)
     if not file.startswith(refs.LIBRARY):
-        verdict = context.verdicts.of(file)
-        scope = scope_around(context, file, verdict.report.model)
-        return form(scope, request.element, verdict.report.diagnostics)
-    _, model = context.project.find(request.element)
-    return form(Scope(model, context.project.root), request.element)
+        report = context.verdicts.of(file).report
+        return form(context.scope_of(file, report.model), element, report.diagnostics)
+    _, model = context.project.find(element)
+    return form(Scope(model, context.project.root), element)
 
 
-def _palette(context: StudioContext, request: Search) -> object:
-    scope = scope_of(context, request.file)
-    limit = MOST if request.limit is None else max(0, request.limit)
-    return {"items": palette(scope, request.query, request.kinds, limit, request.onto)}
+def _palette(
+    context: StudioContext,
+    file: str,
+    query: str = "",
+    kinds: tuple[str, ...] | None = None,
+    limit: int | None = None,
+    onto: str = "",
+) -> object:
+    """Returns what can be added to the element `onto`, or to the system; of all kinds, or some."""
+    limit = MOST if limit is None else max(0, limit)
+    return {"items": palette(context.scope_of(file), query, kinds, limit, onto)}
 
 
-def _connect(context: StudioContext, request: Line) -> object:
-    scope = scope_of(context, request.file)
-    used = map_of(scope, request.view)
+def _connect(context: StudioContext, file: str, view: str, source: Port, target: Port) -> object:
+    scope = context.scope_of(file)
+    used = map_of(scope, view)
     if used is not None:
-        first = end_of(scope, used, request.source.node, request.source.port)
-        return assign(
-            scope, used, first, end_of(scope, used, request.target.node, request.target.port)
-        )
-    shown = _shown(scope, request.view)
+        first = end_of(scope, used, source.node, source.port)
+        return assign(scope, used, first, end_of(scope, used, target.node, target.port))
+    shown = _shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
-        return lead(scope, shown, request.source.node, request.target.node)
+        return lead(scope, shown, source.node, target.node)
     if isinstance(shown, jaus.Service):
-        ends_ = ((each.node, each.port) for each in (request.source, request.target))
-        return join(scope, *ends_)
-    source = spot(scope, request.source.node, request.source.port)
-    return connect(scope, source, spot(scope, request.target.node, request.target.port))
+        return join(scope, (source.node, source.port), (target.node, target.port))
+    start = spot(scope, source.node, source.port)
+    return connect(scope, start, spot(scope, target.node, target.port))
 
 
-def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
-    """Returns the map that a view shows, None for a view of something else."""
-    kind, _, name = view.partition(":")
-    return map_named(scope, name) if kind == "map" else None
-
-
-def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
-    """Returns the map of a name."""
-    for each in scope.model.instances(bridge.AttributeMap):
-        if each.name == name:
-            return each
-    raise AnswerError(f"there is no map {name!a} any more")
-
-
-def _ends(context: StudioContext, request: Start) -> object:
-    scope = scope_of(context, request.file)
-    ids = Context(scope.model, request.view, ())
-    used = map_of(scope, request.view)
+def _ends(context: StudioContext, file: str, view: str, node: str, port: str = "") -> object:
+    """Returns where a line may end that starts at an end of a view."""
+    scope = context.scope_of(file)
+    ids = Context(scope.model, view, ())
+    used = map_of(scope, view)
     if used is not None:
-        return {"ends": list(_members_beside(scope, ids, used, request))}
-    shown = _shown(scope, request.view)
+        start = end_of(scope, used, node, port)
+        box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
+        members = partners(scope, used, start)
+        return {"ends": [_end(box, each.path, why, each.path) for each, why in members]}
+    shown = _shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
-        return {"ends": list(_states(scope, request))}
+        return {"ends": list(_states(scope, view, node))}
     if isinstance(shown, jaus.Service):
-        choices = heritage(scope, request.port or request.node)
+        choices = heritage(scope, port or node)
         return {"ends": [_end(each.value, each.label, each.documentation) for each in choices]}
     found = []
-    for end, why in ends(scope, spot(scope, request.node, request.port)):
-        port = ids.id_of(end.element) if end.element is not None else ""
+    for end, why in ends(scope, spot(scope, node, port)):
+        row = ids.id_of(end.element) if end.element is not None else ""
         label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
-        found.append(_end(ids.id_of(end.owner), label, why, port))
+        found.append(_end(ids.id_of(end.owner), label, why, row))
     return {"ends": found}
 
 
@@ -191,10 +131,10 @@ def _end(node: str, label: str, why: str, port: str = "") -> dict[str, str]:
     return {"node": node, "port": port, "label": label, "why": why}
 
 
-def _states(scope: Scope, request: Start) -> Iterator[dict[str, str]]:
+def _states(scope: Scope, view: str, start: str) -> Iterator[dict[str, str]]:
     """Yields the states of a machine, with that where a line starts."""
-    for each in graph_of(scope.model, request.view, root=scope.root).nodes:
-        again = "left and entered again" if each.id == request.node else each.subtitle
+    for each in graph_of(scope.model, view, root=scope.root).nodes:
+        again = "left and entered again" if each.id == start else each.subtitle
         yield _end(each.id, each.title, again)
 
 
@@ -205,27 +145,55 @@ def _shown(scope: Scope, view: str) -> EObject | None:
     return scope.find(graph_of(scope.model, view, root=scope.root).element)
 
 
-def _unlink(context: StudioContext, request: Drawn) -> Options:
-    scope = scope_of(context, request.file)
-    if isinstance(_shown(scope, request.view), jaus.Service):
-        return cut(scope, request.line)
+def _unlink(context: StudioContext, file: str, view: str, line: str) -> Options:
+    scope = context.scope_of(file)
+    if isinstance(_shown(scope, view), jaus.Service):
+        return cut(scope, line)
     return Options(refusal="this line follows from what it joins: delete one of its ends")
 
 
-def _host(context: StudioContext, request: Hosting) -> object:
-    scope = scope_of(context, request.file)
-    boxes = [spot(scope, each, "").owner for each in request.nodes]
-    host = element_of(scope, request.host) if request.host else None
-    if not boxes or (host is not None and not isinstance(host, system.Host)):
+def _host(context: StudioContext, file: str, nodes: tuple[str, ...], host: str = "") -> object:
+    """Returns how boxes come to run on a host, into whose frame they were dragged."""
+    scope = context.scope_of(file)
+    boxes = [spot(scope, each, "").owner for each in nodes]
+    frame = element_of(scope, host) if host else None
+    if not boxes or (frame is not None and not isinstance(frame, system.Host)):
         raise AnswerError("components and nodes run on hosts; drag some into the frame of one")
-    return hosted(scope, boxes, host)
+    return hosted(scope, boxes, frame)
 
 
-def _members_beside(
-    scope: Scope, ids: Context, used: bridge.AttributeMap, request: Start
-) -> Iterator[dict[str, str]]:
-    """Yields the members of the other end of a map that a member may become."""
-    start = end_of(scope, used, request.node, request.port)
-    box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
-    for each, why in partners(scope, used, start):
-        yield _end(box, each.path, why, each.path)
+def _inputs(context: StudioContext, file: str, map: str, direction: Direction) -> object:  # noqa: A002
+    used = map_named(context.scope_of(file), map)
+    return {"inputs": inputs(used, to_ros=direction == "to_ros")}
+
+
+def _fill(
+    context: StudioContext, file: str, view: str, target: Port, value: str = ""
+) -> dict[str, Any]:
+    """Returns how a member is filled that has no source."""
+    scope = context.scope_of(file)
+    used = map_shown(scope, view)
+    member = end_of(scope, used, target.node, target.port)
+    return {
+        "constant": constant(scope, used, member, value),
+        "clock": clock(scope, used, member),
+        "ignore": ignore(scope, used, member),
+    }
+
+
+def _fill_map(context: StudioContext, file: str, view: str) -> object:
+    scope = context.scope_of(file)
+    return fill_map(scope, map_shown(scope, view))
+
+
+def _try(
+    context: StudioContext,
+    file: str,
+    map: str,  # noqa: A002
+    direction: Direction,
+    values: Mapping[str, str],
+) -> object:
+    """Returns what becomes of values, which are texts by path."""
+    scope = context.scope_of(file)
+    to_ros = direction == "to_ros"
+    return context.trials.run(scope, map_named(scope, map), values, to_ros=to_ros)

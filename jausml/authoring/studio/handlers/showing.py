@@ -1,9 +1,9 @@
-"""Requests about what there is: the project, its views, its problems."""
+"""Requests about what there is: the project, its views, problems and texts."""
 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -11,19 +11,26 @@ from jausml import __version__
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
+from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.json_values import files_as_json, freshness_as_json
-from jausml.authoring.studio.rpc import REFUSED, Method, Nothing, RpcError
+from jausml.authoring.studio.rpc import REFUSED, Method, RpcError
+from jausml.authoring.studio.views.sources import element_at, source
+from jausml.authoring.studio.views.spots import map_shown
+from jausml.language.model import refs
+from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
+from jausml.language.text.notation import SUFFIX
 from jausml.views.diagrams.layout.sheet import LayoutError
-from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
+from jausml.views.diagrams.views import UnknownViewError, graph_of, maps, view_names
+from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.authoring.studio.checking import Verdict
-    from jausml.authoring.studio.context import StudioContext
     from jausml.language.model import Document
     from jausml.language.model.diagnostics import Diagnostic
+    from jausml.views.diagrams.views.members import Member
 
 
 _LOG = logging.getLogger(__name__)
@@ -32,42 +39,23 @@ _MOST_CURED = 200
 """Findings for which quick fixes are looked for: each takes a while, and nobody reads so many."""
 
 
-@dataclass(frozen=True)
-class Hello:
-    """Nothing but the token, which was looked at before."""
-
-    token: str = ""
-
-
-@dataclass(frozen=True)
-class OfFile:
-    """A file, relative to the root."""
-
-    file: str
-
-
-@dataclass(frozen=True)
-class OfView:
-    """A view of a file, such as `system` or `map:odometry`."""
-
-    file: str
-    view: str
-
-
-def methods(context: StudioContext) -> Mapping[str, Method[Any]]:
+def methods(context: StudioContext) -> Mapping[str, Method]:
     """Returns the methods by name."""
     return {
-        "hello": Method(Hello, lambda _: _hello(context)),
-        "views": Method(OfFile, lambda request: _views(context, request)),
-        "view": Method(OfView, lambda request: view(context, request)),
-        "faults": Method(Nothing, lambda _: {"faults": context.faults.all}),
-        "problems": Method(
-            OfFile, lambda request: problems(context, context.verdicts.of(request.file))
-        ),
+        "hello": Method(partial(_hello, context)),
+        "views": Method(partial(_views, context)),
+        "view": Method(partial(view, context)),
+        "faults": Method(partial(_faults, context)),
+        "problems": Method(partial(_problems_of, context)),
+        "text": Method(partial(_text, context)),
+        "source": Method(partial(_source, context)),
+        "at": Method(partial(_at, context)),
+        "members": Method(partial(_members, context)),
     }
 
 
-def _hello(context: StudioContext) -> dict[str, Any]:
+def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: ARG001
+    """Returns what is opened; the token was looked at before."""
     project = context.project
     extras = {"live": True, "graphviz": _has_graphviz()}
     return {
@@ -85,9 +73,13 @@ def _has_graphviz() -> bool:
     return find_spec("pygraphviz") is not None
 
 
-def _views(context: StudioContext, request: OfFile) -> dict[str, Any]:
-    context.viewed_files.add(request.file)
-    model = context.project.model(request.file).model
+def _faults(context: StudioContext) -> dict[str, Any]:
+    return {"faults": context.faults.all}
+
+
+def _views(context: StudioContext, file: str) -> dict[str, Any]:
+    context.viewed_files.add(file)
+    model = context.project.model(file).model
     own = set(view_names(model, library=False))
     views = []
     for name in view_names(model):
@@ -97,20 +89,20 @@ def _views(context: StudioContext, request: OfFile) -> dict[str, Any]:
     return {"views": views}
 
 
-def view(context: StudioContext, request: OfView) -> dict[str, Any]:
+def view(context: StudioContext, file: str, view: str) -> dict[str, Any]:
     """Returns a view, drawn as it stands."""
-    context.viewed_files.add(request.file)
-    verdict = context.verdicts.of(request.file)
-    key = request.file, request.view
+    context.viewed_files.add(file)
+    verdict = context.verdicts.of(file)
+    key = file, view
     try:
-        answer = _drawn(context, request, verdict)
+        answer = _drawn(context, file, view, verdict)
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
     except Exception as error:
         kept = context.pictures.get(key)
         if kept is None:
             raise
-        _LOG.exception("the view %s of %s cannot be drawn", request.view, request.file)
+        _LOG.exception("the view %s of %s cannot be drawn", view, file)
         why = f"the view cannot be drawn now ({type(error).__name__}): see Faults in the history"
         old = Freshness("stale", kept["revision"], why)
         return {**kept, "freshness": freshness_as_json(old)}
@@ -118,17 +110,19 @@ def view(context: StudioContext, request: OfView) -> dict[str, Any]:
     return answer
 
 
-def _drawn(context: StudioContext, request: OfView, verdict: Verdict) -> dict[str, Any]:
-    graph = graph_of(
-        verdict.result.model, request.view, verdict.report.diagnostics, context.project.root
-    )
-    moved = context.project.positions(request.file, request.view)
-    drawn = context.drawings.draw(request.file, graph, moved)
+def _drawn(context: StudioContext, file: str, view: str, verdict: Verdict) -> dict[str, Any]:
+    graph = graph_of(verdict.result.model, view, verdict.report.diagnostics, context.project.root)
+    moved = context.project.positions(file, view)
+    drawn = context.drawings.draw(file, graph, moved)
     return {
         "revision": verdict.revision,
         "freshness": freshness_as_json(context.freshness(verdict)),
         "graph": drawn,
     }
+
+
+def _problems_of(context: StudioContext, file: str) -> dict[str, Any]:
+    return problems(context, context.verdicts.of(file))
 
 
 def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
@@ -180,3 +174,78 @@ def _element(scope: Scope, document: Document | None, fragment: str) -> str:
         return scope.ref(scope.find_in(document, fragment))
     except AnswerError:
         return ""
+
+
+def _text(context: StudioContext, file: str) -> dict[str, Any]:
+    if file.startswith(refs.LIBRARY):
+        return {"text": _library_text(file), "revision": 0, "editable": False}
+    revision = context.project.revision  # first: a text is never older than it says
+    data = context.project.text(file)
+    is_text = file.endswith(SUFFIX)
+    encoding = context.project.model(file).model.documents[0].encoding
+    try:
+        text = data.decode("utf-8-sig" if is_text else encoding)
+    except (LookupError, ValueError) as error:
+        raise AnswerError(f"{file} is no text that can be shown") from error
+    return {"text": text, "revision": revision, "editable": is_text}
+
+
+def _library_text(file: str) -> str:
+    root = library_root().resolve()
+    path = (root / file.removeprefix(refs.LIBRARY)).resolve()
+    if not path.is_relative_to(root) or not path.is_file():
+        raise AnswerError(f"the library has no file {file!a}")
+    return path.read_text(encoding="utf-8")
+
+
+def _source(context: StudioContext, element: str) -> dict[str, Any]:
+    file, _ = refs.split(element)
+    revision = context.project.revision
+    if file.startswith(refs.LIBRARY):
+        scope = Scope(context.project.find(element)[1], context.project.root)
+    else:
+        scope = context.scope_of(file)
+    found = source(scope, element)
+    # A file that cannot be read as it is was shown as it was, where places are others.
+    start, end = (0, 0) if _is_stale(context, file) else (found.start, found.end)
+    return {
+        "file": found.file,
+        "notation": found.notation,
+        "start": start,
+        "end": end,
+        "line": found.line,
+        "revision": revision,
+    }
+
+
+def _is_stale(context: StudioContext, file: str) -> bool:
+    return any(each.is_stale for each in context.project.files if each.path == file)
+
+
+def _at(context: StudioContext, file: str, offset: int) -> dict[str, Any]:
+    """Returns the element at a place: units of UTF-16, with one for each end of a line."""
+    if _is_stale(context, file) or file.startswith(refs.LIBRARY):
+        return {"element": ""}
+    scope = context.scope_of(file)
+    return {"element": scope.ref(element_at(scope.model, offset))}
+
+
+def _members(context: StudioContext, file: str, view: str) -> dict[str, Any]:
+    """Returns all members of the ends of a map, of which its view shows those of interest."""
+    scope = context.scope_of(file)
+    ends = maps.ends(Context(scope.model, view, ()), map_shown(scope, view))
+    sides = [{"node": node, "members": list(_rows(members))} for node, members in ends]
+    return {"sides": sides}
+
+
+def _rows(members: Iterable[Member]) -> Iterator[dict[str, Any]]:
+    for each in members:
+        port = each.port
+        yield {
+            "path": each.path,
+            "label": port.label,
+            "note": port.note,
+            "mark": port.mark,
+            "depth": port.depth,
+        }
+        yield from _rows(each.inner)

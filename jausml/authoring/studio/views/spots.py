@@ -75,6 +75,28 @@ def all_spots(scope: Scope) -> Iterator[Spot]:
                 yield Spot(node, end)
 
 
+def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
+    """Returns the map that a view shows, None for a view of something else."""
+    kind, _, name = view.partition(":")
+    return map_named(scope, name) if kind == "map" else None
+
+
+def map_shown(scope: Scope, view: str) -> bridge.AttributeMap:
+    """Returns the map that a view shows, which must be one of a map."""
+    used = map_of(scope, view)
+    if used is None:
+        raise AnswerError(f"{view} is no view of a map")
+    return used
+
+
+def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
+    """Returns the map of a name."""
+    for each in scope.model.instances(bridge.AttributeMap):
+        if each.name == name:
+            return each
+    raise AnswerError(f"there is no map {name!a} any more")
+
+
 def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:
     """Returns the member that ids of the map view name."""
     if not port:

@@ -1,7 +1,9 @@
-"""`jausml latency`: rate, age and round trip of the reports of a running system."""
+"""`jausml ping` and `jausml latency`: round trips, and rate and age of reports."""
 
 from __future__ import annotations
 
+import itertools
+import time
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.live.network import Settings, operator_options, until_interrupted
+from jausml.cli.live.network import TARGET, Settings, operator_options, until_interrupted
+from jausml.cli.shared import options
 from jausml.cli.shared.files import PROBLEMS, to_json
 from jausml.cli.shared.models import only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
@@ -18,7 +21,8 @@ from jausml.cli.shared.terminal import warn
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.live.peers.measuring import ReportTimes, Spread
+    from jausml.live.peers.measuring import Pings, ReportTimes, Spread
+    from jausml.live.peers.query_client import QueryClient
     from jausml.live.systems.state import ConnectionState
     from jausml.runtime.base.address import JausAddress
 
@@ -42,7 +46,6 @@ def _or_only_system(_: click.Context, __: click.Parameter, value: str | None) ->
     "--duration",
     type=FiniteRange(0.1, 3600),
     default=10.0,
-    show_default=True,
     help="Seconds to measure.",
 )
 @click.option(
@@ -55,11 +58,10 @@ def _or_only_system(_: click.Context, __: click.Parameter, value: str | None) ->
     "--interval",
     type=FiniteRange(0.01, 3600),
     default=0.5,
-    show_default=True,
     help="Seconds between queries for a report.",
 )
 @operator_options
-def command(
+def latency(
     settings: Settings,
     source: str,
     messages: tuple[str, ...],
@@ -207,3 +209,110 @@ def _as_json(stream: ReportTimes) -> dict[str, Any]:
         },
         "fault": stream.fault or None,
     }
+
+
+AUTOMATIC = "automatic"
+
+
+@click.command("ping")
+@TARGET
+@click.option(
+    "-c",
+    "--count",
+    type=click.IntRange(min=1),
+    help="End after this number of questions; by default, at Ctrl-C.",
+)
+@click.option(
+    "-i",
+    "--interval",
+    type=FiniteRange(min=0.001, max=3600),
+    default=1.0,
+    help="Seconds between questions.",
+)
+@click.option(
+    "--question",
+    type=click.Choice([AUTOMATIC, *options.QUESTIONS]),
+    default=AUTOMATIC,
+    help="Question to ask; automatic is the first of the others that the component answers.",
+)
+@operator_options
+def ping(
+    settings: Settings, target: JausAddress, count: int | None, interval: float, question: str
+) -> None:
+    """Ask a component repeatedly, and show how long each answer takes.
+
+    A round trip includes the network in both directions and the time in both programs. Only one
+    question is open at a time. An answer that arrives after --timeout counts for the next question,
+    because JAUS queries have no number.
+
+    Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong, 3
+    internal error.
+    """
+    from jausml.live.peers.measuring import Pings, answered_question
+
+    pings = Pings()
+    with settings.operator() as operator:
+        with until_interrupted():
+            chosen = answered_question(operator, target) if question == AUTOMATIC else question
+            if chosen is None:
+                warn(str(operator.unanswered(target, "any question")))
+            else:
+                _ping(operator, target, chosen, pings, count, interval, as_json=settings.as_json)
+        _summarize(target, chosen, pings, as_json=settings.as_json)
+    if not pings.answered:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _ping(
+    client: QueryClient,
+    target: JausAddress,
+    question: str,
+    pings: Pings,
+    count: int | None,
+    interval: float,
+    *,
+    as_json: bool,
+) -> None:
+    from jausml.live.peers.measuring import QUESTIONS
+
+    query, report = QUESTIONS[question]
+    if not as_json:
+        click.echo(f"{target}: {query.NAME} every {interval:g} s")
+    due = time.monotonic()
+    for number in itertools.count(1) if count is None else range(1, count + 1):
+        time.sleep(max(0.0, due - time.monotonic()))
+        # A late answer delays the next question; what was missed is not caught up.
+        due = max(due + interval, time.monotonic())
+        seconds = client.round_trip(target, query, report)
+        pings.round_trips.append(seconds)
+        milliseconds = None if seconds is None else round(seconds * 1e3, 3)
+        if as_json:
+            click.echo(to_json({"question": number, "milliseconds": milliseconds}))
+        elif milliseconds is None:
+            click.echo(f"{target}: question {number}: no answer within {client.timeout:g} s")
+        else:
+            click.echo(f"{target}: question {number}: {milliseconds:.3f} ms")
+
+
+def _summarize(target: JausAddress, question: str | None, pings: Pings, *, as_json: bool) -> None:
+    from jausml.live.peers.measuring import QUESTIONS
+
+    spread = pings.spread
+    figures = None if spread is None else spread.milliseconds()
+    if as_json:
+        summary = {
+            "component": str(target),
+            "message": None if question is None else QUESTIONS[question][0].NAME,
+            "sent": pings.sent,
+            "answered": pings.answered,
+            "loss": round(pings.loss, 4),
+            "milliseconds": figures,
+        }
+        click.echo(to_json(summary))
+        return
+    click.echo(f"{pings.sent} asked, {pings.answered} answered, {pings.loss:.1%} lost")
+    if figures is not None:
+        click.echo(
+            "round trip in ms: "
+            + ", ".join(f"{name} {value:.3f}" for name, value in figures.items())
+        )
