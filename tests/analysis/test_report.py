@@ -72,7 +72,7 @@ def test_what_one_end_sends_the_other_receives(system):
 def test_fan_out_counts_topics_and_peers(system):
     _, found = pair(system)
     assert found["station.seen"].fan_out == 2
-    assert found["station.seen"].ros_rate == 50
+    assert found["station.seen"].ros.messages_per_s == 50
     assert found["station.wanted"].fan_out == 1
 
 
@@ -234,12 +234,12 @@ def test_what_is_shaped_costs_less_and_waits_longer(system):
 
     sent = of(shaped, "station", "wanted")
     assert [each.hertz for each in sent.flows] == [4]
-    assert sent.ros_rate == 10
+    assert sent.ros.messages_per_s == 10
     steps = {step.name: step.seconds for step in sent.budgets[0].steps}
     assert steps == {"decimation, one of 2 messages": 0.1, "maxRate of 4 Hz": 0.25}
     seen = of(shaped, "station", "seen")
     assert [each.hertz for each in seen.flows] == [25]
-    assert seen.ros_rate == 10  # two topics
+    assert seen.ros.messages_per_s == 10  # two topics
     assert seen.share < of(plain, "station", "seen").share
     assert sent.share < of(plain, "station", "wanted").share
 

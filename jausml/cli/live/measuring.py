@@ -13,7 +13,7 @@ import click
 
 from jausml.cli.live.network import TARGET, Settings, operator_options, until_interrupted
 from jausml.cli.shared import options
-from jausml.cli.shared.files import PROBLEMS, to_json
+from jausml.cli.shared.files import PROBLEMS, in_columns, to_json
 from jausml.cli.shared.models import only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
@@ -141,20 +141,13 @@ def _show(
         reports = [_as_json(each) for each in streams]
         click.echo(to_json({"reports": reports, "bridges": bridges}))
         return
-    _print_table([_HEAD, _UNDER_HEAD, *map(_row, streams)])
+    numbers = range(2, len(_HEAD))
+    lines = [*in_columns([_HEAD, _UNDER_HEAD, *map(_row, streams)], numbers)]
     if connections:
-        click.echo()
-        _print_table([_BRIDGE_HEAD, _BRIDGE_UNDER_HEAD, *map(_bridge_row, connections)])
-
-
-def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = [
-            word.ljust(width) if index < 2 else word.rjust(width)
-            for index, (word, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        click.echo("  ".join(cells).rstrip())
+        rows = [_BRIDGE_HEAD, _BRIDGE_UNDER_HEAD, *map(_bridge_row, connections)]
+        lines += ["", *in_columns(rows, numbers)]
+    for line in lines:
+        click.echo(line)
 
 
 def _row(stream: ReportTimes) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.live.network import network_from, network_options, transport_options
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, in_columns
 from jausml.cli.shared.models import ModelFault, optional_model_argument, readable_model
 from jausml.cli.shared.options import FiniteRange
 
@@ -159,32 +159,21 @@ def _print(state: SystemState, *, as_json: bool) -> None:
         return
     from jausml.live.systems import tables
 
-    numbers = [each.is_number for each in tables.COLUMNS]
+    numbers = [index for index, each in enumerate(tables.COLUMNS) if each.is_number]
     rows = [tables.row(each) for each in tables.arranged(state, 0)]
-    _print_table([each.title for each in tables.COLUMNS], rows, numbers)
-    click.echo()
     components = [tables.component_row(each) for each in state.components.values()]
-    _print_table(tables.COMPONENT_TITLES, sorted(components, key=_address), [])
-    click.echo()
-    click.echo(tables.summary(state))
+    for line in (
+        *in_columns([[each.title for each in tables.COLUMNS], *rows], numbers),
+        "",
+        *in_columns([tables.COMPONENT_TITLES, *sorted(components, key=_address)]),
+        "",
+        tables.summary(state),
+    ):
+        click.echo(line)
 
 
 def _address(cells: Sequence[str]) -> list[int]:
     return [int(part) for part in cells[1].split(".")]
-
-
-def _print_table(
-    titles: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[bool]
-) -> None:
-    lines = [titles, *rows]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    at_right = [*numbers, *[False] * (len(titles) - len(numbers))]
-    for line in lines:
-        cells = [
-            each.rjust(width) if right else each.ljust(width)
-            for each, width, right in zip(line, widths, at_right, strict=True)
-        ]
-        click.echo("  ".join(cells).rstrip())
 
 
 def _print_each(monitor: Monitor, interval: float) -> None:

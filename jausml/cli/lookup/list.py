@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import line_format_option, to_json, write
+from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
 from jausml.cli.shared.known import known, library_file
 from jausml.cli.shared.models import is_in_project, model_option, project_files
 
@@ -188,9 +188,5 @@ def _write_json(found: Iterable[dict[str, Any]]) -> None:
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
-    """Writes rows in columns as wide as they need."""
-    table = [head, *rows]
-    widths = [max(len(row[column]) for row in table) for column in range(len(head))]
-    for row in table:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        write("  ".join(cells).rstrip())
+    for line in in_columns([head, *rows]):
+        write(line)

@@ -15,7 +15,7 @@ import click
 from jausml.cli.shared.options import TEXT_OR_JSON, format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
@@ -161,6 +161,17 @@ def shown_path(path: str) -> str:
 def write(line: str) -> None:
     """Writes a line to stdout; faster than click's echo, which counts for 100000 lines."""
     sys.stdout.write(f"{line}\n")
+
+
+def in_columns(rows: Sequence[Sequence[str]], numbers: Collection[int] = ()) -> Iterator[str]:
+    """Yields rows in columns as wide as they need; those of numbers are flush right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (
+            cell.rjust(width) if index in numbers else cell.ljust(width)
+            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()
 
 
 def to_json(value: Any) -> str:

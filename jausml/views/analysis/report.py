@@ -39,6 +39,14 @@ class Load:
 
 
 @dataclass(frozen=True)
+class RosLoad:
+    """What passes on the side of ROS."""
+
+    bytes: Size
+    messages_per_s: float
+
+
+@dataclass(frozen=True)
 class Flow:
     """A stream as a connection sees it.
 
@@ -70,7 +78,7 @@ class ConnectionReport:
     direction: str
     exchange: str
     message: str
-    code: int
+    code: str
     type: str
     topics: tuple[str, ...]
     joins: tuple[str, ...]
@@ -78,8 +86,7 @@ class ConnectionReport:
     fan_out: int
     flows: tuple[Flow, ...]
     load: Load
-    ros_size: Size
-    ros_rate: float
+    ros: RosLoad
     share: float
     budgets: tuple[Budget, ...]
     warnings: tuple[str, ...]
@@ -202,7 +209,7 @@ def connection_report(
         direction=str(connection.direction.name),
         exchange=_exchange(connection),
         message=str(connection.map.message.name),
-        code=code(connection.map.message),
+        code=f"{code(connection.map.message):04X}",
         type=_type_name(connection),
         topics=tuple(topics),
         joins=(
@@ -213,8 +220,7 @@ def connection_report(
         fan_out=len(topics) if to_ros else len(out),
         flows=tuple(map(_flow, streams)),
         load=_load_at({owner}, streams),
-        ros_size=size,
-        ros_rate=(passing if to_ros else arriving) * len(topics),
+        ros=RosLoad(size, (passing if to_ros else arriving) * len(topics)),
         share=seconds_of(connection, streams, size, passing),
         budgets=budgets_of(connection, driving, assumptions.rate_of(connection)),
         warnings=tuple(warnings_of(connection, streams, assumptions.rate_of(connection))),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
@@ -126,18 +126,11 @@ class Wire:
 
     def __add__(self, other: Wire) -> Wire:
         """Returns the sum of two."""
-        return Wire(
-            self.packets + other.packets,
-            self.judp + other.judp,
-            self.ip + other.ip,
-            self.ethernet + other.ethernet,
-        )
+        return Wire(*(a + b for a, b in zip(astuple(self), astuple(other), strict=True)))
 
     def times(self, factor: float) -> Wire:
         """Returns as much of it."""
-        return Wire(
-            self.packets * factor, self.judp * factor, self.ip * factor, self.ethernet * factor
-        )
+        return Wire(*(each * factor for each in astuple(self)))
 
 
 def packet_count(payload: int, fragment_size: int) -> int:

@@ -117,7 +117,7 @@ def _row(connection: ConnectionReport) -> tuple[_Cell, ...]:
         (connection.message, connection.type),
         words.rate(connection),
         words.sizes(connection),
-        words.size(connection.ros_size),
+        words.size(connection.ros.bytes),
         words.number(load.sent.packets + load.received.packets),
         words.kilobytes(load.received.judp),
         words.kilobytes(load.sent.judp),

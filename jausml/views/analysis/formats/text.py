@@ -209,7 +209,7 @@ def _details(connection: ConnectionReport) -> Iterator[str]:
     ends = f"{connection.message} and {connection.type}"
     peers = ", ".join(connection.peers) or "nobody"
     topics = ", ".join((*connection.topics, *(f"{each} (joined)" for each in connection.joins)))
-    ros = size(connection.ros_size)
+    ros = size(connection.ros.bytes)
     yield from _wrapped(f"{connection.name}: {ends} ({ros} bytes); {peers}; {topics}", "  ")
     for budget in connection.budgets:
         head = f"{CASES[budget.case]:<15} {time(budget):>9}  "
