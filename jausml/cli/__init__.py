@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml import __version__
-from jausml.cli.shared.groups import LazyGroup
-from jausml.cli.shared.options import COMPLETION
+from jausml.cli.shared.options import COMPLETION, LazyGroup
 from jausml.cli.shared.terminal import Verbosity, colour_allowed
 
 if TYPE_CHECKING:
@@ -29,19 +28,19 @@ if TYPE_CHECKING:
 VERBS = {
     "init": ("authoring.init", "Make a project of models."),
     "new": ("authoring.new", "Add an element to a model: a bridge, a component, a node."),
-    "validate": ("models.validate", "Check models."),
+    "validate": ("models.checking:validate", "Check models."),
     "prove": ("models.prove", "Prove what becomes of every value that goes through a map."),
     "generate": ("models.generate", "Generate a workspace from the system in a model."),
     "build": ("live.run:build", "Compile the translations of a generated workspace."),
     "run": ("live.run", "Start the processes of a generated workspace."),
     "mutate": ("models.mutate", "Break a model to see what notices it."),
-    "report": ("models.report", "Report the load and the worst-case times of a system."),
+    "report": ("models.views:report", "Report the load and the worst-case times of a system."),
     "model-check": (
-        "models.model_check",
+        "models.checking:model_check",
         "Check the protocol of a system: control, states and stops.",
     ),
     "case": ("models.case", "Make the safety case of a model, or check it."),
-    "diagram": ("models.diagram", "Draw a system, a map, a service or a state machine."),
+    "diagram": ("models.views:diagram", "Draw a system, a map, a service or a state machine."),
     "studio": ("authoring.studio", "Show and edit models in the browser."),
     "diff": ("models.diff", "Show what changed from one state of models to another."),
     "merge": ("models.merge", "Merge the changes of two sides to a model."),
@@ -51,8 +50,8 @@ VERBS = {
     "export": ("models.exchange:exports", "Write services as JSIDL."),
     "list": ("lookup.list", "List the JAUS services, messages and maps."),
     "show": ("lookup.show", "Show one message, service or map."),
-    "decode": ("live.decode", "Show JAUS messages: from hex, from captures, or live."),
-    "encode": ("live.encode", "Turn messages in JSON into hex."),
+    "decode": ("live.codec:decode", "Show JAUS messages: from hex, from captures, or live."),
+    "encode": ("live.codec:encode", "Turn messages in JSON into hex."),
     "record": ("live.record", "Record both sides of a running system."),
     "replay": ("live.replay", "Replay recordings through the maps of a model."),
     "ocu": ("live.ocu", "Operate running JAUS components from any vendor."),
@@ -63,8 +62,8 @@ VERBS = {
     "judge": ("live.conformance:judge", "Let a running component take the tasks of a competition."),
     "peer": ("live.peer", "Start a rover as other makes have it, to try a robot with."),
     "doctor": ("live.doctor", "Show what this machine lacks, and how to fix it."),
-    "rules": ("lookup.rules:rules", "List the rules."),
-    "explain": ("lookup.rules:explain", "Explain a rule."),
+    "rules": ("lookup.list:rules", "List the rules."),
+    "explain": ("lookup.list:explain", "Explain a rule."),
     "language-server": (
         "authoring.studio:language_server",
         "Serve editors that show ros2jaus text.",

@@ -30,7 +30,7 @@ OWN_DATA = {
 """Modules that read what is shipped with them."""
 
 STREAMS = {
-    "cli/live/decode.py": "lines, after is_file",
+    "cli/live/codec.py": "lines, after is_file",
     "cli/shared/files.py": "lines of bounded length, by pipes too",
     "cli/live/recordings.py": "writes, and captures, large and by pipes",
     "live/recording/parts.py": "writes",

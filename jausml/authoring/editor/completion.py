@@ -14,7 +14,7 @@ from jausml.authoring.editor.context import (
     keywords,
     table,
 )
-from jausml.authoring.editor.paths import facts, fields_of, sides_at
+from jausml.authoring.editor.definition import facts, fields_of, sides_at
 from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation

@@ -11,7 +11,7 @@ from jausml.authoring.projects.places import Opened, ProjectError, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import participant_name
-from jausml.authoring.proposals.participants import new_bridge, new_connections
+from jausml.authoring.proposals.system_parts import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.words import snake_case

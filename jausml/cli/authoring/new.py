@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.groups import LazyGroup
-from jausml.cli.shared.options import format_option
+from jausml.cli.shared.options import LazyGroup, format_option
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

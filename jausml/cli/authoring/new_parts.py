@@ -65,7 +65,7 @@ def service(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """  # noqa: D301 - click wants the character
     from jausml.authoring.projects.adding import add
-    from jausml.authoring.proposals.services import new_service
+    from jausml.authoring.proposals.system_parts import new_service
 
     made: list[Add] = []
 
@@ -124,7 +124,7 @@ def component(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.participants import new_component
+    from jausml.authoring.proposals.system_parts import new_component
 
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)
@@ -165,7 +165,7 @@ def node(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
-    from jausml.authoring.proposals.participants import new_node
+    from jausml.authoring.proposals.system_parts import new_node
 
     published = pairs(publishes, ":", _EXAMPLE)
     heard = pairs(subscribes, ":", _EXAMPLE)

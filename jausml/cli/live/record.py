@@ -18,6 +18,7 @@ from jausml.cli.live.recordings import (
     shown_time,
     skipped_lines,
     stopped_by_signals,
+    transport_settings,
 )
 from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.models import open_catalogue, optional_model_argument
@@ -154,17 +155,11 @@ def command(
     from jausml.live.recording.recorder import Recorder, topics_of
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.frames import UdpReader
-    from jausml.runtime.base.settings import TransportSettings
 
     size = None if max_size is None else int(max_size * _MEGA)
     limits = SplitLimits(size, max_duration, max_files)
     path = _output(output, limits, force=force)
-    try:
-        settings = TransportSettings(
-            interface=interface, port=port, multicast_group=multicast_group
-        )
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
+    settings = transport_settings(interface, port, multicast_group)
     selection = TrafficFilter(topics, excluded, components)
     is_any = all_topics or (model is None and bool(topics))
     stop = Event()

@@ -20,9 +20,20 @@ if TYPE_CHECKING:
 
     from jausml.cli.shared.terminal import Progress
     from jausml.live.traffic.frames import UdpReader
+    from jausml.runtime.base.settings import TransportSettings
 
 output_option = click.option("-o", "--output", metavar="FILE", help="MCAP file to write.")
 force_option = click.option("--force", is_flag=True, help="Overwrite FILE.")
+
+
+def transport_settings(interface: str, port: int, multicast_group: str) -> TransportSettings:
+    """Returns where JAUS is listened to."""
+    from jausml.runtime.base.settings import TransportSettings
+
+    try:
+        return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
 
 
 @contextmanager

@@ -1,7 +1,8 @@
-"""`jausml list`: lists the JAUS services, messages and attribute maps that are known."""
+"""`jausml list`, `jausml rules` and `jausml explain`: services, messages, maps and rules."""
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -9,6 +10,7 @@ import click
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
 from jausml.cli.shared.known import known, library_file
 from jausml.cli.shared.models import is_in_project, model_option, project_files
+from jausml.cli.shared.names import completing, rule_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -190,3 +192,24 @@ def _write_json(found: Iterable[dict[str, Any]]) -> None:
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
     for line in in_columns([head, *rows]):
         write(line)
+
+
+@click.command("rules")
+def rules() -> None:
+    """List the rules: id, severity and title."""
+    for entry in known("rules"):
+        click.echo(f"{entry['rule']} {entry['severity']:7} {entry['title']}")
+
+
+@click.command("explain")
+@click.argument("rule_id", metavar="RULE", shell_complete=completing(rule_names))
+def explain(rule_id: str) -> None:
+    """Explain a rule: what it requires and why, with a bad and a good example."""
+    entries = {entry["rule"]: entry for entry in known("rules")}
+    entry = entries.get(rule_id.upper())
+    if entry is None:
+        near = get_close_matches(rule_id.upper(), entries, n=1)
+        hint = f", did you mean {near[0]}?" if near else ""
+        raise click.UsageError(f"no rule {rule_id!a}{hint} ('jausml rules' lists them)")
+    heading = f"{entry['rule']}: {entry['title']} ({entry['severity']})"
+    click.echo(f"{heading}\n\n{entry['documentation']}")

@@ -10,8 +10,7 @@ from jausml.authoring.editing.commands import Add, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.forms import form_of
-from jausml.authoring.studio.views.inheriting import cut, heritage, join
-from jausml.authoring.studio.views.moving import lead
+from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.project.library import library

@@ -6,7 +6,7 @@ import pytest
 from scope_support import MODELS, scope_of
 
 from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio.views.sources import element_at, source
+from jausml.authoring.studio.views.spots import element_at, source
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS

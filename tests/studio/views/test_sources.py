@@ -6,7 +6,7 @@ from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio.views.sources import source
+from jausml.authoring.studio.views.spots import source
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS

@@ -22,8 +22,7 @@ from jausml.authoring.proposals.mapping.assignments import (
     steps,
 )
 from jausml.authoring.proposals.mapping.members import Member, leaves, member
-from jausml.authoring.proposals.mapping.tabling import tabled
-from jausml.authoring.proposals.mapping.trial import Judged, judge
+from jausml.authoring.proposals.mapping.trial import Judged, judge, tabled
 from jausml.language.semantics.assignments.frames import axis_of
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import (

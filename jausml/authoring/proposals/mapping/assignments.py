@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child, Remove
 from jausml.authoring.proposals.elements import Option, Options
-from jausml.authoring.proposals.mapping.tabling import additions
-from jausml.authoring.proposals.mapping.trial import judge
+from jausml.authoring.proposals.mapping.trial import additions, judge
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.semantics.conversions import CONVERSIONS, Effect, UnitEffect

@@ -23,8 +23,15 @@ from jausml.authoring.proposals.mapping.opens import (
     unfilled,
     zeros,
 )
-from jausml.authoring.proposals.mapping.tabling import additions, table_of, tabled
-from jausml.authoring.proposals.mapping.trial import findings, fresh_map, judge, with_assignments
+from jausml.authoring.proposals.mapping.trial import (
+    additions,
+    findings,
+    fresh_map,
+    judge,
+    table_of,
+    tabled,
+    with_assignments,
+)
 from jausml.authoring.proposals.new_elements import OpenPoint, blocking, open_decisions
 from jausml.language.model.values import suggest
 from jausml.language.semantics.conversions import CONVERSIONS

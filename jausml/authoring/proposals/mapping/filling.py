@@ -13,8 +13,7 @@ from jausml.authoring.editing.commands import Add, Child
 from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
 from jausml.authoring.proposals.mapping.members import corresponding, leaves
-from jausml.authoring.proposals.mapping.tabling import additions, tabled
-from jausml.authoring.proposals.mapping.trial import judge, judge_together
+from jausml.authoring.proposals.mapping.trial import additions, judge, judge_together, tabled
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.model.words import words

@@ -15,9 +15,8 @@ from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as ab
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
 from jausml.authoring.studio.views.forms import form
-from jausml.authoring.studio.views.inheriting import cut, heritage, join
-from jausml.authoring.studio.views.moving import lead
 from jausml.authoring.studio.views.palette import MOST, palette
+from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.authoring.studio.views.spots import (
     JAUS_END,
     ROS_END,

@@ -1,21 +1,23 @@
-"""Requests about what there is: the project, its views, problems and texts."""
+"""Requests about what there is: views, problems and texts of the project, and what runs."""
 
 from __future__ import annotations
 
 import logging
+import threading
 from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
+from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.json_values import files_as_json, freshness_as_json
+from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
 from jausml.authoring.studio.rpc import REFUSED, Method, RpcError
-from jausml.authoring.studio.views.sources import element_at, source
-from jausml.authoring.studio.views.spots import map_shown
+from jausml.authoring.studio.views.spots import element_at, map_shown, source
 from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
     from jausml.language.model import Document
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.views.diagrams.views.members import Member
-
 
 _LOG = logging.getLogger(__name__)
 
@@ -249,3 +250,78 @@ def _rows(members: Iterable[Member]) -> Iterator[dict[str, Any]]:
             "depth": port.depth,
         }
         yield from _rows(each.inner)
+
+
+class LiveRequests:
+    """The one system that is watched, if any."""
+
+    def __init__(self, context: StudioContext) -> None:
+        self._context = context
+        self._live: LiveSystem | None = None
+        self._lock = threading.Lock()
+
+    def methods(self) -> Mapping[str, Method]:
+        """Returns the methods by name."""
+        return {
+            "live.start": Method(self.start),
+            "live.stop": Method(self.stop),
+            "live.message": Method(self.message),
+        }
+
+    def start(self, file: str) -> dict[str, Any]:
+        """Watches the system of a file, in the place of the one before."""
+        project = self._context.project
+        watched = Watched(file, project.root / file, project.root, project.model(file).model)
+        with self._lock:
+            if self._live is None or self._live.file != file:
+                self._stop()
+                self._live = LiveSystem(watched, self._context.network, self._notify)
+                self._live.start()
+            else:
+                self._live.tell_again()
+        return {}
+
+    def stop(self) -> dict[str, Any]:
+        """Watches nothing any more."""
+        with self._lock:
+            self._stop()
+        return {}
+
+    def leave(self) -> None:
+        """Watches nothing any more; who calls does not wait for it."""
+        threading.Thread(target=self.stop, name="leaving", daemon=True).start()
+
+    def message(self, connection: str) -> dict[str, Any]:
+        """Returns the last message of a connection, by the id of its row, on both sides."""
+        with self._lock:
+            live = self._live
+        try:
+            if live is None:
+                raise NotWatchedError("no system is watched")
+            return live.message(connection)
+        except NotWatchedError as error:
+            raise RpcError(REFUSED, str(error)) from error
+
+    def changed(self) -> None:
+        """Goes on with the model as it is after a change of the project."""
+        with self._lock:
+            if self._live is None:
+                return
+            try:
+                self._live.follow(self._context.project.model(self._live.file).model)
+            except EditError:  # the file is gone
+                self._stop()
+
+    def _stop(self) -> None:
+        if self._live is not None:
+            self._live.stop()
+        self._live = None
+
+    def _notify(self, values: dict[str, Any]) -> None:
+        try:
+            verdict = self._context.project.read(values["file"])[1]
+        except EditError:
+            return  # the file has gone meanwhile
+        self._context.subscribers.notify(
+            "live", {**values, "freshness": freshness_as_json(verdict)}
+        )

@@ -18,7 +18,7 @@ from jausml.authoring.proposals.new_elements import (
     usual_values,
 )
 from jausml.authoring.studio.views.forms import Drop, PaletteItem, kinds_of
-from jausml.authoring.studio.views.inheriting import inherit
+from jausml.authoring.studio.views.service_lines import inherit
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of

@@ -1,13 +1,17 @@
-"""What the ids of boxes and rows of a diagram stand for."""
+"""What boxes and rows of a diagram, and places of a text, stand for, and where that is written."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.authoring.editing.xmi.source import Source
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model import refs
+from jausml.language.text.reading.document import TextDocument
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -15,7 +19,6 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes.ecore import EObject
-
 
 _MARK = "!"
 
@@ -110,3 +113,170 @@ def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Mem
             is_jaus = isinstance(join, bridge.ReportJoin)
             return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
     raise AnswerError("that box is no end of the map")
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model import Document, Model
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.tree import Span
+
+    _LineAndColumn: TypeAlias = tuple[int, int]
+    _Spanned: TypeAlias = tuple[_LineAndColumn, _LineAndColumn, EObject]
+
+
+XMI, TEXT = "xmi", "text"
+_LINE_END = re.compile(r"\r\n?|\n")
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """The text of a file, and where in it an element stands.
+
+    Attributes:
+        notation: `xmi` or `text`.
+        start: Where the element begins, in units of UTF-16 as browsers count them.
+        line: Its first line, counted from 1.
+    """
+
+    file: str
+    notation: str
+    text: str
+    start: int
+    end: int
+    line: int
+
+
+def source(scope: Scope, ref: str) -> Located:
+    """Returns where an element stands; where its owner does if the text has not written it."""
+    element = scope.find(ref)
+    file, _ = refs.split(ref)
+    model = scope.model_of(element)
+    document = model.document_of(element)
+    if document is None:
+        return Located(file, XMI, "", 0, 0, 1)
+    if isinstance(document.written, TextDocument):
+        return _in_text(document, document.written, model, element, file)
+    return _in_xmi(document, model, element, file)
+
+
+def _in_xmi(document: Document, model: Model, element: EObject, file: str) -> Located:
+    whole = Source(document, file)
+    node = next(_nodes(model, element), None)
+    start = end = 0
+    if node is not None:
+        found = whole.element(node)
+        start, end = found.start, found.end
+    return _located(file, XMI, whole.text, start, end)
+
+
+def _in_text(
+    document: Document, written: TextDocument, model: Model, element: EObject, file: str
+) -> Located:
+    text = document.data.decode("utf-8-sig", "replace")
+    span = _span(written, model, element)
+    start = end = 0
+    if span is not None:
+        start = _characters(text, (span.line, span.column))
+        end = _characters(text, (span.end_line, span.end_column))
+    return _located(file, TEXT, text, start, end)
+
+
+def _span(written: TextDocument, model: Model, element: EObject) -> Span | None:
+    """Returns what is written of an element, or of the nearest of its owners."""
+    for node in _nodes(model, element):
+        found = written.source_of(node)
+        if found is not None:
+            return found.span
+    return None
+
+
+def _nodes(model: Model, element: EObject) -> Iterator[Node]:
+    """Yields what was read for an element, and then for its owners."""
+    around: EObject | None = element
+    while around is not None:
+        node = model.node_of(around)
+        if node is not None:
+            yield node
+        around = around.eContainer()
+
+
+def _located(file: str, notation: str, text: str, start: int, end: int) -> Located:
+    line = len(_LINE_END.findall(text[:start])) + 1
+    return Located(
+        file, notation, _LINE_END.sub("\n", text), _units(text[:start]), _units(text[:end]), line
+    )
+
+
+def _units(text: str) -> int:
+    """Returns the units of UTF-16 of a text, in which an end of a line is one."""
+    flat = _LINE_END.sub("\n", text)
+    return len(flat.encode("utf-16-le", "surrogatepass")) // 2
+
+
+def element_at(model: Model, offset: int) -> EObject | None:
+    """Returns the innermost element that is written at a place, None where there is none.
+
+    Args:
+        offset: The place, as a page counts.
+    """
+    document = model.documents[0]
+    if not document.readable:
+        return None
+    if isinstance(document.written, TextDocument):
+        spans = _spans_in_text(document, document.written)
+        place = _place(document.data.decode("utf-8-sig", "replace"), offset)
+    else:
+        source = Source(document, document.display)
+        place = _place(source.text, offset)
+        spans = _spans_in_xmi(document, source, _characters(source.text, place))
+    around = [(start, obj) for start, end, obj in spans if start <= place <= end]
+    # Of two that touch, the one that begins last; of two that begin together, the inner one.
+    latest = max((start for start, _ in around), default=None)
+    return next((obj for start, obj in reversed(around) if start == latest), None)
+
+
+def _spans_in_text(document: Document, written: TextDocument) -> Iterator[_Spanned]:
+    # What follows from something else stands nowhere, and what it owns may stand anywhere.
+    waiting = list(reversed(document.root_nodes))
+    while waiting:
+        node = waiting.pop()
+        waiting += reversed(node.children)
+        item = written.source_of(node)
+        if item is not None and node.obj is not None:
+            span = item.span
+            yield (span.line, span.column), (span.end_line, span.end_column), node.obj
+
+
+def _spans_in_xmi(document: Document, source: Source, at: int) -> Iterator[_Spanned]:
+    """Yields the elements around a place, which is given in characters."""
+    waiting = list(document.root_nodes)
+    while waiting:
+        node = waiting.pop()
+        element = source.element(node)
+        if element.start <= at <= element.end:
+            waiting += node.children
+            if node.obj is not None:
+                yield _of(source.text, element.start), _of(source.text, element.end), node.obj
+
+
+def _place(text: str, offset: int) -> _LineAndColumn:
+    """Returns line and column of a place, counted from 1 in characters."""
+    flat = _LINE_END.sub("\n", text).encode("utf-16-le", "surrogatepass")
+    before = flat[: 2 * offset].decode("utf-16-le", "replace")
+    return before.count("\n") + 1, len(before) - before.rfind("\n")
+
+
+def _of(text: str, at: int) -> _LineAndColumn:
+    """Returns line and column of a character."""
+    before = _LINE_END.sub("\n", text[:at])
+    return before.count("\n") + 1, len(before) - before.rfind("\n")
+
+
+def _characters(text: str, place: _LineAndColumn) -> int:
+    """Returns the character at a line and column."""
+    starts = [0, *(each.end() for each in _LINE_END.finditer(text))]
+    return starts[place[0] - 1] + place[1] - 1

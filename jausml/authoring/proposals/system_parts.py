@@ -1,20 +1,33 @@
-"""New bridges, components and nodes as commands."""
+"""New parts of a system as commands: bridges, components, nodes, and services of JAUS."""
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Set
 from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
-from jausml.authoring.proposals.elements import service_of, type_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, service_of, type_of
+from jausml.authoring.proposals.message_words import (
+    COMMAND,
+    QUERY,
+    REPORT,
+    MessageWish,
+    message_of_words,
+)
 from jausml.authoring.proposals.named_elements import copied_with_names
 from jausml.authoring.proposals.new_elements import free_name, stated_or_free_address
 from jausml.authoring.proposals.topics import joins_of
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
+from jausml.language.model.values import show
 from jausml.language.model.words import snake_case
+from jausml.language.semantics.jaus.services import code
+from jausml.language.semantics.names import is_identifier, urn_fault
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
@@ -161,3 +174,127 @@ def new_node(
             values = {"name": (names[-1],), "topic": (topic,), "type": (type_,)}
             ends.append(Child(feature, kind, values))
     return Add(scope.ref(whole), "nodes", "ros.Node", {"name": (name,)}, tuple(ends))
+
+
+_VERSION = "1.0"
+_FIRST, _LAST = 0xD000, 0xFFFF
+"""Codes that AS5684 leaves to users."""
+
+_BEGINS = {COMMAND: 0xD100, QUERY: 0xD200, REPORT: 0xD400}
+_MOST = 0x100
+_QUERY, _REPORT = "Query", "Report"
+_COMMANDED, _REPORTING = "Management", "Events"
+NOTHING = "none"
+"""What a service inherits that stands for itself."""
+
+
+def new_service(
+    scope: Scope,
+    whole: system.System | jaus.ServiceSet,
+    name: str,
+    messages: Sequence[str] = (),
+    *,
+    urn: str = "",
+    inherits: str = "",
+) -> Add:
+    """Returns what makes a service: in a service set, or in a system with a set of its own.
+
+    Args:
+        messages: Its messages in words; without any it has a report and the query for it, as an
+            example.
+        urn: Its URN; empty for one of its name.
+        inherits: Name or URN of the service that it inherits, `none` for none; empty for the core
+            service that brings what its messages need.
+
+    Raises:
+        AnswerError: The name is none, there is no such service, one has the URN already, or the
+            words or codes of messages are wrong.
+    """
+    if not is_identifier(name):
+        raise AnswerError(f"{name!a} is no name: letters, digits and single _ after a letter")
+    urn = urn or f"urn:example:{name_of(whole)}:{name}"
+    known = scope.instances(jaus.Service)
+    fault = urn_fault(urn)
+    if fault:
+        raise AnswerError(f"URN {show(urn)} {fault}; one is urn:example:sea:Sonar")
+    if any(each.urn == urn for each in known):
+        raise AnswerError(f"there is a service {urn} already")
+    wishes = list(_with_queries([message_of_words(each) for each in messages] or [_example(name)]))
+    names = Counter(each.name for each in wishes)
+    if twice := next((each for each, count in names.items() if count > 1), None):
+        raise AnswerError(f"two messages are named {twice}")
+    values = {"name": (name,), "urn": (urn,), "version": (_VERSION,)}
+    if inherits != NOTHING:
+        is_commanded = any(each.kind == COMMAND for each in wishes)
+        core = _COMMANDED if is_commanded else _REPORTING
+        values["inherits"] = (scope.ref(service_of(scope, inherits or core)),)
+    children = tuple(_coded(wishes, _codes(known)))
+    if isinstance(whole, jaus.ServiceSet):
+        return Add(scope.ref(whole), "services", "jaus.Service", values, children)
+    service = Child("services", "jaus.Service", values, children)
+    own = {
+        "name": (free_name(name, map(name_of, whole.serviceSets)),),
+        "version": (_VERSION,),
+    }
+    return Add(scope.ref(whole), "serviceSets", "jaus.ServiceSet", own, (service,))
+
+
+def _example(name: str) -> MessageWish:
+    """Returns the report that a service without messages begins with."""
+    made = message_of_words(f"{_REPORT}{name}: Value percent 0..100")
+    documentation = "An example: replace its field by what the service tells, with unit and range."
+    return replace(made, documentation=documentation)
+
+
+def _with_queries(wishes: Sequence[MessageWish]) -> Iterator[MessageWish]:
+    """Yields messages, each report behind the query that asks for it."""
+    names = {each.name for each in wishes}
+    for each in wishes:
+        query = f"{_QUERY}{each.name.removeprefix(_REPORT)}"
+        if each.name.startswith(_REPORT) and query not in names:
+            yield MessageWish(query, QUERY, documentation=f"Ask for {each.name}.")
+        yield each
+
+
+def _coded(wishes: Sequence[MessageWish], taken: dict[int, str]) -> Iterator[Child]:
+    """Yields messages with their codes: those that are stated, and free ones.
+
+    A query and its report have the same number behind what tells the kind.
+    """
+    for each in wishes:
+        if each.code is not None:
+            if each.code in taken:
+                owner = taken[each.code]
+                raise AnswerError(f"{each.name}: the code 0x{each.code:04X} is that of {owner}")
+            taken[each.code] = each.name
+    given = {each.subject: each.code % _MOST for each in wishes if each.code is not None}
+    for each in wishes:
+        number = each.code
+        if number is None:
+            number = _free(each.kind, taken, given.get(each.subject))
+            given[each.subject] = number % _MOST
+            taken[number] = each.name
+        yield each.child(number)
+
+
+def _free(kind: str, taken: Mapping[int, str], wanted: int | None) -> int:
+    begin = _BEGINS[kind]
+    if wanted is not None and begin + wanted not in taken:
+        return begin + wanted
+    numbers = range(1, _MOST)
+    begins = _BEGINS.values()
+    together = (begin + n for n in numbers if not any(each + n in taken for each in begins))
+    anywhere = (each for each in range(_FIRST, _LAST + 1) if each not in taken)
+    found = next(together, None) or next(anywhere, None)
+    if found is None:
+        raise AnswerError(f"no message code of 0x{_FIRST:04X} to 0x{_LAST:04X} is free")
+    return found
+
+
+def _codes(services: Iterable[jaus.Service]) -> dict[int, str]:
+    """Returns the messages of services by their codes."""
+    return {
+        code(message): label_of(message)
+        for each in services
+        for message in (*each.inputs, *each.outputs)
+    }

@@ -1,16 +1,19 @@
-"""`jausml decode`: shows JAUS messages, from hex, from captures, or live."""
+"""`jausml decode` and `jausml encode`: JAUS messages from hex, captures or live, and as hex."""
 
 from __future__ import annotations
 
+import json
 import re
 import sys
+from collections import Counter
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.live.recordings import opened, skipped_lines
+from jausml.cli.live.recordings import opened, skipped_lines, transport_settings
 from jausml.cli.shared.files import (
     FORMATS,
     PROBLEMS,
@@ -22,7 +25,7 @@ from jausml.cli.shared.files import (
     to_json,
     write,
 )
-from jausml.cli.shared.models import model_option, open_catalogue
+from jausml.cli.shared.models import model_option, open_catalogue, told
 from jausml.cli.shared.options import (
     FiniteRange,
     interface_option,
@@ -89,7 +92,7 @@ Line = tuple[str, str]
     metavar="S",
     help="Listen for this number of seconds.",
 )
-def command(
+def decode(
     inputs: tuple[str, ...],
     datagram: bool,
     pcap: str | None,
@@ -226,20 +229,14 @@ def _check_meaning(catalogue: Catalogue, service: str | None, message: str | Non
         raise click.UsageError(str(error)) from error
 
 
+@dataclass(frozen=True)
 class _Reading:
     """Reads one source and shows what is in it."""
 
-    def __init__(
-        self,
-        catalogue: Catalogue,
-        meaning: tuple[str | None, str | None],
-        output: _Output,
-        count: int | None,
-    ) -> None:
-        self._catalogue = catalogue
-        self._meaning = meaning
-        self._output = output
-        self._count = count
+    _catalogue: Catalogue
+    _meaning: tuple[str | None, str | None]
+    _output: _Output
+    _count: int | None
 
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
@@ -247,7 +244,9 @@ class _Reading:
 
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
-            self._datagrams(found)
+            from jausml.live.traffic.frames import Datagram
+
+            self._observe((place, Datagram(data)) for place, data in found)
             return
         for place, payload in found:
             try:
@@ -273,11 +272,6 @@ class _Reading:
                 continue
             if data:
                 yield place, data
-
-    def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
-        from jausml.live.traffic.frames import Datagram
-
-        self._observe((place, Datagram(data)) for place, data in lines)
 
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
         from jausml.live.traffic.observing import Observer
@@ -314,23 +308,90 @@ class _Reading:
         """Shows what is sent to the multicast group."""
         from jausml.live.traffic.captures import TrafficError
         from jausml.live.traffic.listening import MulticastListener
-        from jausml.runtime.base.settings import TransportSettings
 
-        try:
-            settings = TransportSettings(
-                interface=interface, port=port, multicast_group=multicast_group
-            )
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
+        settings = transport_settings(interface, port, multicast_group)
         try:
             listener = MulticastListener(settings)
         except TrafficError as error:
             raise EnvironmentFault(str(error)) from error
         with listener:
-            where = f"{multicast_group}:{port} on {interface}"
-            click.echo(f"listening to {where}", err=True)
+            click.echo(f"listening to {multicast_group}:{port} on {interface}", err=True)
             try:
                 heard = islice(listener.datagrams(duration), self._count)
                 self._observe((("", datagram) for datagram in heard), is_live=True)
             except KeyboardInterrupt:
                 click.echo("interrupted", err=True)
+
+
+@click.command("encode")
+@click.argument("words", nargs=-1, metavar="[JSON|NAME FIELDS|FILE|-]")
+@model_option
+def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
+    """Turn messages in JSON into hex, one message per line.
+
+    A line of a file, or an argument, is an object as `jausml decode --format json` prints it:
+    "message" (name) or "code", "fields", and a "service" (with "service_version") if several
+    messages have the name. `_pv`, and the name of the one record of a body, may be omitted. A line
+    can also be the name of the message and its fields, as `jausml ocu` takes them. Without an
+    argument, reads stdin.
+
+    Exit status: 0 done, 1 a line is wrong (the others are encoded), 2 usage or an unreadable file,
+    3 internal error.
+    """
+    from jausml.live.messages import MessageError
+
+    failed = False
+    catalogue = open_catalogue(models)
+    path = " ".join(words) or STDIN
+    is_message = len(words) > 1 or path.lstrip().startswith("{")
+    name = "argument" if is_message else shown_path(path)
+    for number, line in enumerate([path] if is_message else read_lines(path), 1):
+        if not line.strip():
+            continue
+        try:
+            write(catalogue.encode(_message(line)).hex())
+        except (MessageError, _LineError) as error:
+            failed = True
+            click.echo(f"{name}:{number}: {told(error, models)}", err=True)
+    if failed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+class _LineError(ValueError):
+    """A line that is not an object of JSON."""
+
+
+def _message(line: str) -> dict[str, Any]:
+    from jausml.live.messages.legal import shown
+    from jausml.live.messages.paths import parse_fields
+
+    name, _, fields = line.strip().partition(" ")
+    if name.isidentifier() and name not in ("null", "true", "false"):
+        try:
+            return {"message": name, "fields": parse_fields(fields) if fields.strip() else {}}
+        except ValueError as error:
+            raise _LineError(str(error)) from error
+    try:
+        value = json.loads(line.rstrip(), object_pairs_hook=_object)
+    except json.JSONDecodeError as error:
+        raise _LineError(f"column {error.colno}: {error.msg}") from error
+    except _LineError:
+        raise
+    except ValueError:
+        raise _LineError("an integer has too many digits") from None
+    except RecursionError:
+        raise _LineError("nested too deep") from None
+    if isinstance(value, dict) and isinstance(value.get("message"), dict):
+        value = value["message"]  # a line of `jausml decode --datagram`
+    if not isinstance(value, dict):
+        raise _LineError(f"an object is needed, this is {shown(value)}")
+    return value
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Returns an object of JSON; of a name that stands in it twice nobody knows which counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
+        raise _LineError(f"{twice!a} stands twice in an object")
+    return found
