@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
@@ -15,13 +13,7 @@ from jausml.authoring.editing.describing import described, pasted
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
-from jausml.authoring.editing.reading import (
-    Disk,
-    Reader,
-    encoded,
-    is_library,
-    stored,
-)
+from jausml.authoring.editing.reading import Disk, Reader, encoded, is_library, is_text, stored
 from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
 from jausml.authoring.editing.records import (
     Change,
@@ -39,7 +31,6 @@ from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
 from jausml.language.model.project import is_model_file, model_files
-from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -63,14 +54,9 @@ class ChangedBeneathError(EditError):
 class Project:
     """The model files below one folder.
 
-    Every change is written at once and logged. All methods may be called from any thread.
-
-    Attributes:
-        opened: The model file that was named, relative to the root; else empty.
-        typing_pause: Seconds without typing after which what is typed is another entry of the log.
-
-    Raises:
-        OSError: The folder or file is not there.
+    Every change is written at once and logged. What cannot be done is an `EditError`, and nothing
+    is written then. All methods may be called from any thread. `opened` is the model file that was
+    named, relative to the root, else empty.
     """
 
     def __init__(self, opened: str | os.PathLike[str]) -> None:
@@ -83,8 +69,8 @@ class Project:
         self._disk = Disk(self.root)
         self._log = Log()
         self._rebasing = Rebasing()
-        self._typed = (0, 0.0)
         self.typing_pause = 2.0
+        """Seconds without typing after which what is typed is another entry of the log."""
         self._working_copy: WorkingCopy | None = None
         self._unreported: list[Change] = []
         self._files: dict[str, Stored] = {}
@@ -102,8 +88,11 @@ class Project:
     def files(self) -> tuple[FileInfo, ...]:
         """The model files, in order of their names."""
         with self._lock:
-            models = (each for each in self._files.values() if not is_layout(each.file))
-            return tuple(map(self._info, sorted(models, key=lambda each: each.file)))
+            return tuple(
+                FileInfo(name, "text" if is_text(name) else "xmi", each.revision, each.is_stale)
+                for name, each in sorted(self._files.items())
+                if not is_layout(name)
+            )
 
     @property
     def revision(self) -> int:
@@ -167,18 +156,17 @@ class Project:
         raise EditError(f"there is no element {ref}", conflict=True)
 
     def preview(self, commands: Sequence[Command], base: int | None = None) -> Preview:
-        """Returns what commands would do; nothing is written.
-
-        Args:
-            base: The revision of which their refs are; None for the present one.
-        """
+        """Returns what commands with refs of a revision would do; nothing is written."""
         with self._lock:
             commands = self._rebased(commands, base)
             draft = self._draft()
             outcome = execute(commands, draft)
             changes = draft.changes()
             new = {each.file: draft.files.get(each.file) for each in changes}
-            diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
+            diff = "".join(
+                unified_diff(file, self._data(file) or b"", each.data if each else b"")
+                for file, each in new.items()
+            )
             return Preview(changes, outcome.created, outcome.referrers, diff)
 
     def do(
@@ -192,19 +180,9 @@ class Project:
         """Carries out commands, all or none, writes the files and logs it.
 
         Where another program has just changed a file, they are planned again with what it says.
-
-        Args:
-            base: The revision of which their refs are; None for the present one. Refs are
-                followed through what was done since.
-            is_first: Whether they give way where others have changed the same since; else they
-                win.
-
-        Returns:
-            The entry of the log. One without changes was not logged: nothing was to be done.
-
-        Raises:
-            EditError: They cannot be carried out, or what they change was changed meanwhile.
-                Nothing was written.
+        Their refs are those of the revision `base`, and are followed through what was done since.
+        Where others have changed the same, those that are first give way, else they win. An entry
+        without changes was not logged: nothing was to be done.
         """
         with self._lock:
             base = self._revision if base is None else base
@@ -247,7 +225,7 @@ class Project:
         """Writes what somebody typed; what cannot be parsed is written too, and its model stays."""
         with self._lock:
             known = self._known(file)
-            if not file.endswith(SUFFIX):
+            if not is_text(file):
                 raise EditError(f"{file} is no text: edit it by its diagram and its forms")
             if known.revision > base:
                 message = f"{file} has changed since: look at it again, and repeat what you typed"
@@ -260,71 +238,35 @@ class Project:
             before = dict(self._files)
             self._write({file: draft.files[file]})
             self._note_outside(file, before)
-            return self._log_typing(file, changes)
-
-    def _log_typing(self, file: str, changes: tuple[FileChange, ...]) -> Entry:
-        """Logs what was typed: as one entry while nobody pauses or does anything else."""
-        last, number, at = self._log.last, self._typed[0], self._typed[1]
-        now = monotonic()
-        label = f"Type in {file}"
-        if (
-            last is None
-            or last.number != number
-            or last.files != (file,)
-            or self._log.next is not None
-            or now - at > self.typing_pause
-        ):
-            entry = self._log.add(label, changes)
-        else:
-            [old], [new] = last.changes, changes
-            change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
-            entry = self._log.extend(last, (change,))
-        self._typed = (entry.number, now)
-        return entry
+            return self._log.add_typing(f"Type in {file}", changes, self.typing_pause)
 
     def undo(self) -> Entry | None:
-        """Takes the last entry back; returns it, None when there is none.
-
-        Raises:
-            EditError: A file is no longer as the entry left it. Nothing was written.
-        """
+        """Takes the last entry back, if there is one and its files are as it left them."""
         with self._lock:
             entry = self._log.last
             if entry is not None:
                 self._replay(entry, [each.inverted() for each in entry.changes], back=True)
-                self._log.step_back()
+                self._log.step(-1)
             return entry
 
     def redo(self) -> Entry | None:
-        """Does again what was undone last; returns it, None when there is nothing.
-
-        Raises:
-            EditError: A file is no longer as the entry left it. Nothing was written.
-        """
+        """Does again what was undone last, if there is something and its files are as they were."""
         with self._lock:
             entry = self._log.next
             if entry is not None:
                 self._replay(entry, entry.changes, back=False)
-                self._log.step_on()
+                self._log.step(1)
             return entry
 
     def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
-        """Takes over what other programs did to files; each change becomes an entry of the log.
+        """Takes over what other programs did to files, of all or of some relative to the root.
 
-        Args:
-            paths: Files that may have changed, relative to the root; without any, all are looked
-                at.
-
-        Returns:
-            The files that have changed, also those that an edit has met; none for what this
-            project wrote itself.
+        Each change becomes an entry of the log; those that an edit has met are returned too.
         """
         with self._lock:
-            wanted = set(paths) or {*self._files, *model_files(self.root, SUFFIXES)}
-            wanted = {
-                f for f in wanted if f in self._files or is_model_file(f, self.root, SUFFIXES)
-            }
-            return (*self.unreported(), *filter(None, map(self._refreshed, sorted(wanted))))
+            wanted = sorted(set(paths) or {*self._files, *model_files(self.root, SUFFIXES)})
+            known = (f for f in wanted if f in self._files or is_model_file(f, self.root, SUFFIXES))
+            return (*self.unreported(), *filter(None, map(self._refreshed, list(known))))
 
     def unreported(self) -> tuple[Change, ...]:
         """Returns the files that edits found changed by other programs, each once."""
@@ -339,11 +281,7 @@ class Project:
             return described([draft.locate(each) for each in elements], self.ref)
 
     def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
-        """Adds what `describe` gave, under names that are free.
-
-        Raises:
-            EditError: It cannot be carried out. Nothing was written.
-        """
+        """Adds what `describe` gave, under names that are free."""
         with self._lock:
             obj, model = self._draft().element(owner)
             return self.do(pasted(commands, obj, model, self.ref), label)
@@ -364,11 +302,6 @@ class Project:
         if found is None or is_layout(file):
             raise EditError(f"{file} is no model file of the opened folder")
         return found
-
-    def _info(self, each: Stored) -> FileInfo:
-        if each.file.endswith(SUFFIX):
-            return FileInfo(each.file, "text", each.revision, each.is_stale, each.is_stale)
-        return FileInfo(each.file, "xmi", each.revision, each.is_stale)
 
     def _draft(self) -> Draft:
         return Draft(self.root, self._files, self._reader, self._revision + 1)
@@ -393,16 +326,13 @@ class Project:
                 written.append(file)
         except OSError as error:
             for file in written:
-                before = self._files.get(file)
-                self._disk.store(file, before.data if before is not None else None)
+                self._disk.store(file, self._data(file))
             raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
 
     def _check_unchanged(self, files: Iterable[str]) -> None:
         """Sees to it that nothing is overwritten that another program has just saved."""
         for file in files:
-            found = self._disk.read(file)
-            known = self._files.get(file)
-            if found != (known.data if known is not None else None):
+            if self._disk.read(file) != self._data(file):
                 change = self._refreshed(file)
                 if change is not None:
                     self._unreported.append(change)
@@ -416,7 +346,7 @@ class Project:
             if (known.digest if known is not None else "") != change.before:
                 message = f"{change.file} has changed since: its last edit cannot be taken back"
                 raise EditError(message, conflict=True)
-            data = known.data if known is not None else b""
+            data = self._data(change.file) or b""
             for step in change.steps:
                 data = applied(data, step)
             made = stored(change.file, data, self._revision + 1, known)
@@ -434,11 +364,9 @@ class Project:
             found = self._disk.read(file)
         except EditError:
             return None  # it is left alone until it can be read again
-        if found == (known.data if known is not None else None):
+        if found == self._data(file):
             return None
-        old = known.data if known is not None else b""
-        new = found if found is not None else b""
-        diff = self._diff(file, new)
+        old, new = self._data(file) or b"", found or b""
         is_conflict = takes_back(self._log.last, known, found)
         self._revision += 1
         files = dict(self._files)
@@ -452,7 +380,7 @@ class Project:
         change = FileChange(file, (step,), known.digest if known is not None else "", after)
         self._note_outside(file, files)
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
-        return Change(file, diff, is_conflict)
+        return Change(file, unified_diff(file, old, new), is_conflict)
 
     def _note_outside(self, file: str, before: Mapping[str, Stored]) -> None:
         """Remembers a change that no commands made, with what is needed to understand it."""
@@ -468,6 +396,6 @@ class Project:
 
         self._rebasing.note_outside(self._revision, file, understood)
 
-    def _diff(self, file: str, new: bytes) -> str:
+    def _data(self, file: str) -> bytes | None:
         known = self._files.get(file)
-        return unified_diff(file, known.data if known is not None else b"", new)
+        return known.data if known is not None else None

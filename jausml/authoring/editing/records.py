@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
 from jausml.authoring.editing.layout import is_layout
@@ -21,14 +22,17 @@ class FileInfo:
     Attributes:
         path: The file, relative to the root with forward slashes.
         is_stale: Whether it cannot be read as it is, so that its model is an earlier one.
-        is_dirty: Whether it is text that cannot be parsed as it is.
     """
 
     path: str
     notation: Literal["xmi", "text"]
     revision: int
     is_stale: bool = False
-    is_dirty: bool = False
+
+    @property
+    def is_dirty(self) -> bool:
+        """Whether it is text that cannot be parsed as it is."""
+        return self.is_stale and self.notation == "text"
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +169,8 @@ class Log:
         self._entries: list[Entry] = []
         self._at = 0
         self._count = 0
+        self._typed = (0, 0.0)
+        """Number of the entry that was typed last, and when."""
 
     @property
     def done(self) -> tuple[Entry, ...]:
@@ -201,19 +207,22 @@ class Log:
         self._at += 1
         return entry
 
-    def extend(self, entry: Entry, changes: tuple[FileChange, ...]) -> Entry:
-        """Makes changes part of the last entry; what was undone before it is gone already."""
-        made = replace(entry, changes=changes)
-        self._entries[self._at - 1 :] = [made]
+    def add_typing(self, label: str, changes: tuple[FileChange, ...], pause: float) -> Entry:
+        """Adds what was typed in a file: to the last entry while nobody pauses or does else."""
+        [new], last, (number, at), now = changes, self.last, self._typed, monotonic()
+        is_fluent = self.next is None and now - at <= pause
+        if last is not None and (last.number, last.files) == (number, (new.file,)) and is_fluent:
+            [old] = last.changes
+            change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
+            made = self._entries[self._at - 1] = replace(last, changes=(change,))
+        else:
+            made = self.add(label, changes)
+        self._typed = made.number, now
         return made
 
-    def step_back(self) -> None:
-        """Notes that the last entry was undone."""
-        self._at -= 1
-
-    def step_on(self) -> None:
-        """Notes that the next entry was done again."""
-        self._at += 1
+    def step(self, by: int) -> None:
+        """Notes that the next entry was done again, or for -1, that the last one was undone."""
+        self._at += by
 
 
 def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> bool:

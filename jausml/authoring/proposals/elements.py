@@ -104,9 +104,9 @@ class Scope:
         return self.model.documents[0].notation is not None
 
 
-def map_around(element: EObject | None) -> bridge.AttributeMap | None:
-    """Returns the map that an element is or stands in, None without one."""
-    while element is not None and not isinstance(element, bridge.AttributeMap):
+def around(element: EObject | None, *kinds: type[FoundT]) -> FoundT | None:
+    """Returns the element itself or its nearest owner of some classes, None without one."""
+    while element is not None and not isinstance(element, kinds):
         element = element.eContainer()
     return element
 
@@ -147,7 +147,7 @@ def service_of(scope: Scope, word: str) -> jaus.Service:
     if not found:
         known = map(name_of, scope.instances(jaus.Service))
         raise _missing("service", word, known, f"'jausml new service {word}' makes one")
-    return max(found, key=_version)
+    return max(found, key=version_of)
 
 
 def message_of(scope: Scope, word: str) -> jaus.MessageDef:
@@ -155,7 +155,7 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
     service, _, name = word.rpartition(".")
     services = [service_of(scope, service)] if service else scope.instances(jaus.Service)
     by_urn: dict[str, jaus.MessageDef] = {}
-    for each in sorted(services, key=_version):
+    for each in sorted(services, key=version_of):
         for message in (*each.inputs, *each.outputs):
             if name_of(message) == name:
                 by_urn[str(each.urn)] = message
@@ -210,7 +210,8 @@ def plain_type(word: str) -> str:
     return f"{package}/{name}" if mark and folder in ("msg", "srv", "action") else word
 
 
-def _version(service: jaus.Service) -> tuple[int, ...]:
+def version_of(service: jaus.Service) -> tuple[int, ...]:
+    """Returns the version of a service, by which a newer one is greater."""
     return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import Scope, label_of
+from jausml.authoring.proposals.elements import Scope, around, label_of
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.project.library import library
@@ -60,8 +60,8 @@ def everywhere(
     kind = target.python_class
     own = [each for each in scope.own(kind) if each is not element]
     if any(issubclass(kind, each) for each in _OF_THE_SYSTEM):
-        around = _system_of(element)
-        return _choices(scope, [each for each in own if _system_of(each) is around])
+        whole = _system_of(element)
+        return _choices(scope, [each for each in own if _system_of(each) is whole])
     if kind is jaus.Field:
         types = (each for one in scope.model.instances(jaus.ServiceSet) for each in one.types)
         return _choices(scope, [each for each in types if each is not element])
@@ -97,41 +97,15 @@ def _file(scope: Scope, element: EObject) -> str:
     return document.path.stem if document is not None else ""
 
 
-def _system_of(element: EObject | None) -> EObject | None:
-    while element is not None and not isinstance(element, system.System):
-        element = element.eContainer()
-    return element
+def _system_of(element: EObject | None) -> system.System | None:
+    return around(element, system.System)
 
 
-def _map_of(element: EObject) -> bridge.AttributeMap | None:
-    around: EObject | None = element
-    while around is not None:
-        if isinstance(around, bridge.AttributeMap):
-            return around
-        if isinstance(around, bridge.Connection):
-            return around.map
-        around = around.eContainer()
-    return None
-
-
-def _tables(element: EObject) -> list[EObject] | None:
-    found = _map_of(element)
-    return None if found is None else list(found.tables)
-
-
-def _quantities(element: EObject) -> list[EObject] | None:
-    found = _map_of(element)
-    return None if found is None else list(found.quantities)
-
-
-def _joins(element: EObject) -> list[EObject] | None:
-    found = _map_of(element)
-    return None if found is None else list(found.joins)
-
-
-def _report_joins(element: EObject) -> list[EObject] | None:
-    found = _map_of(element)
-    return None if found is None else list(found.reportJoins)
+def _of_map(element: EObject, feature: str) -> list[EObject] | None:
+    """What the map has that an element stands in, or that its connection uses."""
+    found: Any = around(element, bridge.AttributeMap, bridge.Connection)
+    used = found.map if isinstance(found, bridge.Connection) else found
+    return None if used is None else list(getattr(used, feature))
 
 
 def _reports(element: EObject) -> list[EObject] | None:
@@ -144,19 +118,17 @@ def _reports(element: EObject) -> list[EObject] | None:
 
 def _taken(element: EObject) -> list[EObject] | None:
     """What the service of a state machine takes, inherited messages included."""
-    around: EObject | None = element
-    while around is not None and not isinstance(around, jaus.Service):
-        around = around.eContainer()
-    if around is None:
+    service = around(element, jaus.Service)
+    if service is None:
         return None
-    return [each for one in lineage(around) for each in one.inputs if name_of(each)]
+    return [each for one in lineage(service) for each in one.inputs if name_of(each)]
 
 
 _NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {
-    "bridge.Conversion.table": _tables,
-    "bridge.Conversion.quantity": _quantities,
-    "bridge.Topic.join": _joins,
-    "bridge.ReportSource.join": _report_joins,
+    "bridge.Conversion.table": partial(_of_map, feature="tables"),
+    "bridge.Conversion.quantity": partial(_of_map, feature="quantities"),
+    "bridge.Topic.join": partial(_of_map, feature="joins"),
+    "bridge.ReportSource.join": partial(_of_map, feature="reportJoins"),
     "jaus.ServiceConnection.message": _reports,
     "jaus.Transition.message": _taken,
 }

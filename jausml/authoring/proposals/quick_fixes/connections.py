@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Remove, Set
-from jausml.authoring.proposals.quick_fixes.found import QuickFix, unset
+from jausml.authoring.proposals.quick_fixes.found import QuickFix, removed, unset, unset_where
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
@@ -31,41 +31,23 @@ def stop(found: Found) -> Iterator[QuickFix]:
     connection = found.element
     to_ros = connection.direction.name == "jausToRos"
     used = connection.map
-    values = [] if to_ros else list(_zeros(used))
     feature = "stopRos" if to_ros else "stopJaus"
     if getattr(used, feature) is not None or not fills_rates_alone(used, to_ros=to_ros):
         return
-    children = tuple(
-        Child("values", "bridge.ConstantAssignment", {"target": (path,), "value": ("0",)})
-        for path in values
-    )
-    if not to_ros and not children:
-        return
-    if not found.scope.model.is_library(used):
-        add = Add(found.scope.ref(used), feature, "bridge.Stop", {}, children)
+    kind = "bridge.ConstantAssignment"
+    zeros = [{"target": (path,), "value": ("0",)} for path in _filled(used, to_ros=to_ros)]
+    if not found.scope.model.is_library(used) and (to_ros or zeros):
+        # Of ROS all is zero that a stop does not name.
+        inner = () if to_ros else tuple(Child("values", kind, each) for each in zeros)
+        add = Add(found.scope.ref(used), feature, "bridge.Stop", {}, inner)
         yield QuickFix(f"give the map a {feature} of zeros", (add,))
-        return
-    adds = tuple(
-        Add(found.ref, "safeValue", "bridge.ConstantAssignment", child.values)
-        for child in children or _ros_zeros(used)
-    )
-    if adds:
+    elif zeros:
+        adds = tuple(Add(found.ref, "safeValue", kind, each) for each in zeros)
         yield QuickFix("give it a safe value of zeros", adds)
 
 
-def _zeros(used: bridge.AttributeMap) -> Iterator[str]:
-    """Yields the JAUS members that assignments fill with numbers, where 0 is legal."""
-    yield from _filled(used, to_ros=False)
-
-
-def _ros_zeros(used: bridge.AttributeMap) -> list[Child]:
-    return [
-        Child("safeValue", "bridge.ConstantAssignment", {"target": (path,), "value": ("0",)})
-        for path in _filled(used, to_ros=True)
-    ]
-
-
 def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
+    """Yields the members that assignments fill with numbers, where 0 is legal."""
     scope = outer_scope(used, to_ros=to_ros)
     for each in used.toRos if to_ros else used.toJaus:
         for path in target_paths(each) if isinstance(each, bridge.FieldAssignment) else ():
@@ -98,18 +80,6 @@ def _rate(connection: bridge.Connection) -> float:
 def freshness(found: Found) -> Iterator[QuickFix]:
     """Says for how long a report is fresh."""
     yield found.set("fresh for 1 s", "freshness", "1.0")
-
-
-def times(found: Found) -> Iterator[QuickFix]:
-    """Leaves out a time that is none, or that is for other connections."""
-    if "is no time" in found.message or "makes no report" in found.message:
-        yield from unset(found)
-
-
-def hold(found: Found) -> Iterator[QuickFix]:
-    """Leaves out a hold of what is no command."""
-    if "carries no command" in found.message:
-        yield from unset(found)
 
 
 def control(found: Found) -> Iterator[QuickFix]:
@@ -158,23 +128,6 @@ def published_twice(found: Found) -> Iterator[QuickFix]:
     yield QuickFix(f"take this {noun} away", (Remove(found.ref),))
 
 
-def decided(found: Found) -> Iterator[QuickFix]:
-    """Takes away a decision that is made."""
-    yield QuickFix("decided: take the open decision away", (Remove(found.ref),))
-
-
-def stated_twice(found: Found) -> Iterator[QuickFix]:
-    """Leaves out what a map says already."""
-    if found.hint == "leave it out":
-        yield from unset(found)
-
-
-def timed_out(found: Found) -> Iterator[QuickFix]:
-    """Leaves out what the rule advises to leave out, or what is out of its range."""
-    if "leave" in found.hint or not found.hint:
-        yield from unset(found)
-
-
 def success(found: Found) -> Iterator[QuickFix]:
     """Names the one bool of a response that can tell of a failure."""
     response = found.element.type.response if found.element.type is not None else None
@@ -213,6 +166,8 @@ def _message(found: Found) -> jaus.MessageDef | None:
     return None
 
 
+_LEFT_OUT = unset_where(lambda found: "leave" in found.hint or not found.hint)
+
 QUICK_FIXES: Mapping[str, Fixer] = {
     "JML304": service,
     "JML422": service,
@@ -220,23 +175,25 @@ QUICK_FIXES: Mapping[str, Fixer] = {
     "JML426": silence,
     "JML427": control,
     "JML451": stop,
-    "JML452": hold,
+    "JML452": unset_where(lambda found: "carries no command" in found.message),
     "JML453": unset,
     "JML454": silence,
     "JML455": freshness,
-    "JML456": times,
+    "JML456": unset_where(
+        lambda found: "is no time" in found.message or "makes no report" in found.message
+    ),
     "JML463": unset,
     "JML464": published_twice,
-    "JML467": stated_twice,
+    "JML467": unset_where(lambda found: found.hint == "leave it out"),
     "JML471": control,
     "JML473": success,
     "JML474": unset,
     "JML477": allowed_hosts,
     "JML478": unset,
     "JML490": unset,
-    "JML491": timed_out,
+    "JML491": _LEFT_OUT,
     "JML492": unset,
-    "JML493": timed_out,
-    "JML498": decided,
+    "JML493": _LEFT_OUT,
+    "JML498": removed("decided: take the open decision away"),
 }
 """The quick fixes by rule."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Remove, Rename, Set
-from jausml.authoring.proposals.elements import AnswerError, literal, values_of
+from jausml.authoring.editing.commands import Rename, Set
+from jausml.authoring.proposals.elements import AnswerError, literal, values_of, version_of
 from jausml.authoring.proposals.new_elements import (
     free_address,
     free_name,
@@ -14,7 +14,13 @@ from jausml.authoring.proposals.new_elements import (
     participant_name,
 )
 from jausml.authoring.proposals.quick_fixes import connections, maps
-from jausml.authoring.proposals.quick_fixes.found import Found, QuickFix, renamed_as_meant, unset
+from jausml.authoring.proposals.quick_fixes.found import (
+    Found,
+    QuickFix,
+    removed,
+    renamed_as_meant,
+    unset,
+)
 from jausml.authoring.proposals.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
@@ -96,11 +102,6 @@ def guard(found: Found) -> Iterator[QuickFix]:
     yield found.set("obey the controller alone", "guard", text if own else _CONTROLLED)
 
 
-def never_taken(found: Found) -> Iterator[QuickFix]:
-    """Takes away a transition that is never taken."""
-    yield QuickFix("take this transition away", (Remove(found.ref),))
-
-
 def authority(found: Found) -> Iterator[QuickFix]:
     """Raises the authority of who controls."""
     match = re.match(r"'.*' obeys authority (\d+) and above, '(.*)' has", found.message)
@@ -115,15 +116,11 @@ def twice(found: Found) -> Iterator[QuickFix]:
     kept: dict[str, jaus.Service] = {}
     for each in found.element.provides:
         best = kept.get(str(each.urn))
-        if best is None or _version(each) > _version(best):
+        if best is None or version_of(each) > version_of(best):
             kept[str(each.urn)] = each
     if len(kept) < len(found.element.provides):
         refs = [found.scope.ref(each) for each in kept.values()]
         yield found.set("provide the newest version alone", "provides", *refs)
-
-
-def _version(service: jaus.Service) -> tuple[int, ...]:
-    return tuple(int(each) for each in re.findall(r"\d+", str(service.version)))
 
 
 def placed_twice(found: Found) -> Iterator[QuickFix]:
@@ -173,7 +170,7 @@ QUICK_FIXES: Mapping[str, Fixer] = {
     "JML324": unset,
     "JML342": renamed_as_meant,
     "JML344": renamed_as_meant,
-    "JML347": never_taken,
+    "JML347": removed("take this transition away"),
     "JML351": guard,
     "JML355": unset,
     "JML358": unset,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jausml.authoring.editing.commands import Set
+from jausml.authoring.editing.commands import Remove, Set
 from jausml.authoring.proposals.elements import literal, values_of
 from jausml.language.model.words import in_words
 
@@ -106,6 +106,16 @@ def unset(found: Found) -> Iterator[QuickFix]:
     default = "" if feature.default is None else literal(feature.default)
     shown = f", which makes it {default}" if default else ""
     yield found.set(f"leave out {words}{shown}", feature.name)
+
+
+def unset_where(is_meant: Callable[[Found], bool]) -> Fixer:
+    """Leaves out what a feature states, of those findings of a rule that call for it."""
+    return lambda found: unset(found) if is_meant(found) else iter(())
+
+
+def removed(label: str) -> Fixer:
+    """Takes the element away."""
+    return lambda found: iter((QuickFix(label, (Remove(found.ref),)),))
 
 
 def renamed_as_meant(found: Found) -> Iterator[QuickFix]:

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Remove, Set
-from jausml.authoring.proposals.elements import map_around
+from jausml.authoring.proposals.elements import around
 from jausml.authoring.proposals.quick_fixes.found import QuickFix, renamed_as_meant, unset
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
@@ -52,7 +52,7 @@ def _with_step(whole: str, wrong: str, meant: str) -> str:
 
 def _is_found(assignment: bridge.Assignment, path: str, *, is_source: bool) -> bool:
     """Tells whether a path leads somewhere from where an assignment stands."""
-    used = map_around(assignment)
+    used = around(assignment, bridge.AttributeMap)
     placed = None
     if used is not None and used.message is not None and used.type is not None:
         placed = place(used, assignment, to_ros=_to_ros(assignment))
@@ -174,7 +174,7 @@ def unused_join(found: Found) -> Iterator[QuickFix]:
 
 def stale_join(found: Found) -> Iterator[QuickFix]:
     """Drops messages without a fresh message of a join."""
-    used = map_around(found.element)
+    used = around(found.element, bridge.AttributeMap)
     for join in (*used.joins, *used.reportJoins) if used is not None else ():
         if name_of(join) in found.quoted[-1:]:
             ref = found.scope.ref(join)

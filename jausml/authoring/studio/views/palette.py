@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, label_of
+from jausml.authoring.proposals.elements import AnswerError, label_of, version_of
 from jausml.authoring.proposals.new_elements import (
     PACKAGES,
     free_address,
@@ -175,7 +175,7 @@ def _external(scope: Scope) -> Entry:
     about = documentation(table.features["external"].feature)
     return _entry(
         "component external", COMPONENTS, "external component", "exists already", about,
-        _external_component,
+        partial(_component, name="external", more={"external": ("true",)}),
     )  # fmt: skip
 
 
@@ -217,21 +217,17 @@ def _ordered(services: Sequence[jaus.Service]) -> list[jaus.Service]:
     newest: dict[str, tuple[int, ...]] = {}
     for each in services:
         urn = str(each.urn)
-        newest[urn] = max(newest.get(urn, ()), _version(each))
+        newest[urn] = max(newest.get(urn, ()), version_of(each))
 
     def place(service: jaus.Service) -> tuple[bool, int, str]:
         urn = str(service.urn)
         family = 0 if urn.startswith(_MOBILITY) else 2 if urn.startswith(CORE) else 1
-        return _version(service) < newest[urn], family, name_of(service)
+        return version_of(service) < newest[urn], family, name_of(service)
 
     return sorted(services, key=place)
 
 
 _MOBILITY = "urn:jaus:jss:mobility:"
-
-
-def _version(service: jaus.Service) -> tuple[int, ...]:
-    return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
 
 
 def _types(
@@ -322,12 +318,7 @@ def _entry(
 
 
 def _component_with(scope: Scope, onto: EObject | None, service: jaus.Service) -> Sequence[Command]:
-    more = {"provides": (scope.ref(service),)}
-    return _component(scope, onto, name_of(service), more)
-
-
-def _external_component(scope: Scope, onto: EObject | None) -> Sequence[Command]:
-    return _component(scope, onto, "external", {"external": ("true",)})
+    return _component(scope, onto, name_of(service), {"provides": (scope.ref(service),)})
 
 
 def _component(

@@ -113,13 +113,11 @@ class _Work:
     ) -> dict[str, float]:
         """Returns how high boxes would stand best, infinite for those that no line joins."""
         own = {each.id for each in boxes}
-        rows = {}
-        for box in others:
-            at = tops[box.id] + box.head
-            rows[box.id, ""] = tops[box.id] + box.head / 2
-            for row in box.rows:
-                rows[box.id, row.id] = at + row.height / 2
-                at += row.height
+        rows = {
+            (box.id, row): tops[box.id] + down
+            for box in others
+            for row, down in box.middles().items()
+        }
         heights: dict[str, list[float]] = defaultdict(list)
         for line in self._sheet.lines:
             for end, other in ((line.source, line.target), (line.target, line.source)):

@@ -10,8 +10,8 @@ from collections import defaultdict
 from statistics import median
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.layout.settling import GAP, Area
-from jausml.views.diagrams.layout.sheet import Places, Route
+from jausml.views.diagrams.layout.settling import GAP, Area, area_of
+from jausml.views.diagrams.layout.sheet import Places, Route, on_curve
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -44,9 +44,7 @@ def face(sheet: Sheet) -> Places:
     work = _Work(sheet)
     boxes = work.corners()
     lines = work.routes(boxes)
-    areas = [
-        Area(x, y, x + box.width, y + box.height) for box in sheet.boxes for x, y in [boxes[box.id]]
-    ]
+    areas = [area_of(box, boxes[box.id]) for box in sheet.boxes]
     points = [point for route in lines.values() for point in route.points]
     highest = min([each.top for each in areas] + [y for _, y in points])
     moved = {name: (x, round(y - highest, 1)) for name, (x, y) in boxes.items()}
@@ -66,7 +64,7 @@ class _Work:
         self._sheet = sheet
         self._left = min(box.column for box in sheet.boxes)
         self._boxes = {box.id: box for box in sheet.boxes}
-        self._rows = {(box.id, row): height for box in sheet.boxes for row, height in _heights(box)}
+        self._rows = {(box.id, row): y for box in sheet.boxes for row, y in box.middles().items()}
         self._bundles = self._bundled()
 
     def _bundled(self) -> list[list[Line]]:
@@ -142,15 +140,6 @@ class _Work:
         return (x0, y0), (x0 + half, y0), (x1 - half, y1), (x1, y1)
 
 
-def _heights(box: Box) -> Iterable[tuple[str, float]]:
-    """Yields the rows of a box and how far below its top their middles are; empty for its head."""
-    yield "", box.head / 2
-    at: float = box.head
-    for row in box.rows:
-        yield row.id, at + row.height / 2
-        at += row.height
-
-
 def _stacked(boxes: Sequence[Box]) -> Iterable[tuple[Box, float]]:
     """Yields boxes and their tops, one below the other."""
     at = 0.0
@@ -175,8 +164,8 @@ def _label(
     """
     if not line.width:
         return None
-    ways = [_on(points, part) for part in (wanted, *_PARTS)]
-    places = [(x, y + aside) for x, y in ways]
+    ways = [on_curve(points, part) for part in (wanted, *_PARTS)]
+    places = [(round(x, 1), round(y, 1) + aside) for x, y in ways]
     areas = [
         Area(x - line.width / 2, y - line.height / 2, x + line.width / 2, y + line.height / 2)
         for x, y in places
@@ -185,14 +174,6 @@ def _label(
     chosen = next(free, 0)
     taken.append(areas[chosen])
     return places[chosen]
-
-
-def _on(points: tuple[Point, Point, Point, Point], part: float) -> Point:
-    """Returns a point of a cubic Bezier curve."""
-    rest = 1 - part
-    weights = rest**3, 3 * rest**2 * part, 3 * rest * part**2, part**3
-    x, y = (sum(w * p[axis] for w, p in zip(weights, points, strict=True)) for axis in (0, 1))
-    return round(x, 1), round(y, 1)
 
 
 def _raised(route: Route, by: float) -> Route:

@@ -182,16 +182,11 @@ def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
 
 def _ends(sheet: Sheet, boxes: dict[str, Point]) -> dict[tuple[str, str], Point]:
     """Returns the middles of boxes and rows, where lines end nearby."""
-    ends = {}
-    for box in sheet.boxes:
-        left, top = boxes[box.id]
-        middle = left + box.width / 2
-        ends[box.id, ""] = middle, top + box.height / 2
-        at = top + box.head
-        for row in box.rows:
-            ends[box.id, row.id] = middle, at + row.height / 2
-            at += row.height
-    return ends
+    return {
+        (box.id, row): (boxes[box.id][0] + box.width / 2, boxes[box.id][1] + down)
+        for box in sheet.boxes
+        for row, down in {**box.middles(), "": box.height / 2}.items()
+    }
 
 
 def _from_source(

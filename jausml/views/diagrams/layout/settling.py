@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from jausml.views.diagrams.layout.sheet import on_curve
+
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
@@ -155,12 +157,8 @@ class _Ground:
         return found
 
     def _row(self, box: Box, row: str) -> float:
-        top = self.corners[box.id][1] + box.head
-        for each in box.rows:
-            if each.id == row:
-                return top + each.height / 2
-            top += each.height
-        return self.corners[box.id][1] + box.height / 2
+        down = box.middles().get(row) if row else None
+        return self.corners[box.id][1] + (box.height / 2 if down is None else down)
 
     def beside(self, box: Box) -> Point:
         """Returns where a box would stand best, if nothing stood there."""
@@ -241,9 +239,7 @@ class _Ground:
                 yield area
 
     def _around(self, group: str) -> Iterator[str]:
-        while group:
-            yield group
-            group = self._parents.get(group, "")
+        return _chain(group, self._parents)
 
     def _all_frames(self) -> dict[str, Area]:
         if not self._frames:
@@ -332,10 +328,4 @@ def _points(route: tuple[Point, ...]) -> Iterator[Point]:
     for at in range(0, len(route) - 3, 3):
         curve = route[at : at + 4]
         for step in range(1, _SAMPLES + 1):
-            t = step / _SAMPLES
-            weights = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3
-            x, y = (
-                sum(w * point[axis] for w, point in zip(weights, curve, strict=True))
-                for axis in (0, 1)
-            )
-            yield x, y
+            yield on_curve(curve, step / _SAMPLES)

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from itertools import accumulate
+from typing import TYPE_CHECKING, Literal, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Point = tuple[float, float]
 Course = Literal["", "down", "left", "right"]
@@ -40,6 +44,12 @@ class Box:
     def height(self) -> int:
         """Its height."""
         return self.head + sum(each.height for each in self.rows)
+
+    def middles(self) -> dict[str, float]:
+        """Returns how far below its top the middles of its rows are; of its head without a name."""
+        tops = accumulate((each.height for each in self.rows), initial=self.head)
+        rows = {each.id: top + each.height / 2 for each, top in zip(self.rows, tops, strict=False)}
+        return {"": self.head / 2, **rows}
 
 
 @dataclass(frozen=True)
@@ -99,6 +109,14 @@ class Route:
 
     points: tuple[Point, ...]
     label: Point | None
+
+
+def on_curve(points: Sequence[Point], part: float) -> Point:
+    """Returns a point of a cubic Bezier curve."""
+    rest = 1 - part
+    weights = rest**3, 3 * part * rest**2, 3 * part * part * rest, part**3
+    x, y = (sum(w * p[axis] for w, p in zip(weights, points, strict=True)) for axis in (0, 1))
+    return x, y
 
 
 @dataclass(frozen=True)
