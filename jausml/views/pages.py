@@ -10,8 +10,7 @@ from html import escape
 def page_head(title: str, style: str, policy: str = "") -> str:
     """Returns the beginning of a page, up to its heading.
 
-    Args:
-        policy: What the page may load and run (Content-Security-Policy); empty for no word on it.
+    `policy`: what the page may load and run (Content-Security-Policy); empty for no word on it.
     """
     stated = f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n' if policy else ""
     return (

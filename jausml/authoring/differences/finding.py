@@ -63,12 +63,9 @@ def changes(
 ) -> list[Change]:
     """Returns what changed, in the order of the new state; what was removed comes at its owner.
 
-    Documentation, layout, ids and the order of parts that means nothing do not count.
-
-    Args:
-        roots: Root elements that belong together; None for one that the other state lacks.
-        lost: The references of both states that lead to no element. They are compared by what they
-            name.
+    Documentation, layout, ids and the order of parts that means nothing do not count. `roots`: root
+    elements that belong together; None for one that the other state lacks. `lost`: the references
+    of both states that lead to no element. They are compared by what they name.
     """
     return list(_Finding(old, new, roots, lost).run())
 

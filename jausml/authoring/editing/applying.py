@@ -52,8 +52,7 @@ class Applying:
     def apply(self, command: ElementCommand) -> None:
         """Applies the command.
 
-        Raises:
-            EditError: It makes no sense; the working copy is worth nothing any more.
+        `EditError`: it makes no sense; the working copy is worth nothing any more.
         """
         if isinstance(command, Set):
             self._set(command)

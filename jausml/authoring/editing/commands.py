@@ -37,8 +37,7 @@ Command: TypeAlias = "ElementCommand | Create | Place"
 class EditError(Exception):
     """Why a command is not carried out, for people. Nothing was changed.
 
-    Attributes:
-        conflict: Whether the reason is that a file has changed since the command was thought of.
+    `conflict`: whether the reason is that a file has changed since the command was thought of.
     """
 
     def __init__(self, message: str, *, conflict: bool = False) -> None:
@@ -59,8 +58,7 @@ class Set:
 class Child:
     """An element that a new element owns.
 
-    Attributes:
-        kind: Its class with the package, such as `bridge.PeriodicConnection`.
+    `kind`: its class with the package, such as `bridge.PeriodicConnection`.
     """
 
     feature: str
@@ -73,8 +71,7 @@ class Child:
 class Add:
     """Adds an element with what it owns.
 
-    Attributes:
-        position: Its position among the values of the feature, None for the end.
+    `position`: its position among the values of the feature, None for the end.
     """
 
     owner: Ref
@@ -126,9 +123,8 @@ class Create:
 class Place:
     """Places boxes of a view by hand.
 
-    Attributes:
-        positions: Upper left corners in pixels by the key of the box; None leaves a box to the
-            layout engine again.
+    `positions`: upper left corners in pixels by the key of the box; None leaves a box to the layout
+    engine again.
     """
 
     file: str
@@ -142,8 +138,7 @@ AddedT = TypeVar("AddedT", Add, Child)
 def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> ElementCommand:
     """Returns a command with refs to what is there in place of those to what was made.
 
-    Args:
-        known: Returns the ref for which one such as `new:0` stands, and any other text as it is.
+    `known`: returns the ref for which one such as `new:0` stands, and any other text as it is.
     """
     if isinstance(command, Set):
         values = tuple(map(known, command.values))

@@ -266,10 +266,6 @@ class Planner(Protocol):
         In the file that has an element of a command this is the change itself; in a file that
         refers to it, what that file says of it. What goes with an element that is removed was
         worked out before: it stands among the commands, as `Set` and `Remove` of their own.
-
-        Args:
-            commands: The commands, all of the same state of the files.
-
-        Raises:
-            UnwritableError: The notation cannot say what is wanted.
+        `commands`: the commands, all of the same state of the files. `UnwritableError`: the
+        notation cannot say what is wanted.
         """

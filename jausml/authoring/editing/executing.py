@@ -51,9 +51,8 @@ _BY_NAME = re.compile(rb"""#/+[^/@"'\s]|@\w+\[|["'\s]//[^@"'\s]""")
 class Outcome:
     """What commands did.
 
-    Attributes:
-        working_copy: The elements of the files that were changed, and of those that refer to them.
-        shifts: How each command changed refs: new ones by old ones, empty for what is gone.
+    `working_copy`: the elements of the files that were changed, and of those that refer to them.
+    `shifts`: how each command changed refs: new ones by old ones, empty for what is gone.
     """
 
     created: tuple[Ref, ...]
@@ -70,12 +69,9 @@ def _planner_of(file: str) -> Planner:
 def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None = None) -> Outcome:
     """Carries out commands in a draft.
 
-    Args:
-        known: The working copy of an earlier outcome, which spares making one where it still
-            holds. It is worth nothing any more.
-
-    Raises:
-        EditError: They cannot be carried out; the draft is worth nothing any more.
+    `known`: the working copy of an earlier outcome, which spares making one where it still holds.
+    It is worth nothing any more. `EditError`: they cannot be carried out; the draft is worth
+    nothing any more.
     """
     with without_collector():
         work = _Work(draft, known)
@@ -268,11 +264,8 @@ def renewed(
 ) -> WorkingCopy:
     """Returns a working copy of what was read of changed files, made of the copies meant.
 
-    Args:
-        wanted: A working copy that a command was applied to. Its copies go into the new one.
-
-    Raises:
-        EditError: Something else was read than is meant; the copies are worth nothing any more.
+    `wanted`: a working copy that a command was applied to. Its copies go into the new one.
+    `EditError`: something else was read than is meant; the copies are worth nothing any more.
     """
     read = WorkingCopy(models, wanted.folder)
     for file, roots in wanted.roots.items():

@@ -88,8 +88,7 @@ def placed(
 def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Layout:
     """Returns a layout whose boxes have other keys.
 
-    Args:
-        new_name: Returns the new key of an element, None for one that is gone.
+    `new_name`: returns the new key of an element, None for one that is gone.
     """
     return {view: _renamed(boxes, new_name) for view, boxes in layout.items()}
 

@@ -94,8 +94,7 @@ class Reader:
     def library(self, file: str) -> ReadResult:
         """Returns the model of a file of the library.
 
-        Args:
-            file: The file as refs name it, such as `library:/jaus/mobility.xmi`.
+        `file`: the file as refs name it, such as `library:/jaus/mobility.xmi`.
         """
         found = self._library.get(file)
         if found is None:
@@ -184,11 +183,8 @@ def is_library(file: str) -> bool:
 def encoded(text: str, before: bytes) -> bytes:
     """Returns the bytes of a text, with the byte order mark and the line ends of its file.
 
-    Args:
-        text: The text; where its lines end with line feeds alone, an editor may have made them so.
-
-    Raises:
-        EditError: The text has characters that no file can hold.
+    `text`: the text; where its lines end with line feeds alone, an editor may have made them so.
+    `EditError`: the text has characters that no file can hold.
     """
     ends = set(_LINE_END.findall(before))
     if len(ends) == 1 and "\r" not in text:
@@ -252,10 +248,7 @@ class Disk:
         One thread at a time may ask, also within such a context.
 
         The folder itself is locked, so that no file is left. Windows, and some file systems, have
-        no such lock.
-
-        Raises:
-            EditError: Another one has stored for longer than anybody waits.
+        no such lock. `EditError`: another one has stored for longer than anybody waits.
         """
         if sys.platform == "win32" or self._is_alone:
             yield
@@ -277,8 +270,7 @@ class Disk:
     def store(self, file: str, data: bytes | None) -> None:
         """Stores a file, which is old or new at any moment; None deletes it.
 
-        Raises:
-            OSError: It cannot be stored; it is left as it was.
+        `OSError`: it cannot be stored; it is left as it was.
         """
         path = self._root / file
         if data is None:

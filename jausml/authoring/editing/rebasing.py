@@ -40,8 +40,7 @@ _NAME = "name"
 class _Revision:
     """What happened in one revision.
 
-    Attributes:
-        shifts: How refs shifted; None when no commands say so.
+    `shifts`: how refs shifted; None when no commands say so.
     """
 
     files: frozenset[str]
@@ -157,12 +156,9 @@ class OutsideChange:
     def followed(self, command: ElementCommand, *, is_first: bool = True) -> ElementCommand:
         """Returns a command with the refs after the change.
 
-        Args:
-            is_first: Whether the command gives way where both change the same; else it wins.
-
-        Raises:
-            EditError: What it speaks of is gone or cannot be found again for certain, or what it
-                changes was changed already.
+        `is_first`: whether the command gives way where both change the same; else it wins.
+        `EditError`: what it speaks of is gone or cannot be found again for certain, or what it
+        changes was changed already.
         """
         if is_first:
             self._check(command)

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 class FileInfo:
     """A model file of a project.
 
-    Attributes:
-        path: The file, relative to the root with forward slashes.
-        is_stale: Whether it cannot be read as it is, so that its model is an earlier one.
+    `path`: the file, relative to the root with forward slashes. `is_stale`: whether it cannot be
+    read as it is, so that its model is an earlier one.
     """
 
     path: str
@@ -39,9 +38,8 @@ class FileInfo:
 class FileChange:
     """A change of one file: steps of splices, each of the result of the one before.
 
-    Attributes:
-        before: Digest of the file before, empty when it was not there.
-        after: Digest of the file after, empty when it is not there any more.
+    `before`: digest of the file before, empty when it was not there. `after`: digest of the file
+    after, empty when it is not there any more.
     """
 
     file: str
@@ -59,9 +57,8 @@ class FileChange:
 class Entry:
     """An entry of the log: what was done at once, and is undone at once.
 
-    Attributes:
-        number: Its number, counted from 1 and never given twice.
-        created: The elements that it made, valid in the revision that it led to.
+    `number`: its number, counted from 1 and never given twice. `created`: the elements that it
+    made, valid in the revision that it led to.
     """
 
     number: int
@@ -94,9 +91,8 @@ class Referrer:
 class Preview:
     """What commands would do.
 
-    Attributes:
-        referrers: Elements that refer to what would go, and would lose that or go too.
-        diff: The differences of the files, as `diff -u` writes them.
+    `referrers`: elements that refer to what would go, and would lose that or go too. `diff`: the
+    differences of the files, as `diff -u` writes them.
     """
 
     changes: tuple[FileChange, ...]
@@ -109,8 +105,7 @@ class Preview:
 class Change:
     """A change of a file by another program.
 
-    Attributes:
-        is_conflict: Whether it has done away with the last edit, which it had not seen.
+    `is_conflict`: whether it has done away with the last edit, which it had not seen.
     """
 
     file: str
@@ -145,8 +140,7 @@ class Freshness:
 class Stored:
     """A file as the project knows it.
 
-    Attributes:
-        good: The bytes of which its model is read: those, or the last ones that could be parsed.
+    `good`: the bytes of which its model is read: those, or the last ones that could be parsed.
     """
 
     file: str

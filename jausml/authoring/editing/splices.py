@@ -21,9 +21,8 @@ if TYPE_CHECKING:
 class Splice:
     """A change of one place of a file.
 
-    Attributes:
-        file: The file, relative to the root with forward slashes.
-        start: Offset in bytes, in the file as it was before any splice of the same step.
+    `file`: the file, relative to the root with forward slashes. `start`: offset in bytes, in the
+    file as it was before any splice of the same step.
     """
 
     file: str
@@ -40,8 +39,7 @@ class Splice:
 class FileText:
     """The text of a file, of which splices are made by offsets in characters.
 
-    Attributes:
-        stored: The text without a byte order mark, its line ends as they are.
+    `stored`: the text without a byte order mark, its line ends as they are.
     """
 
     errors = "strict"
@@ -63,8 +61,7 @@ class FileText:
     def splice(self, start: int, end: int, new: str) -> Splice:
         """Returns the splice that puts a text in place of characters.
 
-        Args:
-            new: The new text, markup included, with line feeds as line ends.
+        `new`: the new text, markup included, with line feeds as line ends.
         """
         first, last = self._offset(start), self._offset(end)
         data = new.replace("\n", self.newline).encode(self._encoding, self.errors)
@@ -138,8 +135,7 @@ def merged(splices: Iterable[Splice]) -> list[Splice]:
 def applied(data: bytes, splices: Sequence[Splice]) -> bytes:
     """Returns what splices of one file make of it.
 
-    Args:
-        splices: Those of one step, in order, none over another.
+    `splices`: those of one step, in order, none over another.
     """
     parts: list[bytes] = []
     at = 0

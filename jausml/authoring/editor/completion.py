@@ -301,8 +301,7 @@ _OFFERS = {
 class Candidate:
     """An element that a reference can name.
 
-    Attributes:
-        module: What the text must import first, empty when it knows the name.
+    `module`: what the text must import first, empty when it knows the name.
     """
 
     name: str

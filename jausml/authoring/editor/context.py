@@ -53,8 +53,7 @@ def table(qualified_class: str) -> ClassTable:
 def class_of(element: Element, owner: ClassTable | None) -> ClassTable | None:
     """Returns the class of a block, None when nothing tells it.
 
-    Args:
-        owner: The class of the block around it; None on top level.
+    `owner`: the class of the block around it; None on top level.
     """
     if element.keyword is not None:
         return keywords().get(element.keyword.text)
@@ -131,8 +130,7 @@ class Part(Enum):
 class Level:
     """A list that a place is in.
 
-    Attributes:
-        item: What the list belongs to; None for the document itself.
+    `item`: what the list belongs to; None for the document itself.
     """
 
     item: Item | None

@@ -36,8 +36,7 @@ _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Jo
 class Declaration:
     """A name that a text gives to an element.
 
-    Attributes:
-        owners: The items around it, the outermost first.
+    `owners`: the items around it, the outermost first.
     """
 
     name: Name

@@ -31,8 +31,7 @@ class Place:
 class Columns:
     """Translates between the columns of a text and those of an editor.
 
-    Args:
-        encoding: Units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.
+    `encoding`: units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.
     """
 
     def __init__(self, text: str, encoding: str = UTF_16) -> None:
@@ -42,8 +41,7 @@ class Columns:
     def place(self, line: int, units: int) -> Place:
         """Returns the place that an editor means; one behind the end is the end.
 
-        Args:
-            line: Line, counted from 0.
+        `line`: line, counted from 0.
         """
         text = self._line(line)
         taken = 0
@@ -56,9 +54,7 @@ class Columns:
     def units(self, line: int, column: int) -> tuple[int, int]:
         """Returns line and units as an editor counts them.
 
-        Args:
-            line: Line, counted from 1.
-            column: Column in characters, counted from 1.
+        `line`: line, counted from 1. `column`: column in characters, counted from 1.
         """
         before = self._line(line - 1)[: column - 1]
         return line - 1, sum(map(self._width, before))

@@ -86,9 +86,8 @@ _NOTATIONS = (Ros2Jaus(parse=parsed_text),)
 class Workbench:
     """The open texts, and what was read of them.
 
-    Attributes:
-        root: The folder outside of which nothing but the library is read, symbolic links followed;
-            None for no limit.
+    `root`: the folder outside of which nothing but the library is read, symbolic links followed;
+    None for no limit.
     """
 
     texts: dict[Path, str] = field(default_factory=dict)
@@ -119,10 +118,8 @@ class Workbench:
     def findings(self, path: Path) -> list[Diagnostic]:
         """Reads an open text with all that it refers to, and checks it.
 
-        May run beside everything else. What was read answers later questions.
-
-        Returns:
-            What was found in this text.
+        May run beside everything else. What was read answers later questions. Returns what was
+        found in this text.
         """
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)

@@ -50,8 +50,7 @@ class Edit:
 class Unsaved:
     """Some texts as somebody holds them.
 
-    Args:
-        texts: The texts by real path. What they refer to besides is read where it is stored.
+    `texts`: the texts by real path. What they refer to besides is read where it is stored.
     """
 
     def __init__(self, texts: Mapping[Path, str]) -> None:
@@ -75,11 +74,8 @@ class Unsaved:
     def edits(self, path: Path, commands: Sequence[Command]) -> list[Edit]:
         """Returns what commands would change.
 
-        Args:
-            path: The text that they begin with, which has to be sound.
-
-        Raises:
-            EditError: They cannot be carried out.
+        `path`: the text that they begin with, which has to be sound. `EditError`: they cannot be
+        carried out.
         """
         name = self._names[path]
         if not can_be_parsed(name, self._files[name].data):
@@ -168,12 +164,8 @@ def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
 def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     """Returns the changes that give an element another name, wherever a text names it.
 
-    Args:
-        name: The new name, without back quotes.
-
-    Raises:
-        RenameError: No text of the user declares what is at the place, the name is taken or empty,
-            or a text that would change cannot be read.
+    `name`: the new name, without back quotes. `RenameError`: no text of the user declares what is
+    at the place, the name is taken or empty, or a text that would change cannot be read.
     """
     found = declaration_at(bench, path, place)
     if found is None:

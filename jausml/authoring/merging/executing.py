@@ -32,11 +32,8 @@ if TYPE_CHECKING:
 class Execution:
     """Does to our side what a plan says.
 
-    Args:
-        sides: The three states; our side is that which the reader has read of the files.
-
-    Attributes:
-        where: The refs of the elements of our side, and of what was added, as they stand now.
+    `sides`: the three states; our side is that which the reader has read of the files. `where`: the
+    refs of the elements of our side, and of what was added, as they stand now.
     """
 
     def __init__(

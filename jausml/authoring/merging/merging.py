@@ -52,8 +52,7 @@ class UnmergeableError(Exception):
 class Merged:
     """The outcome of a merge.
 
-    Attributes:
-        left_out: Comments of theirs that are not in the merge, since they are of no element.
+    `left_out`: comments of theirs that are not in the merge, since they are of no element.
     """
 
     data: bytes
@@ -204,9 +203,8 @@ def _places(data: bytes) -> dict[bytes, bytes]:
 def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[Path, bytes]:
     """Returns files that have what references miss, behind what the files have already.
 
-    Args:
-        lost: References that lead to no element. Those by position or by name have no placeholder,
-            nor have those to what is no XMI in UTF-8.
+    `lost`: references that lead to no element. Those by position or by name have no placeholder,
+    nor have those to what is no XMI in UTF-8.
     """
     elements: dict[Path, dict[str, ClassTable]] = {}
     for each in lost:

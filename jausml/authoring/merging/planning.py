@@ -67,9 +67,8 @@ MERGE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 class Conflict:
     """A place where two sides of a merge do not go together.
 
-    Attributes:
-        feature: The feature, empty for the whole element.
-        file: The file where another one is meant than that which is merged, else empty.
+    `feature`: the feature, empty for the whole element. `file`: the file where another one is meant
+    than that which is merged, else empty.
     """
 
     rule: str
@@ -87,8 +86,7 @@ _WHOLE = (bridge.Assignment, bridge.TableEntry, jaus.ScaleRange, jaus.ValueSet, 
 class Addition:
     """An element of theirs that our side shall have.
 
-    Attributes:
-        before: The sibling on our side that it stands before, None at the end.
+    `before`: the sibling on our side that it stands before, None at the end.
     """
 
     owner: EObject
@@ -119,8 +117,7 @@ class Order:
 class Plan:
     """What is to be done to our side.
 
-    Attributes:
-        replaced: Elements that make room for others, before anything else.
+    `replaced`: elements that make room for others, before anything else.
     """
 
     replaced: list[EObject] = field(default_factory=list)

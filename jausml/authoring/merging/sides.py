@@ -41,8 +41,7 @@ class Side:
 class Sides:
     """The states of one file: what both sides began with, our side, and theirs.
 
-    Attributes:
-        twins: Elements that our side added too, by those that theirs added.
+    `twins`: elements that our side added too, by those that theirs added.
     """
 
     def __init__(self, base: Model, ours: Model, theirs: Model, root: Path) -> None:
@@ -65,8 +64,7 @@ class Sides:
     def token(self, obj: EObject, side: Side | None) -> EObject | Ref:
         """Returns what an element is whatever the side.
 
-        Args:
-            side: The side that has it, None for the base.
+        `side`: the side that has it, None for the base.
         """
         model = self.base if side is None else side.model
         if model.document_of(obj) is not model.documents[0]:

@@ -38,9 +38,8 @@ def add(
 ) -> tuple[str, ...]:
     """Adds elements to a model, all or none; returns the files that were written.
 
-    Raises:
-        ProjectError: It cannot be added; nothing was written.
-        OSError: A file cannot be read or written.
+    `ProjectError`: it cannot be added; nothing was written. `OSError`: a file cannot be read or
+    written.
     """
     at = opened(place, is_of_services=is_of_services)
     try:
@@ -64,11 +63,8 @@ def add_bridge(
 ) -> tuple[str, ...]:
     """Adds a bridge with a connection for each way that was chosen.
 
-    Args:
-        address: Its JAUS id; empty for one that is free.
-
-    Returns:
-        The files that were written, relative to the folder of the project.
+    `address`: its JAUS id; empty for one that is free. Returns the files that were written,
+    relative to the folder of the project.
     """
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
@@ -89,11 +85,8 @@ def add_connections(
 ) -> tuple[str, ...]:
     """Adds a connection for each way that was chosen to a bridge, with the services of them.
 
-    Args:
-        name: Name of the bridge; empty for the only one.
-
-    Returns:
-        The files that were written, relative to the folder of the project.
+    `name`: name of the bridge; empty for the only one. Returns the files that were written,
+    relative to the folder of the project.
     """
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
@@ -214,8 +207,7 @@ def check_map_name(name: str, owner: bridge.Bridge) -> None:
 def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     """Returns the bridge of a model that gets something, in whichever file it stands.
 
-    Args:
-        name: Its name; empty for the only one.
+    `name`: its name; empty for the only one.
     """
     roots = at.scope.model.documents[0].roots
     # Eclipse's Control... puts what a system owns into a file of its own.

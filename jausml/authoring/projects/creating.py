@@ -59,9 +59,8 @@ SUMS = "SHA256SUMS"
 class Wish:
     """What is wanted.
 
-    Attributes:
-        is_empty: Whether the system shall be empty, without an example.
-        profile: The template of the model, which is text; empty for the example.
+    `is_empty`: whether the system shall be empty, without an example. `profile`: the template of
+    the model, which is text; empty for the example.
     """
 
     name: str
@@ -87,11 +86,8 @@ def name_for(folder: Path) -> str:
 def create(folder: Path, wish: Wish) -> list[str]:
     """Writes the files of a project; none when one is there already with other contents.
 
-    Returns:
-        The paths of what was written, relative to the folder.
-
-    Raises:
-        OSError: A file cannot be written.
+    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
+    written.
     """
     if not _NAME.fullmatch(wish.name):
         raise ProjectError(f"{wish.name!a} is no name of a system: small letters, digits, single _")
@@ -112,8 +108,7 @@ def create(folder: Path, wish: Wish) -> list[str]:
 def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
     """Writes the copies that Eclipse needs as they are now; those that somebody changed stay.
 
-    Returns:
-        The paths of what was written, and of what stays, relative to the folder.
+    Returns the paths of what was written, and of what stays, relative to the folder.
     """
     written: list[str] = []
     kept: list[str] = []
@@ -210,11 +205,8 @@ def start_from_topics(
 ) -> list[str]:
     """Makes a project whose system has a bridge of topics.
 
-    Returns:
-        The paths of what was written, relative to the folder.
-
-    Raises:
-        OSError: A file cannot be written.
+    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
+    written.
     """
     written = _begin(folder, wish)
     place = place_of(folder / wish.model)
@@ -225,11 +217,8 @@ def start_from_topics(
 def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
     """Makes a project whose system has a component that provides services that were imported.
 
-    Returns:
-        The paths of what was written, relative to the folder.
-
-    Raises:
-        OSError: A file cannot be written.
+    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
+    written.
     """
     services = folder / "models" / f"{wish.name}_services.xmi"
     if services.exists():

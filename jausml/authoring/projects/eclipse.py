@@ -44,8 +44,7 @@ def metamodels_for(path: Path, root: Path) -> str:
 def with_schema_location(xmi: str, metamodels: str) -> str:
     """Returns a model that tells Eclipse where the metamodels of its namespaces are, as EMF does.
 
-    Args:
-        metamodels: Folder of the metamodels, relative to the model; empty for none.
+    `metamodels`: folder of the metamodels, relative to the model; empty for none.
     """
     root = _ROOT.search(xmi)
     if root is None or not metamodels:
@@ -83,11 +82,8 @@ def localized(xmi: str, target: Path, root: Path) -> str:
 def with_ready_maps(xmi: str, target: Path, root: Path) -> tuple[str, dict[Path, Path]]:
     """Returns a model that refers to ready maps by copies beside it, which Eclipse can read.
 
-    Args:
-        root: The folder of the project; without metamodels for Eclipse nothing changes.
-
-    Returns:
-        The model, and the copies that are missing, each with the text of which it is to be made.
+    `root`: the folder of the project; without metamodels for Eclipse nothing changes. Returns the
+    model, and the copies that are missing, each with the text of which it is to be made.
     """
     missing: dict[Path, Path] = {}
     known: dict[Path, dict[str, str]] = {}

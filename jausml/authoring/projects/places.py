@@ -44,8 +44,7 @@ _EMPTY_SET = """\
 class Place:
     """A model file that gets new elements.
 
-    Attributes:
-        root: The folder of the project, links followed.
+    `root`: the folder of the project, links followed.
     """
 
     root: Path
@@ -65,8 +64,7 @@ class Place:
 def place_of(path: Path) -> Place:
     """Returns the place of a model file, which may be missing.
 
-    Raises:
-        ProjectError: No model can have that name.
+    `ProjectError`: no model can have that name.
     """
     if not path.name.endswith(SUFFIXES):
         raise ProjectError(f"{path} must end in {' or '.join(SUFFIXES)}")
@@ -78,8 +76,7 @@ def place_of(path: Path) -> Place:
 def system_in(folder: Path) -> Place:
     """Returns the place of the one model of a project that has a system.
 
-    Raises:
-        ProjectError: There is none, or more than one.
+    `ProjectError`: there is none, or more than one.
     """
     index = index_around(Path(os.path.realpath(folder)))
     try:
@@ -139,8 +136,7 @@ class Opened:
 def opened(place: Place, *, is_of_services: bool = False) -> Opened:
     """Opens a model file; one that is missing is made, with an empty root of its name.
 
-    Raises:
-        OSError: The file cannot be read or written.
+    `OSError`: the file cannot be read or written.
     """
     if place.path.exists():
         return Opened(place, Project(place.root))
@@ -166,8 +162,7 @@ def as_xmi(name: str, metamodels: str) -> str:
 def empty_xmi(name: str, metamodels: str) -> str:
     """Returns an empty system as XMI.
 
-    Args:
-        metamodels: Folder of the metamodels, relative to the model; empty where there is none.
+    `metamodels`: folder of the metamodels, relative to the model; empty where there is none.
     """
     return with_schema_location(_named(_EMPTY, name), metamodels)
 

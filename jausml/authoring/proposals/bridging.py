@@ -45,9 +45,8 @@ _MADE = re.compile(rf"{re.escape(NEW)}(\d+)")
 class Offer:
     """A message that a component sends or takes, and how.
 
-    Attributes:
-        is_provided: Whether the component provides the service; else it uses it, and the bridge
-            has to provide it.
+    `is_provided`: whether the component provides the service; else it uses it, and the bridge has
+    to provide it.
     """
 
     message: jaus.MessageDef
@@ -74,10 +73,8 @@ class Offer:
 def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
     """Yields what a component can exchange with a bridge in a direction.
 
-    Queries are asked by the bridge itself and not translated.
-
-    Args:
-        direction: `jausToRos` or `rosToJaus`.
+    Queries are asked by the bridge itself and not translated. `direction`: `jausToRos` or
+    `rosToJaus`.
     """
     for is_provided, services in ((True, component.provides), (False, component.uses)):
         for service in with_inherited(services):
@@ -162,8 +159,7 @@ class Draft:
     ) -> Add:
         """Returns what makes the connection alone.
 
-        Args:
-            place: Ref of the bridge that shall have it; empty for one that is made with it.
+        `place`: ref of the bridge that shall have it; empty for one that is made with it.
         """
         values: dict[str, tuple[str, ...]] = {
             "name": (name_among(self.name, siblings),),
@@ -332,9 +328,8 @@ def copied(
 ) -> list[Command]:
     """Returns what makes a copy of a map, with its tables, quantities and vectors.
 
-    Args:
-        place: Ref of the bridge that shall have it.
-        first: The number of elements that are made before.
+    `place`: ref of the bridge that shall have it. `first`: the number of elements that are made
+    before.
     """
     described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
     return [
@@ -354,8 +349,7 @@ def fitting(
 ) -> list[bridge.AttributeMap]:
     """Returns the maps between a message and a type that have assignments for a direction.
 
-    Args:
-        kind: The ROS type, None for any.
+    `kind`: the ROS type, None for any.
     """
     return [
         each

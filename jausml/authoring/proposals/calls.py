@@ -41,9 +41,8 @@ _REASON = ("message", "reason", "error_msg", "error_message", "status_message", 
 class Call:
     """Calls of a ROS service that a bridge shall carry.
 
-    Attributes:
-        service: Name of the ROS service.
-        to_ros: Whether JAUS components ask, and a node of ROS serves.
+    `service`: name of the ROS service. `to_ros`: whether JAUS components ask, and a node of ROS
+    serves.
     """
 
     service: str
@@ -68,9 +67,7 @@ class Call:
 class Half:
     """A half of calls: the message and the part of the type that a map is to be between.
 
-    Attributes:
-        kind: `request` or `response`.
-        ready: A map that is there already.
+    `kind`: `request` or `response`. `ready`: a map that is there already.
     """
 
     kind: str
@@ -90,8 +87,7 @@ def call_of(
 ) -> Call:
     """Returns calls by a message, with the messages with which its service answers it.
 
-    Args:
-        answer: The message that answers, None for the one that the service defines.
+    `answer`: the message that answers, None for the one that the service defines.
     """
     owner = message.eContainer()
     if not isinstance(owner, jaus.Service) or message not in owner.inputs:
@@ -169,9 +165,8 @@ def connection_commands(
 ) -> list[Command]:
     """Returns what makes the connection of calls, the service for it and its maps.
 
-    Args:
-        made: What makes the maps of halves, by `request` and `response`; the first command of each
-            makes the map itself.
+    `made`: what makes the maps of halves, by `request` and `response`; the first command of each
+    makes the map itself.
     """
     offer = offer_of(call.message, to_ros=call.to_ros)
     found: list[Command] = [] if offer is None else with_service(scope, owner, offer)
@@ -209,8 +204,7 @@ def peers_of(
 ) -> tuple[dict[str, tuple[str, ...]], tuple[Child, ...]]:
     """Returns what says who is asked: a component of the model that takes a message, or a search.
 
-    Args:
-        service: The service to search for, None for that of the message.
+    `service`: the service to search for, None for that of the message.
     """
     known = scope.model.instances(jaus.Component, library=False)
     others = (each for each in known if not isinstance(each, bridge.Bridge))
@@ -235,8 +229,7 @@ def own_copy(
 ) -> Sequence[Command] | None:
     """Returns what copies a ready map where the model cannot refer to it: XMI to a text.
 
-    Returns:
-        None where the model can.
+    Returns none where the model can.
     """
     document = library().document_of(used)
     if scope.is_text or document is None or document.is_xml:

@@ -34,9 +34,8 @@ class AnswerError(Exception):
 class Scope:
     """A model as answers see it, and the rest of its project.
 
-    Attributes:
-        beside: Gives the model of the project's other files, which is read when it is needed.
-        with_maps: Whether ready maps are wanted: they are text, and half of reading the library.
+    `beside`: gives the model of the project's other files, which is read when it is needed.
+    `with_maps`: whether ready maps are wanted: they are text, and half of reading the library.
     """
 
     model: Model
@@ -137,8 +136,7 @@ def _by_what_it_says(element: EObject) -> str:
 def service_of(scope: Scope, word: str) -> jaus.Service:
     """Returns the service of a name or URN, of several versions the newest.
 
-    Raises:
-        AnswerError: There is none, or services of several URNs have the name.
+    `AnswerError`: there is none, or services of several URNs have the name.
     """
     found = [each for each in scope.instances(jaus.Service) if word in (name_of(each), each.urn)]
     urns = sorted({str(each.urn) for each in found})

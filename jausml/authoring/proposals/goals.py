@@ -43,8 +43,7 @@ _LEFT, _DONE = frozenset({"remaining", "left"}), frozenset({"current", "index", 
 class ListWay:
     """A way in which a list of JAUS and the goal of an action can be one another.
 
-    Attributes:
-        member: The member of the goal that has the elements.
+    `member`: the member of the goal that has the elements.
     """
 
     driver: jaus.Service

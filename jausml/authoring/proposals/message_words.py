@@ -43,9 +43,8 @@ _USUAL, _USUAL_SCALED = "float32", "uint16"
 class MessageWish:
     """A message that is to be.
 
-    Attributes:
-        code: Its code, None for one that is free.
-        documentation: What it is for, empty where nobody says it.
+    `code`: its code, None for one that is free. `documentation`: what it is for, empty where nobody
+    says it.
     """
 
     name: str

@@ -74,10 +74,8 @@ def copied_with_names(
     """Returns what makes a copy of a map with other names of elements or of frames.
 
     Test vectors have the names of elements of the original, so that such a copy is without.
-
-    Args:
-        frames: New names by those of the original.
-        first: The number of elements that are made before.
+    `frames`: new names by those of the original. `first`: the number of elements that are made
+    before.
     """
     joints = [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
     said = [f"The frame {old} is {new} here." for old, new in frames.items()]

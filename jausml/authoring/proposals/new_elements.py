@@ -77,8 +77,7 @@ def free_address(model: Model, taken: Iterable[str] = ()) -> str:
 def stated_or_free_address(model: Model, address: str) -> str:
     """Returns a JAUS id that somebody states, or a free one.
 
-    Args:
-        address: The id that is stated; empty for none.
+    `address`: the id that is stated; empty for none.
     """
     if not address:
         return free_address(model)
@@ -109,10 +108,9 @@ _OWN_RULE = decisions_made.id
 class OpenPoint:
     """Something of a new element that its author should know.
 
-    Attributes:
-        rule: The rule that reports it until it is decided. Without one nothing has to be decided:
-            the model says it by itself.
-        is_blocking: Whether a safety or a meaning hangs on an open decision of the model.
+    `rule`: the rule that reports it until it is decided. Without one nothing has to be decided: the
+    model says it by itself. `is_blocking`: whether a safety or a meaning hangs on an open decision
+    of the model.
     """
 
     text: str

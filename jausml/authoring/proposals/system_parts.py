@@ -46,9 +46,8 @@ def new_bridge(
 ) -> list[Command]:
     """Returns what makes a bridge with a connection for each chosen way.
 
-    Args:
-        topics: All topics, which may feed the joins of maps.
-        address: Its JAUS id; empty for one that is free.
+    `topics`: all topics, which may feed the joins of maps. `address`: its JAUS id; empty for one
+    that is free.
     """
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
@@ -89,9 +88,8 @@ def _connections(
 ) -> list[Command]:
     """Returns what makes a connection for each way, with the copies of maps that it needs.
 
-    Args:
-        owner: The bridge at the place, None for a new one.
-        first: The number of elements that are made before.
+    `owner`: the bridge at the place, None for a new one. `first`: the number of elements that are
+    made before.
     """
     found: list[Command] = []
     names = [name_of(each) for each in owner.bridgeConnections] if owner is not None else []

@@ -66,9 +66,8 @@ class TopicEnd:
 class Crossing:
     """A way in which a bridge can carry a topic.
 
-    Attributes:
-        hold_reason: Why the last command may stand when its source is lost, as a person says it.
-            Nothing else may fill it in: what is safe depends on what receives the command.
+    `hold_reason`: why the last command may stand when its source is lost, as a person says it.
+    Nothing else may fill it in: what is safe depends on what receives the command.
     """
 
     topic: TopicEnd
@@ -182,8 +181,7 @@ def _can_carry(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
 def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) -> dict[str, str]:
     """Returns which topics the joins of a map are fed by, by the names of the joins.
 
-    Args:
-        taken: The names of topics that joins have already; those that are found are added.
+    `taken`: the names of topics that joins have already; those that are found are added.
     """
     found: dict[str, str] = {}
     if crossing.offer.to_ros:
@@ -202,8 +200,7 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
 def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
     """Returns the queries of the services of a bridge that none of its ways answers.
 
-    Returns:
-        The names of queries by the names of the services that the bridge provides.
+    Returns the names of queries by the names of the services that the bridge provides.
     """
     sent = {code(each.offer.message) for each in chosen if not each.offer.to_ros}
     services = list(

@@ -34,9 +34,8 @@ _MOST_UNTIDY = 8
 class Verdict:
     """What was found about a file and all that it refers to.
 
-    Attributes:
-        freshness: What that is worth: rules were run if it is current.
-        fault: Why no rules were run, empty when they were.
+    `freshness`: what that is worth: rules were run if it is current. `fault`: why no rules were
+    run, empty when they were.
     """
 
     file: str

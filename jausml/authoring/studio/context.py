@@ -219,8 +219,7 @@ class Subscribers:
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
         """Tells a listener what happens as long as the context lasts.
 
-        Args:
-            listener: Takes messages, from any thread.
+        `listener`: takes messages, from any thread.
         """
         with self._lock:
             self._listeners.append(listener)
@@ -283,8 +282,7 @@ class Faults(logging.Handler):
 class StudioContext:
     """What request handlers work with.
 
-    Attributes:
-        out: Where `generate` writes when nobody says otherwise, empty for its default.
+    `out`: where `generate` writes when nobody says otherwise, empty for its default.
     """
 
     project: Project
@@ -337,8 +335,7 @@ class StudioContext:
     def refresh(self, files: Iterable[str] = ()) -> None:
         """Takes over what other programs did to files, and tells of it.
 
-        Args:
-            files: Files that may have changed, relative to the root; without any, all.
+        `files`: files that may have changed, relative to the root; without any, all.
         """
         self.notify_outside(self.project.refresh(files))
 
@@ -354,9 +351,8 @@ class StudioContext:
     def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
         """Tells pages and followers that the project has changed.
 
-        Args:
-            entry: What was done; one without changes is not told.
-            by: Who did it: `edit` or `outside`.
+        `entry`: what was done; one without changes is not told. `by`: who did it: `edit` or
+        `outside`.
         """
         if entry is not None and not entry.changes:
             return

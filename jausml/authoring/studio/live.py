@@ -43,9 +43,8 @@ HISTORY = 30
 class Places:
     """Where the page shows what a model has.
 
-    Attributes:
-        rows: The row of a connection, by bridge and name.
-        controls: Edges of control, and the JAUS ids of who controls and who is controlled.
+    `rows`: the row of a connection, by bridge and name. `controls`: edges of control, and the JAUS
+    ids of who controls and who is controlled.
     """
 
     rows: Mapping[tuple[str, str], str] = field(default_factory=dict)
@@ -237,9 +236,8 @@ class LiveSystem:
     ) -> None:
         """Watches nothing before `start`.
 
-        Args:
-            notify: Takes the state as values for the page, on another thread: if it has changed, at
-                most once in `PERIOD`, else once in `LONGEST`.
+        `notify`: takes the state as values for the page, on another thread: if it has changed, at
+        most once in `PERIOD`, else once in `LONGEST`.
         """
         self.file = watched.file
         self._watched = watched

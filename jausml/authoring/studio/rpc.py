@@ -87,8 +87,7 @@ def _no_number(constant: str) -> NoReturn:
 def answer(id_: Id, result: object, revision: int | None = None) -> str:
     """Returns the message that answers a request.
 
-    Args:
-        revision: The revision of the project of which its refs are, where it has any.
+    `revision`: the revision of the project of which its refs are, where it has any.
     """
     more = {} if revision is None else {"revision": revision}
     return _text({"id": id_, "result": as_json(result), **more})

@@ -164,11 +164,8 @@ def require_page() -> None:
 def serve(session: Session, host: str, port: int, opened: Callable[[str], None]) -> None:
     """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
 
-    Args:
-        opened: Is called with the address as soon as it can be opened.
-
-    Raises:
-        OSError: The port cannot be had.
+    `opened`: is called with the address as soon as it can be opened. `OSError`: the port cannot be
+    had.
     """
     if not host:
         raise ValueError("an empty host would be all addresses")

@@ -129,8 +129,7 @@ def report(place: Place, files: Sequence[str]) -> None:
 def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:
     """Says what a person has to decide, and what else to know of a new element.
 
-    Args:
-        findings: What rules report of the element as it is.
+    `findings`: what rules report of the element as it is.
     """
     decisions = [*(str(each) for each in points if each.rule), *findings]
     remarks = [each.text for each in points if not each.rule]

@@ -120,8 +120,7 @@ def _frames(running: Running) -> dict[str, str]:
 def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> list[TopicEnd]:
     """Returns the topics of a graph that a bridge can carry.
 
-    Args:
-        words: Those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
+    `words`: those that are meant, as `TOPIC` or `TOPIC:MAP,...`; all without any.
     """
     frames = _frames(running)
     known = {

@@ -191,8 +191,7 @@ class _Output:
     def observation(self, observation: Observation, place: str) -> None:
         """Writes a message with its transport header, or a datagram that cannot be read.
 
-        Args:
-            place: Where its line of hex stands, empty for captures and live traffic.
+        `place`: where its line of hex stands, empty for captures and live traffic.
         """
         self.has_failed |= observation.is_problem
         located = {"place": place} if place and observation.is_problem else {}

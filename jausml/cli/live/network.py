@@ -157,8 +157,7 @@ def network_from(
 ) -> Network:
     """Returns the network that the options describe, and keeps the runtime's log quiet.
 
-    Args:
-        own_id: Our JAUS id, None for a free one.
+    `own_id`: our JAUS id, None for a free one.
     """
     from jausml.live.peers.network import make_network, silence_log
 
@@ -179,8 +178,7 @@ _REMEDY = (
 class Settings:
     """Options that all commands of the operator share.
 
-    Attributes:
-        timeout: Seconds to wait for an answer.
+    `timeout`: seconds to wait for an answer.
     """
 
     network: Network
@@ -327,11 +325,7 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
 def reaching(network: Network, remedy: str) -> Iterator[None]:
     """Tells why a component cannot be reached in a block.
 
-    Args:
-        remedy: What to do when the port is in use.
-
-    Raises:
-        EnvironmentFault: It does not answer, or the network cannot be used.
+    `remedy`: what to do when the port is in use.
     """
     from jausml.live.peers.conformance.run import TargetNotReached
     from jausml.live.peers.network import fault

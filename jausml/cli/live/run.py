@@ -25,11 +25,7 @@ if TYPE_CHECKING:
 
 
 def workspace_of(out: str) -> Path:
-    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace.
-
-    Raises:
-        EnvironmentFault: It is none.
-    """
+    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
     from jausml.generation import MANIFEST_PATH
 
     for folder in (Path(out), Path(out, "src")):
@@ -247,8 +243,7 @@ _IDENTITY = "--jaus-id"
 class ProcessArguments:
     """Arguments for one process.
 
-    Attributes:
-        ros: For ROS, `--ros-args` included; empty when there are none.
+    `ros`: for ROS, `--ros-args` included; empty when there are none.
     """
 
     own: tuple[str, ...] = ()

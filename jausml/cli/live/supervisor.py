@@ -96,8 +96,7 @@ class Heir:
 class Supervisor:
     """Runs processes until they end, one fails, time is over or a signal comes.
 
-    Args:
-        emit: Takes each line of output, marked by the process; called under a lock.
+    `emit`: takes each line of output, marked by the process; called under a lock.
     """
 
     def __init__(
@@ -120,11 +119,8 @@ class Supervisor:
     def run(self, duration: float | None) -> bool:
         """Starts the processes and returns when all have ended.
 
-        Args:
-            duration: Seconds after which they are stopped; None for no limit.
-
-        Returns:
-            Whether no process failed.
+        `duration`: seconds after which they are stopped; None for no limit. Returns whether no
+        process failed.
         """
         with self._handled_signals(), Heir() as heir:
             try:

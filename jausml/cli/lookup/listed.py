@@ -98,8 +98,7 @@ def _message(entry: MessageEntry) -> dict[str, Any]:
 class FoundMap:
     """An attribute map and its file.
 
-    Attributes:
-        module: What imports it in text, e.g. `mappings.range_sensor`; empty for a user's file.
+    `module`: what imports it in text, e.g. `mappings.range_sensor`; empty for a user's file.
     """
 
     overview: MapOverview
@@ -116,8 +115,7 @@ class FoundMap:
 def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
     """Returns the attribute maps of the library and of models, in the order of their files.
 
-    Args:
-        word: Text that stands in the files of the library that are meant; all when empty.
+    `word`: text that stands in the files of the library that are meant; all when empty.
     """
     ready = [path for path in library_paths("mappings") if word in path.read_text(encoding="utf-8")]
     paths = [*map(str, ready), *models]

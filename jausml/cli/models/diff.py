@@ -317,10 +317,8 @@ def is_revision(text: str) -> bool:
 def checked_out(text: str, folder: Path) -> Path:
     """Writes the models of `REVISION:PATH` into a folder, and returns where the path is there.
 
-    Args:
-        text: The revision and a path: from the present folder if it begins with `./`, else from
-            the top of the repository, as git has it.
-        folder: An empty folder.
+    `text`: the revision and a path: from the present folder if it begins with `./`, else from the
+    top of the repository, as git has it. `folder`: an empty folder.
     """
     revision, _, path = text.partition(":")
     top = Path(_git("rev-parse", "--show-toplevel").decode().rstrip("\n"))

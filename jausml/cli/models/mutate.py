@@ -141,11 +141,7 @@ def _document(model: Model) -> OneDocument:
 def _run(
     campaign: Campaign, document: OneDocument, chosen: Sequence[int], settings: Settings
 ) -> None:
-    """Fills a campaign with what becomes of mutations, in their order.
-
-    Raises:
-        EnvironmentFault: The campaign cannot run.
-    """
+    """Fills a campaign with what becomes of mutations, in their order."""
     from jausml.live.workers.pool_processes import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 

@@ -105,11 +105,7 @@ def _ready(name: str) -> list[str]:
 def _proved(
     model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str
 ) -> list[MapResult]:
-    """Returns the results of maps, in their order.
-
-    Raises:
-        EnvironmentFault: A proof cannot be made.
-    """
+    """Returns the results of maps, in their order."""
     from jausml.language.model.xmi.writer import UnwritableError
     from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.pieces import program, prove_all
@@ -150,11 +146,7 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
 
 
 def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
-    """Returns the maps of a model and those that its bridges use, or those that are named.
-
-    Raises:
-        EnvironmentFault: There are none, or none of a name.
-    """
+    """Returns the maps of a model and those that its bridges use, or those that are named."""
     from jausml.proving.round_trips import round_trips
 
     found = round_trips(model)

@@ -67,8 +67,7 @@ def made_folder(folder: Path) -> Path:
 def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     """Returns root elements as the bytes of a document.
 
-    Args:
-        output: The file that is to hold them; its ending says in which notation.
+    `output`: the file that is to hold them; its ending says in which notation.
     """
     from jausml.language.model.xmi.writer import UnwritableError, to_xmi
     from jausml.language.text.notation import SUFFIX

@@ -65,12 +65,7 @@ def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | No
 def only_system(argument: str) -> str:
     """Returns the model in the project of the current folder that has a system.
 
-    Args:
-        argument: What would name another one.
-
-    Raises:
-        EnvironmentFault: There is none, or more than one.
-        UsageError: No project is here.
+    `argument`: what would name another one.
     """
     from jausml.language.project.index import Index
 
@@ -93,11 +88,7 @@ def project() -> str:
 
 
 def _project(argument: str) -> Path:
-    """Returns the folder of the project of the current folder.
-
-    Raises:
-        UsageError: There is none.
-    """
+    """Returns the folder of the project of the current folder."""
     from jausml.language.model.project import project_folder
 
     found = project_folder(Path.cwd() / "any")
@@ -225,11 +216,7 @@ def checked(
     is_one: bool = False,
     frequency: float | None = None,
 ) -> Report:
-    """Returns models that were read and judged, as `check_project` has it.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-    """
+    """Returns models that were read and judged, as `check_project` has it."""
     from jausml.language.validation.project import check_project
 
     with _usable_input(), step("checking the model" if is_one else "checking models"):
@@ -239,11 +226,7 @@ def checked(
 def read(
     paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
 ) -> ReadResult:
-    """Returns models that were read and not judged, for verbs that take them as they are.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-    """
+    """Returns models that were read and not judged, for verbs that take them as they are."""
     from jausml.language.project.reading import read_project
 
     with _usable_input():
@@ -258,11 +241,7 @@ def valid_model(
 ) -> Model:
     """Returns a model without errors; any other ends the verb, with its findings on stderr.
 
-    Args:
-        outcome: What stands behind the summary, such as `nothing generated`.
-
-    Raises:
-        EnvironmentFault: The file cannot be read.
+    `outcome`: what stands behind the summary, such as `nothing generated`.
     """
     report = checked([path], reading, is_one=True)
     if report.has_errors:
@@ -272,12 +251,7 @@ def valid_model(
 
 
 def readable_model(paths: Iterable[str], *, is_one: bool = False) -> Model:
-    """Returns models that could be read without an error, whatever the rules say of them.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: They have errors.
-    """
+    """Returns models that could be read without an error, whatever the rules say of them."""
     from jausml.language.model import Severity
     from jausml.language.validation.formats.text import one_line
 
@@ -308,10 +282,6 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
     """Returns the messages of the library, and of the models in files and folders.
 
     Without any, those of the project of the current folder are known.
-
-    Raises:
-        EnvironmentFault: A path cannot be read.
-        ModelFault: A model has errors.
     """
     paths = list(models)
     if not paths and is_in_project():
@@ -337,8 +307,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
 def told(error: Exception, models: Sequence[str]) -> str:
     """Returns what is wrong with a message, and where those come from that are known.
 
-    Args:
-        models: Files and folders whose messages are known too.
+    `models`: files and folders whose messages are known too.
     """
     from jausml.live.messages import UnknownServiceError
 

@@ -67,9 +67,8 @@ def message_names(models: Sequence[str] = ()) -> Iterable[str]:
 def input_names(models: Sequence[str] = (), labels: Collection[str] = ()) -> Iterable[str]:
     """Yields the messages that services take, those that they inherit too.
 
-    Args:
-        labels: URN and version of each service, e.g. `urn:jaus:jss:core:Management/1.1`; all
-            services without any.
+    `labels`: URN and version of each service, e.g. `urn:jaus:jss:core:Management/1.1`; all services
+    without any.
     """
     services = {f"{each['service']}/{each['version']}": each for each in _all("services", models)}
     waiting, seen = list(labels or services), set()

@@ -109,8 +109,7 @@ def interface_option(
 ) -> Decorator:
     """Returns the option of the network interface; the verb takes it as `interface`.
 
-    Args:
-        names: Its names; by default the short one and that of generated processes.
+    `names`: its names; by default the short one and that of generated processes.
     """
     return click.option(
         *(names or ("--interface", "--jaus-interface")),
@@ -124,8 +123,7 @@ def interface_option(
 def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
     """Returns the option of the port of JAUS; the verb takes it as `port`.
 
-    Args:
-        names: Its names; by default the short one and that of generated processes.
+    `names`: its names; by default the short one and that of generated processes.
     """
     return click.option(
         *(names or ("--port", "--jaus-port")),
@@ -139,8 +137,7 @@ def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
 def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") -> Decorator:
     """Returns the option of the multicast group; the verb takes it as `multicast_group`.
 
-    Args:
-        names: Its names; by default the short one and that of generated processes.
+    `names`: its names; by default the short one and that of generated processes.
     """
     return click.option(
         *(names or ("--multicast-group", "--jaus-multicast-group")),
@@ -154,8 +151,7 @@ def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") 
 def peer_option(*names: str) -> Decorator:
     """Returns the option of components that multicast does not reach, taken as `peers`.
 
-    Args:
-        names: Its names; by default the short one and that of generated processes.
+    `names`: its names; by default the short one and that of generated processes.
     """
     return click.option(
         *(names or ("--peer", "--jaus-peer")),

@@ -31,8 +31,7 @@ _CLEAR = "\r\x1b[K"
 class Verbosity:
     """What the options in front of the verb ask for.
 
-    Attributes:
-        quiet: Results and problems alone; no summaries, no remarks, no progress.
+    `quiet`: results and problems alone; no summaries, no remarks, no progress.
     """
 
     quiet: bool = False
@@ -53,8 +52,7 @@ def colour_allowed() -> bool:
 def painted(word: str, shown: str = "") -> str:
     """Returns a verdict in its colour; terminals alone are given it (click).
 
-    Args:
-        word: `error`, `warning`, `note` or `ok`.
+    `word`: `error`, `warning`, `note` or `ok`.
     """
     return click.style(shown or word, fg=_COLOURS[word], bold=word == "error")
 
@@ -78,9 +76,8 @@ def warn(text: str) -> None:
 class Progress:
     """How far a step has come, as far as it can tell.
 
-    Attributes:
-        share: Part of the step that is done, 0 to 1; None where nobody knows.
-        note: Returns what else is told of it, empty for nothing; called on another thread.
+    `share`: part of the step that is done, 0 to 1; None where nobody knows. `note`: returns what
+    else is told of it, empty for nothing; called on another thread.
     """
 
     def __init__(self) -> None:
@@ -90,8 +87,7 @@ class Progress:
     def at(self, share: float) -> None:
         """Takes how much is done.
 
-        Args:
-            share: 0 to 1.
+        `share`: 0 to 1.
         """
         self.share = min(max(share, 0.0), 1.0)
 
@@ -100,10 +96,8 @@ class Progress:
 def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
     """Shows on a terminal that a step goes on once it takes long, and nothing anywhere else.
 
-    With `--verbose` the time that it took is told at its end, in logs too.
-
-    Args:
-        prints: Whether the step writes results; these are progress enough on a terminal.
+    With `--verbose` the time that it took is told at its end, in logs too. `prints`: whether the
+    step writes results; these are progress enough on a terminal.
     """
     progress = Progress()
     asked = verbosity()
@@ -197,8 +191,7 @@ def choose(question: str, options: Sequence[str]) -> list[int]:
 def pressed(take: Callable[[str], None]) -> Iterator[bool]:
     """Has keys taken while a block runs, and says whether there are any: not without a terminal.
 
-    Args:
-        take: Takes each, on another thread.
+    `take`: takes each, on another thread.
     """
     if not _has_terminal():
         yield False

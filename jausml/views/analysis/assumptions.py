@@ -28,9 +28,8 @@ DEFAULT_LENGTH = 100
 class Assumptions:
     """What stands in where a model says nothing.
 
-    Attributes:
-        length: Elements of lists and bytes of octets.
-        rates: Rates of some connections, by `connection` or `bridge.connection`.
+    `length`: elements of lists and bytes of octets. `rates`: rates of some connections, by
+    `connection` or `bridge.connection`.
     """
 
     rate: float = DEFAULT_RATE
@@ -71,8 +70,7 @@ def _chosen(
 class RuntimeConstants:
     """Sizes in bytes, times in seconds, rates in hertz.
 
-    Attributes:
-        at_once: Packets of a message that go out without acknowledgement; more are acknowledged.
+    `at_once`: packets of a message that go out without acknowledgement; more are acknowledged.
     """
 
     empty_message: int

@@ -35,10 +35,8 @@ class Step:
 class Budget:
     """Times that add up to the worst case of one situation.
 
-    Attributes:
-        case: The situation: `normal`, `queue_full`, `one_lost_packet`, `source_dead` or
-            `controller_dead`.
-        never: Why there is no bound, empty where there is one.
+    `case`: the situation: `normal`, `queue_full`, `one_lost_packet`, `source_dead` or
+    `controller_dead`. `never`: why there is no bound, empty where there is one.
     """
 
     case: str
@@ -56,8 +54,7 @@ def budgets_of(
 ) -> tuple[Budget, ...]:
     """Returns the budgets of a connection.
 
-    Args:
-        topic_rate: Messages each second of its topics, where these are the source.
+    `topic_rate`: messages each second of its topics, where these are the source.
     """
     carried = [each for each in streams if each.kind in ("message", "event", "report")]
     if not carried:
@@ -195,8 +192,7 @@ def warnings_of(
 ) -> Iterator[str]:
     """Yields what does not go together in a connection.
 
-    Args:
-        topic_rate: Messages each second of its topics, where these are the source.
+    `topic_rate`: messages each second of its topics, where these are the source.
     """
     yield from _rates(connection)
     yield from _times(connection, streams, topic_rate)

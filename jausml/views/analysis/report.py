@@ -50,8 +50,7 @@ class RosLoad:
 class Flow:
     """A stream as a connection sees it.
 
-    Attributes:
-        kind: `message`, `event`, `query`, `report` or `upkeep`.
+    `kind`: `message`, `event`, `query`, `report` or `upkeep`.
     """
 
     sender: str
@@ -70,8 +69,7 @@ class Flow:
 class ConnectionReport:
     """A connection of a bridge.
 
-    Attributes:
-        exchange: `command`, `message`, `periodic event`, `every-change event` or `query`.
+    `exchange`: `command`, `message`, `periodic event`, `every-change event` or `query`.
     """
 
     name: str
@@ -96,8 +94,7 @@ class ConnectionReport:
 class ComponentReport:
     """A component or bridge.
 
-    Attributes:
-        host: Name of its host, empty when it has none.
+    `host`: name of its host, empty when it has none.
     """
 
     name: str
@@ -314,10 +311,8 @@ def seconds_of(
 class CallReport:
     """A connection with a ROS service or a ROS action; nobody knows its rate and load.
 
-    Attributes:
-        kind: `service` or `action`.
-        messages: Names of the JAUS messages that are exchanged; for an action those of the
-            list driver, and what an element of a list holds.
+    `kind`: `service` or `action`. `messages`: names of the JAUS messages that are exchanged; for an
+    action those of the list driver, and what an element of a list holds.
     """
 
     name: str

@@ -21,9 +21,7 @@ TEXT_LENGTH = 16
 class Size:
     """Bytes of a message.
 
-    Attributes:
-        least: Fewest bytes.
-        most: Most bytes; None where nothing but the receiver limits them.
+    `least`: fewest bytes. `most`: most bytes; None where nothing but the receiver limits them.
     """
 
     least: int
@@ -40,9 +38,8 @@ class Size:
 def jaus_size(message: wire.Message, length: int, present: Container[str] | None = None) -> Size:
     """Returns the size of a JAUS message without the header of the transport (AS5684).
 
-    Args:
-        length: Assumed elements of lists and bytes of octets, as far as their counts allow.
-        present: Optional fields of the body that may be there; None means all.
+    `length`: assumed elements of lists and bytes of octets, as far as their counts allow.
+    `present`: optional fields of the body that may be there; None means all.
     """
     size = _Walk(length).body(message, present).plus(message.header.size)
     limit = runtime_constants().largest_message

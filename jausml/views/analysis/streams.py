@@ -175,9 +175,8 @@ _KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "peri
 class Request:
     """What a client asks a provider for.
 
-    Attributes:
-        exchange: `periodic`, `change` or `query`.
-        joined: The join that the report is for; None for what the connection is for.
+    `exchange`: `periodic`, `change` or `query`. `joined`: the join that the report is for; None for
+    what the connection is for.
     """
 
     client: jaus.Component

@@ -31,8 +31,7 @@ ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 class Finding:
     """What is wrong with an element.
 
-    Attributes:
-        severity: `error`, `warning` or `info`.
+    `severity`: `error`, `warning` or `info`.
     """
 
     severity: str
@@ -67,8 +66,7 @@ class _Described(_Part):
 class Port(_Described):
     """A row of a node, at which edges end.
 
-    Attributes:
-        mark: One word about it, such as `required` or `unmapped`; empty for none.
+    `mark`: one word about it, such as `required` or `unmapped`; empty for none.
     """
 
     id: str
@@ -82,10 +80,8 @@ class Port(_Described):
 class Node(_Described):
     """A box.
 
-    Attributes:
-        kind: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
-            `state`.
-        group: Id of the group that it stands in, empty for none.
+    `kind`: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
+    `state`. `group`: id of the group that it stands in, empty for none.
     """
 
     id: str
@@ -101,9 +97,8 @@ class Node(_Described):
 class Group(_Part):
     """A frame around nodes.
 
-    Attributes:
-        kind: `host`, `bridge`, `service` or `state`.
-        parent: Id of the group around it, empty for none.
+    `kind`: `host`, `bridge`, `service` or `state`. `parent`: id of the group around it, empty for
+    none.
     """
 
     id: str
@@ -116,8 +111,7 @@ class Group(_Part):
 class End:
     """Where an edge ends.
 
-    Attributes:
-        port: Id of a port of it, empty for the node as a whole.
+    `port`: id of a port of it, empty for the node as a whole.
     """
 
     node: str
@@ -128,9 +122,8 @@ class End:
 class Edge(_Described):
     """A line from where something comes to where it goes.
 
-    Attributes:
-        kind: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
-            `transition`.
+    `kind`: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
+    `transition`.
     """
 
     id: str

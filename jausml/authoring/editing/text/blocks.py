@@ -34,8 +34,7 @@ class Blocks:
     def insert(self, body: Body, before: Item | None, item: Item) -> None:
         """Puts a new item into a list.
 
-        Args:
-            before: The item behind which it goes, None for the first place.
+        `before`: the item behind which it goes, None for the first place.
         """
         indent = self.indent(body)
         self.insert_raw(body, before, item, self.lines(item, indent))
@@ -52,8 +51,7 @@ class Blocks:
     ) -> None:
         """Puts lines into a list that has lines of its own.
 
-        Args:
-            is_spaced: Whether an empty line parts them from what is before.
+        `is_spaced`: whether an empty line parts them from what is before.
         """
         block = "\n".join(lines)
         index = self._outline.place(before)[1] + 1 if before is not None else 0

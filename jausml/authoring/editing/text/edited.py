@@ -275,8 +275,7 @@ def _rank(table: ClassTable, name: str) -> int:
 def detached(copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject]) -> EObject:
     """Returns an element of a working copy with all that it owns, without an owner.
 
-    Args:
-        find: Returns the element of the model that a reference means.
+    `find`: returns the element of the model that a reference means.
     """
     made: Any = new_object(copy.table)
     features = copy.table.features

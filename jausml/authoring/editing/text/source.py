@@ -43,8 +43,7 @@ class Comment(NamedTuple):
 class TextSource(FileText):
     """The text of a document. All places are offsets in characters.
 
-    Attributes:
-        text: The text with line feeds where lone carriage returns end lines.
+    `text`: the text with line feeds where lone carriage returns end lines.
     """
 
     def __init__(self, document: Document, file: str) -> None:
@@ -192,9 +191,7 @@ _SEMICOLON = re.compile(r"[ \t]*;")
 class Body:
     """A list of items in brackets, or the whole text.
 
-    Attributes:
-        owner: What has the list, None for the text.
-        start: Offset behind the opening bracket.
+    `owner`: what has the list, None for the text. `start`: offset behind the opening bracket.
     """
 
     owner: Item | None

@@ -28,8 +28,7 @@ _END = re.compile(r"\s*/?>")
 class Attribute:
     """An attribute as it is written; all places are offsets in characters.
 
-    Attributes:
-        end: Where the value ends; the attribute ends one behind it.
+    `end`: where the value ends; the attribute ends one behind it.
     """
 
     name: str
@@ -43,8 +42,7 @@ class Attribute:
 class Element:
     """An element as it is written; all places are offsets in characters.
 
-    Attributes:
-        inner_end: Where its end tag starts; `tag_end` when it has none.
+    `inner_end`: where its end tag starts; `tag_end` when it has none.
     """
 
     name: str
@@ -74,8 +72,7 @@ class Element:
 class Source(FileText):
     """The text of a document.
 
-    Raises:
-        EditError: Its encoding cannot be written again as it was.
+    `EditError`: its encoding cannot be written again as it was.
     """
 
     errors = "xmlcharrefreplace"
@@ -182,8 +179,7 @@ class Edits:
     ) -> None:
         """Gives an element an attribute which it has not.
 
-        Args:
-            later: The names of the attributes that it stands before.
+        `later`: the names of the attributes that it stands before.
         """
         before = [each for each in element.attributes if each.name not in later]
         last = before[-1] if before else None
@@ -226,9 +222,8 @@ class Edits:
     ) -> None:
         """Adds child elements.
 
-        Args:
-            after: The child behind which they go, None without one that stays.
-            lines: Their lines; the children themselves stand 0 deep.
+        `after`: the child behind which they go, None without one that stays. `lines`: their lines;
+        the children themselves stand 0 deep.
         """
         self._filled.add(owner)
         if after is not None:

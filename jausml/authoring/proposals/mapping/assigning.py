@@ -102,8 +102,7 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
 class Candidates:
     """The ways to assign a member to one of the other side, or why there is none.
 
-    Attributes:
-        candidates: What can be done, the best first.
+    `candidates`: what can be done, the best first.
     """
 
     source: Member
@@ -137,8 +136,7 @@ def candidates(
 class _Found:
     """What was found.
 
-    Attributes:
-        good: What the rules accept; where they accept nothing without a word, what is possible.
+    `good`: what the rules accept; where they accept nothing without a word, what is possible.
     """
 
     plain: Judged

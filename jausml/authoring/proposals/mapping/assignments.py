@@ -50,8 +50,7 @@ def filling(
 ) -> tuple[Command, ...]:
     """Returns what adds an assignment, in the place of what fills the same.
 
-    Args:
-        feature: The direction: `toRos` or `toJaus`.
+    `feature`: the direction: `toRos` or `toJaus`.
     """
     owner: bridge.AttributeMap | bridge.ListAssignment = used
     if source is not None and source.outer:

@@ -64,9 +64,8 @@ _CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
 class Wish:
     """What a new map shall be.
 
-    Attributes:
-        ways: The directions: True to ROS. One of which nothing is known stays empty.
-        taken: What was taken for the author without being asked for, in words.
+    `ways`: the directions: True to ROS. One of which nothing is known stays empty. `taken`: what
+    was taken for the author without being asked for, in words.
     """
 
     name: str
@@ -99,8 +98,7 @@ class Wish:
 class Doubt:
     """A target for which more than one thing fits.
 
-    Attributes:
-        choices: What fits, in words, the likeliest first.
+    `choices`: what fits, in words, the likeliest first.
     """
 
     to_ros: bool
@@ -130,8 +128,7 @@ class Begun:
 def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     """Returns a new map with all that follows from its ends and from what the author says.
 
-    Raises:
-        AnswerError: What the author says is forbidden by a rule, or names nothing.
+    `AnswerError`: what the author says is forbidden by a rule, or names nothing.
     """
     metamodels = scope.model.metamodels
     made = fresh_map(metamodels, wish.name, wish.message, wish.type)

@@ -48,9 +48,8 @@ _COVARIANCE, _RMS = "covariance", "rms"
 class Filling:
     """What fills a map.
 
-    Attributes:
-        left: The members that nothing fills then, by `to_ros` and `to_jaus`.
-        refusal: Why there is nothing to do, empty where there is.
+    `left`: the members that nothing fills then, by `to_ros` and `to_jaus`. `refusal`: why there is
+    nothing to do, empty where there is.
     """
 
     label: str
@@ -92,8 +91,7 @@ class Found:
 def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -> Found:
     """Returns the assignments that follow from what the ends of a map say, for some directions.
 
-    Args:
-        directions: True to ROS.
+    `directions`: true to ROS.
     """
     children: list[Child] = []
     doubtful: list[tuple[tuple[Member, ...], Member]] = []

@@ -30,9 +30,8 @@ _DEEPEST = 8
 class Member:
     """A member of one side of a map.
 
-    Attributes:
-        outer: Path of the list or array that it lies in; empty for none.
-        inner: Its path from an element of that; the whole path without one.
+    `outer`: path of the list or array that it lies in; empty for none. `inner`: its path from an
+    element of that; the whole path without one.
     """
 
     is_jaus: bool
@@ -45,8 +44,7 @@ class Member:
 def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
     """Returns a member of a map.
 
-    Args:
-        path: Its path as the map view has it: names, without indices.
+    `path`: its path as the map view has it: names, without indices.
     """
     if used.message is None or used.type is None:
         raise AnswerError("the map has no message or no type yet")
@@ -128,8 +126,7 @@ _PLAIN = frozenset(
 class _Known:
     """What is known of a member.
 
-    Attributes:
-        measure: Its unit, None without a known one.
+    `measure`: its unit, None without a known one.
     """
 
     member: Member
@@ -148,8 +145,7 @@ class _Known:
 class Correspondence:
     """What corresponds.
 
-    Attributes:
-        pairs: Members that mean the same, in the order of the targets.
+    `pairs`: members that mean the same, in the order of the targets.
     """
 
     pairs: list[tuple[Member, Member]]

@@ -46,8 +46,7 @@ Pairs = tuple[tuple[str, str], ...]
 class Tabled:
     """Assignments with the tables that they need.
 
-    Attributes:
-        assignments: All assignments; those by a table name it in their conversion.
+    `assignments`: all assignments; those by a table name it in their conversion.
     """
 
     tables: tuple[Child, ...]
@@ -57,8 +56,7 @@ class Tabled:
 def tabled(used: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
     """Has a table map what both ends of an assignment name alike and number otherwise.
 
-    Args:
-        assignments: Those that are to be. What lies in lists, or has conversions, stays as it is.
+    `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
     names = {each.name: _pairs_of(each) for each in used.tables}
     found, made = [], []
@@ -93,8 +91,7 @@ def additions(
 ) -> list[Add]:
     """Returns what adds tables to a map, and then the assignments, which refer to them.
 
-    Args:
-        first: How many elements the batch of commands has made before.
+    `first`: how many elements the batch of commands has made before.
     """
     refs = dict(known)
     refs |= {each.values["name"][0]: f"{NEW}{first + at}" for at, each in enumerate(tables)}
@@ -161,8 +158,7 @@ _TOGETHER = _RULES | {"JML415"}
 class Judged:
     """An assignment that was tried.
 
-    Attributes:
-        findings: What the rules say of it, errors first.
+    `findings`: what the rules say of it, errors first.
     """
 
     assignment: Child
@@ -285,9 +281,8 @@ def with_assignments(
 ) -> list[EObject]:
     """Adds assignments to a map that was made, and returns the elements.
 
-    Args:
-        assignments: Each with the feature of the map that shall own it; tables come before what
-            names them.
+    `assignments`: each with the feature of the map that shall own it; tables come before what names
+    them.
     """
     made = [made_of(metamodels, each) for each in assignments]
     for each, element in zip(assignments, made, strict=True):

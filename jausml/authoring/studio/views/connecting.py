@@ -228,8 +228,7 @@ _FEATURES = ("components", "nodes")
 def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) -> Option:
     """Returns what lets elements run on a host; without commands where they do already.
 
-    Args:
-        host: The host; None for the frame of none, where external components alone can be.
+    `host`: the host; None for the frame of none, where external components alone can be.
     """
     moved: dict[system.System, list[EObject]] = {}
     for each in elements:

@@ -54,8 +54,7 @@ class Field:
 class Kind:
     """A class of elements that can be added: `jaus.Component`.
 
-    Attributes:
-        values: What a new element begins with, such as a name that nobody has.
+    `values`: what a new element begins with, such as a name that nobody has.
     """
 
     kind: str
@@ -89,9 +88,7 @@ class Children:
 class Form:
     """The properties of an element.
 
-    Attributes:
-        class_: Its class: `bridge.Connection`.
-        owner: The element that owns it, empty for a root.
+    `class_`: its class: `bridge.Connection`. `owner`: the element that owns it, empty for a root.
     """
 
     element: str

@@ -28,12 +28,9 @@ _SHOWN = 8
 def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
     """Returns code and body of a message.
 
-    Args:
-        values: Texts by path, as maps write paths; what is not among them is left out where it may
-            be, and has its least legal value elsewhere.
-
-    Raises:
-        AnswerError: A text is no legal value, or a path leads nowhere.
+    `values`: texts by path, as maps write paths; what is not among them is left out where it may
+    be, and has its least legal value elsewhere. `AnswerError`: a text is no legal value, or a path
+    leads nowhere.
     """
     entry = _entry(message)
     try:

@@ -55,9 +55,8 @@ COMPONENTS, SERVICES, TYPES, MAPS, ELEMENTS = (
 class Entry:
     """Something of the palette before it is known where it goes.
 
-    Attributes:
-        make: Makes the commands for a model and the element that it is dropped on, if any; nothing
-            where it cannot go.
+    `make`: makes the commands for a model and the element that it is dropped on, if any; nothing
+    where it cannot go.
     """
 
     id: str
@@ -91,12 +90,8 @@ def palette(
 
     What fits an element comes before what the system takes; without words to look for it leaves
     half of the room to that. Where something has the very name that is looked for, what only
-    mentions it is left out.
-
-    Args:
-        kinds: The groups that are meant, all when None.
-        onto: Names the element that it is dropped on. One that is gone, or of the library, takes
-            nothing.
+    mentions it is left out. `kinds`: the groups that are meant, all when None. `onto`: names the
+    element that it is dropped on. One that is gone, or of the library, takes nothing.
     """
     wanted = query.lower().split()
     groups = None if kinds is None else set(kinds)

@@ -35,8 +35,7 @@ _UNCHANGED = "unchanged"
 class PlannedFile:
     """What happens to a file.
 
-    Attributes:
-        action: `create`, `change`, `keep`, `same`, `remove` or `refuse`.
+    `action`: `create`, `change`, `keep`, `same`, `remove` or `refuse`.
     """
 
     path: str
@@ -59,9 +58,8 @@ class Drifted:
 class Planned:
     """What would be done.
 
-    Attributes:
-        problems: Why nothing can be generated, empty when something can.
-        digest: Tells this plan from any other; empty with problems.
+    `problems`: why nothing can be generated, empty when something can. `digest`: tells this plan
+    from any other; empty with problems.
     """
 
     out: str
@@ -82,10 +80,8 @@ class Written:
 def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
     """Returns the folder that is generated into.
 
-    Args:
-        out: What the page asks for, relative to the root; empty for the usual one.
-        chosen: What the user said when the studio was started; nothing else may lie outside of the
-            root.
+    `out`: what the page asks for, relative to the root; empty for the usual one. `chosen`: what the
+    user said when the studio was started; nothing else may lie outside of the root.
     """
     usual = Path(chosen) if chosen else root / f"{PurePosixPath(file).stem}_ws" / "src"
     folder = Path(os.path.realpath(root / out if out else usual))
@@ -127,12 +123,8 @@ def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
 def execute(report: Report, out: Path, shown: str, *, force: bool = False) -> Written:
     """Generates, if that does what was shown.
 
-    Args:
-        shown: The digest of the plan that was shown.
-
-    Raises:
-        AnswerError: The model or a file has changed since, a file is refused, or the operating
-            system refuses.
+    `shown`: the digest of the plan that was shown. `AnswerError`: the model or a file has changed
+    since, a file is refused, or the operating system refuses.
     """
     try:
         with locked(out):

@@ -39,8 +39,7 @@ _HOW = "draw from a service to what it shall inherit, or from a query to where i
 def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Options:
     """Returns what a line means in the view of a service.
 
-    Args:
-        target: Those where it ends; a box may be named by the reference to its service.
+    `target`: those where it ends; a box may be named by the reference to its service.
     """
     start = _found(scope, source[1] or _service_of(source[0]))
     heir = start if isinstance(start, jaus.Service) else start.eContainer()
@@ -134,8 +133,7 @@ _GUARD = "isControllingClient"
 def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> Options:
     """Returns the transitions that may lead from a state to another, those of messages first.
 
-    Args:
-        target: Id of the box of the state that is entered; the same one is left and entered again.
+    `target`: id of the box of the state that is entered; the same one is left and entered again.
     """
     if scope.ref(element).startswith(LIBRARY):
         refusal = f"{name_of(element)} belongs to the shipped library, which is not changed here"

@@ -29,10 +29,8 @@ JAUS_END, ROS_END = "!jaus", "!ros"
 class Spot:
     """An end of the system view, as its ids tell.
 
-    Attributes:
-        element: What the row stands for: an endpoint or a connection; None for the whole box and
-            for the row of a message.
-        message: Name of the message of such a row, empty for others.
+    `element`: what the row stands for: an endpoint or a connection; None for the whole box and for
+    the row of a message. `message`: name of the message of such a row, empty for others.
     """
 
     owner: EObject
@@ -43,8 +41,7 @@ class Spot:
 def spot(scope: Scope, node: str, port: str) -> Spot:
     """Returns the end that ids of the system view name.
 
-    Args:
-        port: Id of a row of it, empty for the box.
+    `port`: id of a row of it, empty for the box.
     """
     if _MARK in node:
         raise AnswerError("that end is not in the model; add it first")
@@ -220,8 +217,7 @@ def _units(text: str) -> int:
 def element_at(model: Model, offset: int) -> EObject | None:
     """Returns the innermost element that is written at a place, None where there is none.
 
-    Args:
-        offset: The place, as a page counts.
+    `offset`: the place, as a page counts.
     """
     document = model.documents[0]
     if not document.readable:

@@ -59,9 +59,8 @@ BRIDGE_NAME, CONNECTION_NAME = "trial", "tried"
 class Input:
     """A value that can be given.
 
-    Attributes:
-        type: `number`, `integer`, `boolean`, `text` or `time`.
-        default: What stands there first; a member that is left empty is left out.
+    `type`: `number`, `integer`, `boolean`, `text` or `time`. `default`: what stands there first; a
+    member that is left empty is left out.
     """
 
     path: str
@@ -146,8 +145,7 @@ def _default(found: Attribute) -> str:
 class Trials:
     """Translations that can be tried; close it at the end.
 
-    Args:
-        seconds: How long a translation may take.
+    `seconds`: how long a translation may take.
     """
 
     def __init__(self, seconds: float = SECONDS) -> None:
@@ -172,11 +170,8 @@ class Trials:
     ) -> Tried:
         """Translates values.
 
-        Args:
-            values: Texts by path; those that are empty are left out.
-
-        Returns:
-            What came out; what is wrong with values or the map is told as its error.
+        `values`: texts by path; those that are empty are left out. Returns what came out; what is
+        wrong with values or the map is told as its error.
         """
         given = {path: text for path, text in values.items() if text.strip()}
         try:

@@ -108,8 +108,7 @@ class _Work:
     def routes(self, corners: dict[str, Point]) -> dict[str, Route]:
         """Returns the ways of lines.
 
-        Args:
-            corners: Upper left corners of boxes.
+        `corners`: upper left corners of boxes.
         """
         ways, wishes = {}, []
         for bundle in self._bundles:

@@ -61,11 +61,8 @@ def settle(
     """Returns where the boxes of a sheet stand.
 
     Boxes of known places stay there, unless one that has grown covers them: then they go as far as
-    they must. Others come beside boxes to which lines lead, where nothing stands.
-
-    Args:
-        known: Upper left corners of boxes by id.
-        fixed: Ids of the known boxes that never move.
+    they must. Others come beside boxes to which lines lead, where nothing stands. `known`: upper
+    left corners of boxes by id. `fixed`: ids of the known boxes that never move.
     """
     ground = _Ground(sheet)
     for box in sheet.boxes:
@@ -90,8 +87,7 @@ def frames_around(
 ) -> dict[str, Area]:
     """Returns what frames cover, given where boxes stand; those around nothing are left out.
 
-    Args:
-        boxes: Upper left corners of boxes by id; of those that stand already.
+    `boxes`: upper left corners of boxes by id; of those that stand already.
     """
     inner: dict[str, Area] = {}
     for name, areas in (more or {}).items():
@@ -263,11 +259,8 @@ def surrounding(
     """Returns what frames cover.
 
     A frame is as wide as the lines that begin and end in it, unless it would cover something that
-    stands elsewhere.
-
-    Args:
-        corners: Upper left corners of boxes by id.
-        routes: Ways of lines by id, None for lines that a page draws from end to end.
+    stands elsewhere. `corners`: upper left corners of boxes by id. `routes`: ways of lines by id,
+    None for lines that a page draws from end to end.
     """
     boxes = {each.id: each for each in sheet.boxes}
     parents = {each.id: each.parent for each in sheet.frames}

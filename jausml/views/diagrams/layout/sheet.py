@@ -29,8 +29,7 @@ class Row:
 class Box:
     """A box to be placed.
 
-    Attributes:
-        group: Id of its frame, empty for none.
+    `group`: id of its frame, empty for none.
     """
 
     id: str
@@ -56,8 +55,7 @@ class Box:
 class Frame:
     """A frame around boxes.
 
-    Attributes:
-        parent: Id of the frame around it, empty for none.
+    `parent`: id of the frame around it, empty for none.
     """
 
     id: str
@@ -70,9 +68,8 @@ class Frame:
 class Line:
     """A line to be drawn.
 
-    Attributes:
-        course: `down` for one that ends at the head of a box, `left` or `right` for one to a box
-            beside that where it begins; empty for any.
+    `course`: `down` for one that ends at the head of a box, `left` or `right` for one to a box
+    beside that where it begins; empty for any.
     """
 
     id: str
@@ -87,8 +84,7 @@ class Line:
 class Sheet:
     """What is to be placed.
 
-    Attributes:
-        frames: The frames, outer ones first.
+    `frames`: the frames, outer ones first.
     """
 
     boxes: tuple[Box, ...]
@@ -103,8 +99,7 @@ class Sheet:
 class Route:
     """The way of a line.
 
-    Attributes:
-        label: The middle of its label, None without one.
+    `label`: the middle of its label, None without one.
     """
 
     points: tuple[Point, ...]
@@ -123,9 +118,7 @@ def on_curve(points: Sequence[Point], part: float) -> Point:
 class Places:
     """Where everything stands; y grows downwards.
 
-    Attributes:
-        boxes: Upper left corners by id.
-        frames: Upper left and lower right corners by id.
+    `boxes`: upper left corners by id. `frames`: upper left and lower right corners by id.
     """
 
     width: float

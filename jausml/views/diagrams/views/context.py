@@ -25,8 +25,7 @@ PartT = TypeVar("PartT", Node, Port, Group, Edge)
 class Context:
     """A model as views see it.
 
-    Args:
-        root: The folder to which references are relative; None for that of the first file.
+    `root`: the folder to which references are relative; None for that of the first file.
     """
 
     def __init__(
@@ -77,8 +76,7 @@ class Context:
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
         """Returns what was found about elements.
 
-        Args:
-            elements: The elements; None is passed over.
+        `elements`: the elements; None is passed over.
         """
         if not self._findings:
             return ()
@@ -102,8 +100,7 @@ class Context:
 def details(element: EObject, **more: object) -> Details:
     """Returns what is told of an element on request: its documentation, then more.
 
-    Args:
-        more: Names and values; empty values are left out.
+    `more`: names and values; empty values are left out.
     """
     texts = {"documentation": getattr(element, "documentation", None), **more}
     return tuple((name, str(value)) for name, value in texts.items() if value not in (None, ""))
@@ -151,8 +148,7 @@ class Builder:
     ) -> Graph:
         """Returns the graph, without frames around nothing.
 
-        Args:
-            element: The element that it shows; None for the whole model.
+        `element`: the element that it shows; None for the whole model.
         """
         named = self.context.named
         nodes = tuple(

@@ -30,8 +30,7 @@ _MANY_VALUES = 1e15
 class Member:
     """A member of a message.
 
-    Attributes:
-        path: Names joined by dots; an element of a list has the path of the list.
+    `path`: names joined by dots; an element of a list has the path of the list.
     """
 
     path: str

@@ -66,8 +66,7 @@ _SHARED = (
 def style(theme: str, *, compares: bool = False) -> str:
     """Returns the style sheet of a picture.
 
-    Args:
-        theme: `light`, `dark`, or `auto` for that of whoever looks.
+    `theme`: `light`, `dark`, or `auto` for that of whoever looks.
     """
     light, dark = (_rules(each) + (_compared(each) if compares else "") for each in (_LIGHT, _DARK))
     if theme == "auto":
@@ -78,8 +77,7 @@ def style(theme: str, *, compares: bool = False) -> str:
 def outline(kind: str, severity: str = "") -> str:
     """Returns the colour of the outline of a box, on light ground.
 
-    Args:
-        severity: How grave what is wrong with it is, empty for nothing.
+    `severity`: how grave what is wrong with it is, empty for nothing.
     """
     return _LIGHT["error"] if severity == "error" else _LIGHT[SIDES.get(kind, "line")]
 

@@ -31,11 +31,8 @@ FONTS = (
 def render(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
     """Returns a graph as a picture: the same bytes on a machine of the same fonts.
 
-    Args:
-        theme: `light` or `dark`; `auto` is light.
-
-    Raises:
-        LayoutError: There is no layout, nobody who draws, or no font.
+    `theme`: `light` or `dark`; `auto` is light. `LayoutError`: there is no layout, nobody who
+    draws, or no font.
     """
     if find_spec("resvg_py") is None:
         raise LayoutError(MISSING)

@@ -22,9 +22,8 @@ _ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
 class Line:
     """One line of a course.
 
-    Attributes:
-        receiver: Whom the text goes to; empty for what one does alone.
-        sender: Who does it; empty for what happens to all.
+    `receiver`: whom the text goes to; empty for what one does alone. `sender`: who does it; empty
+    for what happens to all.
     """
 
     time: str

@@ -163,8 +163,7 @@ _BOLD = 1.07
 def width(text: str, size: float, *, bold: bool = False) -> float:
     """Returns the width of a text in pixels.
 
-    Args:
-        size: Font size in pixels.
+    `size`: font size in pixels.
     """
     thousandths = sum(_advance(each) for each in text)
     return round(thousandths * size / 1000 * (_BOLD if bold else 1), 1)

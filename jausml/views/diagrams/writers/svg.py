@@ -37,8 +37,7 @@ _STATES = (
 def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """Returns a graph as a picture.
 
-    Args:
-        theme: `light`, `dark`, or `auto` for that of whoever looks.
+    `theme`: `light`, `dark`, or `auto` for that of whoever looks.
     """
     shown = bundled(graph)
     return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())

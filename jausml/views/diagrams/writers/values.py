@@ -51,10 +51,8 @@ def render(
     """Returns a graph with sizes and places, as JSON has values.
 
     The engine places what is drawn for the first time. Later what stands stays, and what is new
-    comes beside what it is joined with.
-
-    Args:
-        standing: Where its parts stood; it is told where they stand now.
+    comes beside what it is joined with. `standing`: where its parts stood; it is told where they
+    stand now.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
