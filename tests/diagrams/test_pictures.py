@@ -13,8 +13,9 @@ from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
-from jausml.views.diagrams.writers import dot, mermaid, shapes, svg
+from jausml.views.diagrams.writers import shapes, svg
 from jausml.views.diagrams.writers.shapes import cut, width
+from jausml.views.diagrams.writers.text import render_dot, render_mermaid
 
 pygraphviz = pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 
@@ -78,11 +79,11 @@ def test_texts_are_data(text):
     shown = cut(text, 48)
     assert any(shown == (each.text or "") for each in root.iter(f"{SVG}text")) or not shown
     assert "<script" not in picture
-    chart = mermaid.render(found)
+    chart = render_mermaid(found)
     assert "<script" not in chart
-    assert len(chart.splitlines()) == len(mermaid.render(hostile("x")).splitlines())
+    assert len(chart.splitlines()) == len(render_mermaid(hostile("x")).splitlines())
     # Graphviz reads what is written for it, with as many things.
-    read_back = pygraphviz.AGraph(string=dot.render(found))
+    read_back = pygraphviz.AGraph(string=render_dot(found))
     assert (len(read_back.nodes()), len(read_back.edges())) == (3, 2)
 
 

@@ -18,7 +18,7 @@ from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.refs import ref_of
 from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.views import UnknownViewError, graph_of, view_names
-from jausml.views.diagrams.writers import dot, mermaid
+from jausml.views.diagrams.writers.text import render_dot, render_mermaid
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(
@@ -65,8 +65,8 @@ def test_whatever_the_model_edges_end_at_ports(data):
         path.write_text(text, encoding="utf-8")
         for each in graphs(read(path)):
             look_at(each)
-            mermaid.render(each)
-            dot.render(each)
+            render_mermaid(each)
+            render_dot(each)
 
 
 def test_the_system_has_what_the_model_says():

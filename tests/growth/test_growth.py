@@ -29,7 +29,7 @@ from jausml.language.validation.project import check_project
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.report import report_of
 from jausml.views.diagrams.views import graph_of
-from jausml.views.diagrams.writers import mermaid
+from jausml.views.diagrams.writers.text import render_mermaid
 
 _SPEC = importlib.util.spec_from_file_location("grown", Path(__file__).with_name("grown.py"))
 grown = importlib.util.module_from_spec(_SPEC)
@@ -108,7 +108,7 @@ class Grown:
     def diagram(self, size):
         shown = "map:map" if self.dimension in MAPS else VIEW.get(self.dimension, "system")
         _, report = self.read(size)
-        return calls(lambda: mermaid.render(graph_of(report.model, shown, report.diagnostics)))
+        return calls(lambda: render_mermaid(graph_of(report.model, shown, report.diagnostics)))
 
     def generation(self, size):
         targets = select(load_targets(), TARGETS).targets

@@ -17,7 +17,7 @@ from jausml.authoring.differences.changes import (
     with_unit,
     words,
 )
-from jausml.authoring.differences.matching import Matching, address, owned, values
+from jausml.authoring.differences.matching import Matching, address, values
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge, jaus
 
@@ -109,7 +109,7 @@ class _Finding:
                 yield from self._values(one, other, feature)
 
     def _parts(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
-        ours, theirs = owned(one, feature), owned(other, feature)
+        ours, theirs = values(one, feature), values(other, feature)
         for each in ours:
             if each not in self._matching.news:
                 yield self._whole(Kind.REMOVED, each)
@@ -126,7 +126,7 @@ class _Finding:
         self, one: EObject, other: EObject, ours: list[EObject], feature: FeatureTable
     ) -> Iterator[Change]:
         kept = [self._matching.news[each] for each in ours if each in self._matching.news]
-        now = [each for each in owned(other, feature) if each in self._matching.olds]
+        now = [each for each in values(other, feature) if each in self._matching.olds]
         if any(each is not another for each, another in zip(kept, now, strict=True)):
             before, after = (", ".join(map(value_text, each)) for each in (kept, now))
             text = f"{words(feature.name)} in another order: {after}"

@@ -48,7 +48,7 @@ class Matching:
             one, other = pending.pop()
             self.news[one], self.olds[other] = other, one
             for feature in self._class_of(one).contained:
-                pending += self._pairs(owned(one, feature), owned(other, feature), feature)
+                pending += self._pairs(values(one, feature), values(other, feature), feature)
 
     def _pairs(
         self, ours: list[EObject], theirs: list[EObject], feature: FeatureTable
@@ -111,7 +111,7 @@ class Matching:
                 if feature.name in ("name", "documentation"):
                     continue
                 if feature.kind is FeatureKind.CONTAINMENT:
-                    for each in owned(obj, feature):
+                    for each in values(obj, feature):
                         inner = getattr(each, "name", None)
                         known[feature.name, each.eClass.name, inner] += 1
                         known += Counter(
@@ -122,11 +122,6 @@ class Matching:
                         known[feature.name, address(value) or str(value)] += 1
             self._facts[obj] = known
         return known
-
-
-def owned(obj: EObject, feature: FeatureTable) -> list[EObject]:
-    """Returns the elements that an element owns by a feature."""
-    return values(obj, feature)
 
 
 def values(obj: EObject, feature: FeatureTable) -> list[Any]:

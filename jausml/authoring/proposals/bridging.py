@@ -190,9 +190,7 @@ class Draft:
     @staticmethod
     def _topic(name: str, qos: Mapping[str, str], join: str = "") -> Child:
         values = {"name": (name,), **({"join": (join,)} if join else {})}
-        profile = {feature: (value,) for feature, value in qos.items()}
-        inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
-        return Child("topics", "bridge.Topic", values, inner)
+        return Child("topics", "bridge.Topic", values, qos_of(qos))
 
     @property
     def _names_peer(self) -> bool:
@@ -257,6 +255,12 @@ def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
     message = offer.message
     moves = offer.exchange == MESSAGE and is_command(message) and message.moves
     return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
+
+
+def qos_of(profile: Mapping[str, str]) -> tuple[Child, ...]:
+    """Returns what gives an end a quality of service; nothing where none is stated."""
+    stated = {feature: (value,) for feature, value in profile.items()}
+    return (Child("qos", "ros.QoSProfile", stated),) if stated else ()
 
 
 def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str, str]:

@@ -28,7 +28,7 @@ from jausml.authoring.studio.handlers import editing, modelling, showing
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.security import Guard, Served, Token
-from jausml.authoring.studio.sockets import LARGEST_MESSAGE, PageSocket
+from jausml.authoring.studio.sockets import LARGEST_MESSAGE, LanguageSocket, PageSocket
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
@@ -254,10 +254,7 @@ class Studio:
                 await PageSocket(socket, self.session).run(self.token)
 
     async def _language_socket(self, socket: WebSocket) -> None:
-        # It takes longer to load than all else, and who draws only never needs it.
-        await asyncio.to_thread(import_module, "jausml.authoring.studio.sockets")
-        from jausml.authoring.studio.sockets import LanguageSocket  # noqa: PLC0415
-
+        await asyncio.to_thread(import_module, "jausml.authoring.editor.server")  # it takes a while
         async with self._accepted(socket) as is_accepted:
             if is_accepted:
                 await LanguageSocket(socket, self.session.root).run(self.token)

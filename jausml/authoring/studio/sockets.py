@@ -11,11 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pygls.exceptions import JsonRpcException
-from pygls.uris import to_fs_path
 from starlette.websockets import WebSocketDisconnect
 
-from jausml.authoring.editor.server import make_server
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.json_values import TypedError, typed
 from jausml.authoring.studio.rpc import Request, RpcError
@@ -193,6 +190,9 @@ class LanguageSocket:
     """One conversation with a language server of its own; messages are JSON without headers."""
 
     def __init__(self, socket: WebSocket, root: Path) -> None:
+        # It takes longer to load than all else, and who draws only never needs it.
+        from jausml.authoring.editor.server import make_server  # noqa: PLC0415
+
         self._socket = socket
         self._root = root
         self._server = make_server(root)
@@ -225,6 +225,8 @@ class LanguageSocket:
         except RpcError as error:
             self._outgoing.send(rpc.refusal(error))
             return
+        from pygls.exceptions import JsonRpcException  # noqa: PLC0415 - as above
+
         protocol = self._server.protocol
         try:
             protocol.handle_message(json.loads(text, object_hook=protocol.structure_message))
@@ -247,6 +249,8 @@ class LanguageSocket:
                 raise RpcError(rpc.INVALID_PARAMS, message, id_=request.id)
 
     def _is_below(self, uri: str) -> bool:
+        from pygls.uris import to_fs_path  # noqa: PLC0415 - as above
+
         path = to_fs_path(uri) if uri.startswith("file:///") else None
         if path is None or "\0" in path:
             return False

@@ -14,7 +14,8 @@ from jausml.cli.shared.options import LazyGroup, format_option
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from jausml.authoring.projects.places import Place
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened, Place
     from jausml.authoring.proposals.new_elements import OpenPoint
 
 _KINDS = {
@@ -117,6 +118,24 @@ def stopping() -> Iterator[None]:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
         raise EnvironmentFault(f"{error.filename}: {error.strerror}") from error
+
+
+def add_to(
+    model: Path | None,
+    label: str,
+    commands: Callable[[Opened], Sequence[Command]],
+    show: Callable[[], None] = lambda: None,
+    *,
+    is_of_services: bool = False,
+) -> None:
+    """Adds elements to a model, shows what is to say of them, and what was written."""
+    from jausml.authoring.projects.adding import add
+
+    with stopping():
+        place = place_for(model)
+        files = add(place, label, commands, is_of_services=is_of_services)
+    show()
+    report(place, files)
 
 
 def report(place: Place, files: Sequence[str]) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.new import model_option, pairs, place_for, report, show_open, stopping
+from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.authoring.topics import side_option
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose, remark
@@ -86,7 +86,7 @@ def service_connection(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import add, bridge_in
+    from jausml.authoring.projects.adding import bridge_in
     from jausml.authoring.proposals.calls import call_of, connection_commands, halves, opens_of
     from jausml.authoring.proposals.elements import message_of, service_type_of
 
@@ -112,11 +112,7 @@ def service_connection(
         _show_call(call.message, call.answer, call.rejections, to_ros=call.to_ros, name=name)
         return connection_commands(scope, owner, call, maps, own)
 
-    with stopping():
-        place = place_for(model)
-        files = add(place, f"Add calls of {name}", commands)
-    show_open(told)
-    report(place, files)
+    add_to(model, f"Add calls of {name}", commands, lambda: show_open(told))
 
 
 def _check_stated(stated: dict[str, list[tuple[str, str]]], needed: Sequence[Half]) -> None:
@@ -201,7 +197,7 @@ def action_connection(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import add, bridge_in
+    from jausml.authoring.projects.adding import bridge_in
     from jausml.authoring.proposals.elements import action_type_of
     from jausml.authoring.proposals.goals import action_commands, opens_of, ways_for
 
@@ -223,11 +219,7 @@ def action_connection(
             scope, owner, name, used, way, to_ros=to_ros, name=own, speed=speed or 0.0
         )
 
-    with stopping():
-        place = place_for(model)
-        files = add(place, f"Add goals of {name}", commands)
-    show_open(told)
-    report(place, files)
+    add_to(model, f"Add goals of {name}", commands, lambda: show_open(told))
 
 
 def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list[ListWay]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.new import model_option, pairs, place_for, report, show_open, stopping
+from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def map_(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import add, bridge_in, check_map_name
+    from jausml.authoring.projects.adding import bridge_in, check_map_name
     from jausml.authoring.proposals.elements import message_of, type_of
     from jausml.authoring.proposals.mapping.beginning import Wish
 
@@ -117,9 +117,7 @@ def map_(
         begun = begun_map(at.scope, owner, wish, yes=yes)
         return [begun.add, *begun.tables]
 
-    with stopping():
-        place = place_for(model)
-        report(place, add(place, f"Add map {name}", commands))
+    add_to(model, f"Add map {name}", commands)
 
 
 def _copy(

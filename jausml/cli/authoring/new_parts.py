@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.new import model_option, pairs, place_for, report, stopping
+from jausml.cli.authoring.new import add_to, model_option, pairs
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,7 +64,6 @@ def service(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """  # noqa: D301 - click wants the character
-    from jausml.authoring.projects.adding import add
     from jausml.authoring.proposals.system_parts import new_service
 
     made: list[Add] = []
@@ -74,15 +73,12 @@ def service(
         made.append(new_service(scope, own, name, messages, urn=urn, inherits=inherits))
         return [*made]
 
-    with stopping():
-        place = place_for(model)
-        files = add(place, f"Add service {name}", commands, is_of_services=True)
-    service: Add | Child = made[0]
-    if service.feature == "serviceSets":
-        [service] = service.children
-    for each in service.children:
-        click.echo(_message_line(each))
-    report(place, files)
+    def show() -> None:
+        [service] = made if made[0].feature != "serviceSets" else made[0].children
+        for each in service.children:
+            click.echo(_message_line(each))
+
+    add_to(model, f"Add service {name}", commands, show, is_of_services=True)
 
 
 def _message_line(message: Child) -> str:
@@ -123,7 +119,7 @@ def component(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.projects.adding import check_name
     from jausml.authoring.proposals.system_parts import new_component
 
     def commands(at: Opened) -> list[Command]:
@@ -140,9 +136,7 @@ def component(
         )
         return [made]
 
-    with stopping():
-        place = place_for(model)
-        report(place, add(place, f"Add component {name}", commands))
+    add_to(model, f"Add component {name}", commands)
 
 
 _EXAMPLE = "cmd_vel:geometry_msgs/Twist"
@@ -164,7 +158,7 @@ def node(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import add, check_name
+    from jausml.authoring.projects.adding import check_name
     from jausml.authoring.proposals.system_parts import new_node
 
     published = pairs(publishes, ":", _EXAMPLE)
@@ -175,6 +169,4 @@ def node(
         scope = at.scope_without_maps
         return [new_node(scope, at.system, name, publishes=published, subscribes=heard)]
 
-    with stopping():
-        place = place_for(model)
-        report(place, add(place, f"Add node {name}", commands))
+    add_to(model, f"Add node {name}", commands)

@@ -85,7 +85,6 @@ def jsidl(
     be read or OUT.xmi cannot be written, 3 internal error.
     """
     from jausml.language.importers.jsidl import import_jsidl
-    from jausml.language.validation.formats import RENDERERS, text
     from jausml.language.validation.formats.text import one_line
 
     if output is None and not compare_library:
@@ -101,10 +100,7 @@ def jsidl(
         behaviour=not without_behaviour,
     )
     report = findings_of(result)
-    click.echo(RENDERERS[output_format](report), nl=False)
-    if report.has_errors:
-        say(f"{text.summary(report)}; nothing written", quiet=quiet)
-        raise click.exceptions.Exit(PROBLEMS)
+    _show(report, output_format, quiet=quiet)
     if len(result.sets) > 1 and (name or set_version):
         names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
@@ -122,6 +118,16 @@ def jsidl(
         say(f"{len(differences)} {noun} from the library", quiet=quiet)
         if differences:
             raise click.exceptions.Exit(PROBLEMS)
+
+
+def _show(report: Report, output_format: str, *, quiet: bool) -> None:
+    """Shows what was found, which ends the verb where it is an error."""
+    from jausml.language.validation.formats import RENDERERS, text
+
+    click.echo(RENDERERS[output_format](report), nl=False)
+    if report.has_errors:
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
 
 
 def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult) -> Report:
@@ -209,16 +215,12 @@ def ros(
     """
     from jausml.language.importers.ros import import_packages
     from jausml.language.interfaces import Installation
-    from jausml.language.validation.formats import RENDERERS, text
 
     installation = Installation(shares)
     sources = _sources(packages, installation)
     result = import_packages(sources, installation=installation, comments=not without_comments)
     report = findings_of(result)
-    click.echo(RENDERERS[output_format](report), nl=False)
-    if report.has_errors:
-        say(f"{text.summary(report)}; nothing written", quiet=quiet)
-        raise click.exceptions.Exit(PROBLEMS)
+    _show(report, output_format, quiet=quiet)
     inputs = [file.path for source in sources for file in source.files]
     for path, roots, data in _documents(result, output):
         state = write_document(path, data, inputs, force=force)
@@ -339,7 +341,6 @@ def to_jsidl(
     """
     from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES, export_jsidl
     from jausml.language.semantics.jaus import services
-    from jausml.language.validation.formats import RENDERERS, text
     from jausml.language.validation.report import Report
 
     read = valid_model(model, reading, outcome="nothing written")
@@ -348,10 +349,7 @@ def to_jsidl(
         raise EnvironmentFault(f"{click.format_filename(model)} has no services")
     result = export_jsidl(read, services.with_inherited(chosen) if with_inherited else chosen)
     report = Report(read, (model,), tuple(result.diagnostics), rules=JSIDL_EXPORT_RULES)
-    click.echo(RENDERERS[output_format](report), nl=False)
-    if report.has_errors:
-        say(f"{text.summary(report)}; nothing written", quiet=quiet)
-        raise click.exceptions.Exit(PROBLEMS)
+    _show(report, output_format, quiet=quiet)
     folder = made_folder(Path(output))
     states = [
         write_document(str(folder / name), data, (), force=force)

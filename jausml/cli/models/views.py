@@ -89,13 +89,14 @@ def diagram(model: str, view: str, output: str, theme: str, reading: Reading) ->
 def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
-    from jausml.views.diagrams.writers import dot, html, mermaid, png, svg
+    from jausml.views.diagrams.writers import html, png, svg
+    from jausml.views.diagrams.writers.text import render_dot, render_mermaid
 
     match suffix:
         case ".mmd":
-            return mermaid.render(graph)
+            return render_mermaid(graph)
         case ".dot":
-            return dot.render(graph)
+            return render_dot(graph)
     try:
         match suffix:
             case ".png":

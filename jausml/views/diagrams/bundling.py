@@ -42,19 +42,20 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
             across[target][source] += 1
     nodes = graph.by_id
     hosts = {each.id: each.title for each in graph.groups}
-    groups = tuple(
-        Group(f"{b.id}{FRAME}", "bridge", b.title, element=b.element, key=f"{b.key}{FRAME}")
-        for b in bridges
-    )
     return replace(
         graph,
         nodes=tuple(
             _box(each, frames[each.id], within[each.id], across[each.id], nodes, hosts)
             for each in graph.nodes
         ),
-        groups=groups,
+        groups=tuple(map(_frame_of, bridges)),
         edges=tuple(_bundle(each, {b.id for b in bridges}) for each in inside.values()),
     )
+
+
+def _frame_of(bridge: Node) -> Group:
+    own, key = f"{bridge.id}{FRAME}", f"{bridge.key}{FRAME}"
+    return Group(own, "bridge", bridge.title, element=bridge.element, key=key)
 
 
 def _box(
@@ -66,25 +67,15 @@ def _box(
     hosts: dict[str, str],
 ) -> Node:
     shown = {} if node.kind == "bridge" else within
-    rows = (
-        *(
-            Port(
-                f"{node.id}!with {other}",
-                f"with {nodes[other].title}",
-                _words(count),
-                key=f"{node.key}!with {nodes[other].key}",
-            )
-            for other, count in shown.items()
-        ),
-        *(
-            Port(
-                f"{node.id}!also {other}",
-                f"also with {nodes[other].title}",
-                _words(count),
-                key=f"{node.key}!also {nodes[other].key}",
-            )
-            for other, count in across.items()
-        ),
+    rows = tuple(
+        Port(
+            f"{node.id}!{way} {other}",
+            f"{words} {nodes[other].title}",
+            _words(count),
+            key=f"{node.key}!{way} {nodes[other].key}",
+        )
+        for way, words, counts in (("with", "with", shown), ("also", "also with", across))
+        for other, count in counts.items()
     )
     host = hosts.get(node.group, "")
     subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
@@ -156,17 +147,7 @@ def framed(graph: Graph) -> Graph:
         ),
         groups=(
             *graph.groups,
-            *(
-                Group(
-                    f"{each.id}{FRAME}",
-                    "bridge",
-                    each.title,
-                    each.group,
-                    element=each.element,
-                    key=f"{each.key}{FRAME}",
-                )
-                for each in bridges
-            ),
+            *(replace(_frame_of(each), parent=each.group) for each in bridges),
         ),
         is_crowded=True,
     )

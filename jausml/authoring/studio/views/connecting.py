@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
-from jausml.authoring.editing.commands import Add, Child, Remove, Set
-from jausml.authoring.proposals.bridging import is_served, offers, profile_of
+from jausml.authoring.editing.commands import Add, Remove, Set
+from jausml.authoring.proposals.bridging import is_served, offers, profile_of, qos_of
 from jausml.authoring.proposals.elements import AnswerError, Option, Options
 from jausml.authoring.proposals.new_elements import name_among
 from jausml.authoring.studio.views.crossing import bridged, carried, further_peer, through
@@ -176,9 +176,7 @@ def _mirrored(scope: Scope, known: Spot, other: EObject) -> Options:
     kind = end.type
     values = {"name": (name,), named: (topic,), "type": (scope.ref(kind),)}
     profile = profile_of(scope, end) if isinstance(end, ros.TopicEndpoint) else {}
-    qos = {key: (value,) for key, value in profile.items()}
-    inner = (Child("qos", "ros.QoSProfile", qos),) if qos else ()
-    add = Add(scope.ref(other), feature, cls, values, inner)
+    add = Add(scope.ref(other), feature, cls, values, qos_of(profile))
     noun = cls.removeprefix("ros.")
     preview = f"{snake_case(noun)} {name} {{ {named}: {topic}  type: {ros_name(kind)} }}"
     label = f"new {snake_case(noun).replace('_', ' ')} {name} of {name_of(other)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.proposals.bridging import (
     Draft,
     Offer,
@@ -14,6 +14,7 @@ from jausml.authoring.proposals.bridging import (
     lacks_stop,
     offers,
     profile_of,
+    qos_of,
     system_of,
 )
 from jausml.authoring.proposals.elements import Option, Options
@@ -102,9 +103,8 @@ def through(
     topic = _topic(owner, at_ros.owner, end)
     if any(each.name == topic for each in used.topics):
         return Options(refusal=f"{name_of(used)} has the topic {topic} already")
-    profile = {name: (value,) for name, value in profile_of(scope, end).items()}
-    inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
-    added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, inner)
+    qos = qos_of(profile_of(scope, end))
+    added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, qos)
     why = f"both have {ros_name(kind)}"
     return Options((Option(f"topic {topic} of {name_of(used)}", why, f"topic {topic}", (added,)),))
 
@@ -353,9 +353,7 @@ def _new_end(
     )
     name = name_among(topic, getattr(node, feature))
     values = {"name": (name,), "topic": (topic,), "type": (scope.ref(kind),)}
-    profile = {each: (value,) for each, value in (qos or {}).items()}
-    inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
-    return Add(scope.ref(node), feature, cls, values, inner)
+    return Add(scope.ref(node), feature, cls, values, qos_of(qos or {}))
 
 
 def _call(

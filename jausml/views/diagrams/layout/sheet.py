@@ -46,9 +46,14 @@ class Box:
 
     def middles(self) -> dict[str, float]:
         """Returns how far below its top the middles of its rows are; of its head without a name."""
-        tops = accumulate((each.height for each in self.rows), initial=self.head)
-        rows = {each.id: top + each.height / 2 for each, top in zip(self.rows, tops, strict=False)}
+        tops = self.tops()
+        rows = {each.id: tops[each.id] + each.height / 2 for each in self.rows}
         return {"": self.head / 2, **rows}
+
+    def tops(self) -> dict[str, int]:
+        """Returns how far below its top its rows begin."""
+        heights = accumulate((each.height for each in self.rows), initial=self.head)
+        return {each.id: top for each, top in zip(self.rows, heights, strict=False)}
 
 
 @dataclass(frozen=True)

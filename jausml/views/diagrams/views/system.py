@@ -26,7 +26,6 @@ from jausml.views.diagrams.views.context import Builder, details, name_of
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
     from jausml.views.diagrams.views.context import Context
 
@@ -114,32 +113,17 @@ def _box(context: Context, element: jaus.Component | ros.Node) -> Box:
 
 def _add_endpoints(builder: Builder, node: ros.Node) -> None:
     context = builder.context
-    endpoints = (*node.publishers, *node.subscriptions)
-    told = {context.id_of(each): connections.qos(each.qos) for each in endpoints}
-    ends: list[tuple[EObject, str, str, str]] = [
-        *(
-            (each, connections.topic(each.topic, node), "publishes", _type(each.type))
-            for each in node.publishers
-        ),
-        *(
-            (each, connections.topic(each.topic, node), "subscribes", _type(each.type))
-            for each in node.subscriptions
-        ),
-        *(
-            (each, connections.topic(each.service, node), "serves", _type(each.type))
-            for each in node.serviceServers
-        ),
-        *(
-            (each, connections.topic(each.service, node), "calls", _type(each.type))
-            for each in node.serviceClients
-        ),
-    ]
-    for element, name, way, kind in ends:
-        own = context.id_of(element)
-        more = details(element, way=way, type=kind, QoS=told.get(own, ""))
-        port = Port(own, name, kind, details=more)
-        builder.put(context.id_of(node), port)
-        builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
+    topics = ("publishers", "publishes"), ("subscriptions", "subscribes")
+    services = ("serviceServers", "serves"), ("serviceClients", "calls")
+    for named, ends in (("topic", topics), ("service", services)):
+        for feature, way in ends:
+            for each in getattr(node, feature):
+                name, kind = connections.topic(getattr(each, named), node), _type(each.type)
+                told = connections.qos(each.qos) if named == "topic" else ""
+                more = details(each, way=way, type=kind, QoS=told)
+                port = Port(context.id_of(each), name, kind, details=more)
+                builder.put(context.id_of(node), port)
+                builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
 
 
 def _type(kind: ros.MessageType | ros.ServiceType | None) -> str:

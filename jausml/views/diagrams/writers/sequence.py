@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from jausml.views.diagrams.writers.colours import style
-from jausml.views.diagrams.writers.mermaid import as_data
 from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, width
 from jausml.views.diagrams.writers.svg import MARGIN, text_element
+from jausml.views.diagrams.writers.text import as_data
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

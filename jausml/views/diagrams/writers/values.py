@@ -115,7 +115,11 @@ def _keep_routes(
 def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
     """Returns where lines start and end; those that share both are numbered."""
     boxes = {each.id: each for each in sheet.boxes}
-    rows = {(box.id, name): y for box in sheet.boxes for name, y in _rows(box, corners[box.id][1])}
+    rows = {
+        (box.id, name): corners[box.id][1] + down
+        for box in sheet.boxes
+        for name, down in box.tops().items()
+    }
     counts: dict[_Way, int] = {}
     found = []
     for line in sheet.lines:
@@ -125,16 +129,6 @@ def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _
             way += [area.left, area.right, rows.get((name, row), area.top)]
         counts[tuple(way)] = counts.get(tuple(way), 0) + 1
         found.append((line, (*way, counts[tuple(way)])))
-    return found
-
-
-def _rows(box: Box, top: float) -> list[tuple[str, float]]:
-    """Returns the rows of a box with where they begin."""
-    found: list[tuple[str, float]] = []
-    y = top + box.head
-    for row in box.rows:
-        found.append((row.id, y))
-        y += row.height
     return found
 
 
@@ -164,7 +158,7 @@ def _values(
 
 
 def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, Any]:
-    tops = dict(_rows(box, 0))
+    tops = box.tops()
     return {
         "id": node.id,
         "element": node.element,

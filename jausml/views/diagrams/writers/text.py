@@ -1,0 +1,166 @@
+"""Graphs as text for whoever lays them out: Mermaid flow charts, and the language of Graphviz."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.graph import nested, severity
+from jausml.views.diagrams.writers.colours import SIDES, outline
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
+
+_SHAPES = {"bridge": ("[[", "]]"), "node": ("(", ")"), "type": ("(", ")"), "state": ("(", ")")}
+_WIDTHS = {"bridge": ",stroke-width:3px", "error": ",stroke-width:4px"}
+_DASHED = ("control", "owns")
+_MOST_ROWS = 60
+
+
+def render_mermaid(graph: Graph) -> str:
+    """Returns a graph as a flow chart."""
+    return "\n".join(_mermaid_lines(graph)) + "\n"
+
+
+def _mermaid_lines(graph: Graph) -> Iterator[str]:
+    names = {each.id: f"n{index}" for index, each in enumerate(graph.nodes)}
+    yield f"flowchart {'TB' if graph.downwards else 'LR'}"
+    for what, number, depth in nested(graph.nodes, graph.groups):
+        indent = "  " * (depth + 1)
+        match what:
+            case "box":
+                yield f"{indent}{_mermaid_node(graph.nodes[number], names)}"
+            case "begin":
+                yield f'{indent}subgraph g{number}["{as_data(graph.groups[number].title)}"]'
+            case "end":
+                yield f"{indent}end"
+    for edge in graph.edges:
+        yield f"  {_mermaid_edge(edge, names)}"
+    classes: dict[str, list[str]] = {}
+    for node in graph.nodes:
+        classes.setdefault(_class(node), []).append(names[node.id])
+    for name in sorted(classes.keys() & {*SIDES, "error"}):
+        yield f"  classDef {name} stroke:{outline(name, name)}{_WIDTHS.get(name, '')}"
+        yield f"  class {','.join(classes[name])} {name}"
+
+
+def _class(node: Node) -> str:
+    return "error" if severity(node.findings) == "error" else node.kind
+
+
+def _mermaid_node(node: Node, names: dict[str, str]) -> str:
+    before, after = _SHAPES.get(node.kind, ("[", "]"))
+    lines = [f"<b>{as_data(node.title)}</b>", *([as_data(node.subtitle)] if node.subtitle else [])]
+    lines += [_mermaid_row(each) for each in node.ports[:_MOST_ROWS]]
+    if len(node.ports) > _MOST_ROWS:
+        lines.append(f"and {len(node.ports) - _MOST_ROWS} more")
+    lines += [as_data(f"{each.severity}: {each.message}") for each in node.findings]
+    return f'{names[node.id]}{before}"{"<br/>".join(lines)}"{after}'
+
+
+def _mermaid_row(port: Port) -> str:
+    return "\N{NO-BREAK SPACE}" * 2 * port.depth + as_data(_words(port, " "))
+
+
+def _words(port: Port, gap: str) -> str:
+    """Returns what a row says, and first how grave it is."""
+    words = gap.join(each for each in (port.label, port.note, port.mark) if each)
+    wrong = severity(port.findings)
+    return f"{wrong}: {words}" if wrong else words
+
+
+def _labels(edge: Edge) -> list[str]:
+    first = () if edge.title in edge.labels else (edge.title,)
+    return [each for each in (*first, *edge.labels) if each]
+
+
+def _mermaid_edge(edge: Edge, names: dict[str, str]) -> str:
+    arrow = "-.->" if edge.kind in _DASHED else "-->"
+    label = "<br/>".join(map(as_data, _labels(edge)))
+    middle = f'|"{label}"|' if label else ""
+    return f"{names[edge.source.node]} {arrow}{middle} {names[edge.target.node]}"
+
+
+def as_data(text: str) -> str:
+    """Returns a text as data: Mermaid and HTML find no signs of theirs in it."""
+    return "".join(_sign(each) for each in " ".join(text.split()))
+
+
+def _sign(sign: str) -> str:
+    if sign.isalnum() or sign in " .,:/_-()+=*?":
+        return sign
+    if not sign.isprintable():
+        return "\N{REPLACEMENT CHARACTER}"
+    return f"#{ord(sign)};"
+
+
+def render_dot(graph: Graph) -> str:
+    """Returns a graph as a file of Graphviz."""
+    return "\n".join(_dot_lines(graph)) + "\n"
+
+
+def _dot_lines(graph: Graph) -> Iterator[str]:
+    names = {each.id: f"n{index}" for index, each in enumerate(graph.nodes)}
+    ports = {
+        (node.id, port.id): f"{names[node.id]}:p{index}"
+        for node in graph.nodes
+        for index, port in enumerate(node.ports)
+    }
+    yield "digraph {"
+    yield f'  graph [rankdir={"TB" if graph.downwards else "LR"}, fontname="sans-serif"]'
+    yield '  node [shape=plain, fontname="sans-serif", fontsize=11]'
+    yield '  edge [fontname="sans-serif", fontsize=10]'
+    for what, number, depth in nested(graph.nodes, graph.groups):
+        indent = "  " * (depth + 1)
+        match what:
+            case "box":
+                yield f"{indent}{_dot_node(graph.nodes[number], names)}"
+            case "begin":
+                yield f"{indent}subgraph cluster_{number} {{"
+                yield f"{indent}  label=<{_text(graph.groups[number].title)}>; style=rounded"
+            case "end":
+                yield f"{indent}}}"
+    for edge in graph.edges:
+        yield f"  {_dot_edge(edge, names, ports)}"
+    yield "}"
+
+
+def _dot_node(node: Node, names: dict[str, str]) -> str:
+    colour = outline(node.kind, severity(node.findings))
+    rows = [f"<tr><td><b>{_text(node.title)}</b></td></tr>"]
+    if node.subtitle:
+        rows.append(f"<tr><td>{_text(node.subtitle)}</td></tr>")
+    rows += [_dot_row(index, each) for index, each in enumerate(node.ports)]
+    rows += [
+        f'<tr><td align="left">{_text(f"{each.severity}: {each.message}")}</td></tr>'
+        for each in node.findings
+    ]
+    table = f'<table border="2" cellborder="0" cellspacing="0" color="{colour}">'
+    return f"{names[node.id]} [label=<{table}{''.join(rows)}</table>>]"
+
+
+def _dot_row(index: int, port: Port) -> str:
+    text = "&#160;" * 3 * port.depth + _text(_words(port, "  "))
+    return f'<tr><td port="p{index}" align="left">{text}</td></tr>'
+
+
+def _dot_edge(edge: Edge, names: dict[str, str], ports: dict[tuple[str, str], str]) -> str:
+    def end(at: End) -> str:
+        return ports.get((at.node, at.port), names[at.node])
+
+    label = "<br/>".join(map(_text, _labels(edge)))
+    known = [f"label=<{label}>"] if label else []
+    known += ["style=dashed"] if edge.kind in _DASHED else []
+    options = f" [{', '.join(known)}]" if known else ""
+    return f"{end(edge.source)} -> {end(edge.target)}{options}"
+
+
+def _text(text: str) -> str:
+    """Returns a text as data: Graphviz finds no signs of its own in it."""
+    flat = "".join(
+        each if each.isprintable() else "\N{REPLACEMENT CHARACTER}"
+        for each in " ".join(text.split())
+    )
+    return escape(flat) or " "
