@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import posixpath
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from jausml.authoring.editing.applying import converted, feature_of
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.authoring.editing.commands import Create, ElementCommand, Values
+    from jausml.authoring.editing.commands import Create, Values
     from jausml.authoring.editing.reading import Reader
     from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
@@ -221,6 +221,9 @@ def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
 class Context:
     """The file for which is planned, and the model that was read of it and all it refers to.
 
+    What commands change in a file that has none of their elements is what it says of these. What
+    goes with an element that is removed was worked out before, and stands among the commands.
+
     Attributes:
         root: The opened folder, symbolic links followed.
         working_copy: The elements of all files concerned, as the commands will have them.
@@ -255,17 +258,3 @@ class Context:
     def is_own(self, obj: EObject | None) -> bool:
         """Tells whether an element stands in the file."""
         return self.model.document_of(obj) is self.document
-
-
-class Planner(Protocol):
-    """Plans changes of a file of one notation."""
-
-    def __call__(self, commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-        """Returns what is to change in one file so that commands hold.
-
-        In the file that has an element of a command this is the change itself; in a file that
-        refers to it, what that file says of it. What goes with an element that is removed was
-        worked out before: it stands among the commands, as `Set` and `Remove` of their own.
-        `commands`: the commands, all of the same state of the files. `UnwritableError`: the
-        notation cannot say what is wanted.
-        """

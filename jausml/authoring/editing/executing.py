@@ -20,6 +20,7 @@ from jausml.authoring.editing.commands import (
 )
 from jausml.authoring.editing.drafts import Context, new_document
 from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
+from jausml.authoring.editing.reading import is_text
 from jausml.authoring.editing.records import Referrer
 from jausml.authoring.editing.text.planner import plan_text
 from jausml.authoring.editing.working_copy import WorkingCopy
@@ -27,13 +28,12 @@ from jausml.authoring.editing.xmi.planner import plan_xmi
 from jausml.language.model import refs
 from jausml.language.model.collector import without_collector
 from jausml.language.model.xmi.writer import UnwritableError
-from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command, ElementCommand
-    from jausml.authoring.editing.drafts import Draft, Planner
+    from jausml.authoring.editing.drafts import Draft
     from jausml.authoring.editing.layout import Layout
     from jausml.authoring.editing.working_copy import ElementCopy
     from jausml.language.metamodel import ClassTable
@@ -61,11 +61,6 @@ class Outcome:
     shifts: tuple[Mapping[Ref, Ref], ...]
 
 
-def _planner_of(file: str) -> Planner:
-    """Returns the planner of the notation of a file."""
-    return plan_text if file.endswith(SUFFIX) else plan_xmi
-
-
 def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None = None) -> Outcome:
     """Carries out commands in a draft.
 
@@ -82,7 +77,7 @@ def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None
 
 def names_elements(file: str, data: bytes) -> bool:
     """Tells whether a file may refer to elements by their names."""
-    return file.endswith(SUFFIX) or _BY_NAME.search(data.replace(b"\0", b"")) is not None
+    return is_text(file) or _BY_NAME.search(data.replace(b"\0", b"")) is not None
 
 
 def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
@@ -175,8 +170,9 @@ class _Work:
             context = Context(
                 file, self._draft.root, model, working_copy, paths, self._draft.locate
             )
+            plan = plan_text if is_text(file) else plan_xmi
             try:
-                plans[file] = _planner_of(file)(applying.steps, context)
+                plans[file] = plan(applying.steps, context)
             except UnwritableError as error:
                 raise EditError(str(error)) from error
         for file, splices in plans.items():

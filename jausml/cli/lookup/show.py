@@ -86,9 +86,7 @@ def _meanings(catalogue: Catalogue, name: str, service: str | None) -> Sequence[
 
 def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
     return {
-        "message": entry.name,
-        "code": entry.code_text,
-        "command": entry.is_command,
+        **_named(entry),
         "services": [service.label for service in entry.services],
         "documentation": str(entry.definition.documentation or ""),
         "fields": [field.to_json() for field in fields],

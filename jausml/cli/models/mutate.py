@@ -10,7 +10,7 @@ import click
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, made_folder, write_report
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
-from jausml.cli.shared.terminal import step
+from jausml.cli.shared.terminal import gathered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.language.project.one_document import OneDocument
     from jausml.language.project.reading import Reading
-    from jausml.mutating.outcomes import Campaign, Outcome
+    from jausml.mutating.outcomes import Campaign
     from jausml.mutating.running import Settings
 
 
@@ -145,17 +145,12 @@ def _run(
     from jausml.live.workers.pool_processes import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
-    found: dict[int, Outcome | None] = {}
     try:
-        with step("mutating") as progress:
-            progress.note = lambda: f"{len(found)} of {len(chosen)}"
-            for number, each in outcomes(document, chosen, settings):
-                campaign.remarks = list(dict.fromkeys((*campaign.remarks, *each.remarks)))
-                found[number] = each.outcome
-                progress.at(len(found) / len(chosen))
+        found = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
     except (CampaignError, PoolError) as error:
         raise EnvironmentFault(str(error)) from error
-    campaign.outcomes = [each for _, each in sorted(found.items()) if each is not None]
+    campaign.remarks = list(dict.fromkeys(remark for each in found for remark in each.remarks))
+    campaign.outcomes = [each.outcome for each in found if each.outcome is not None]
 
 
 def _write_page(text: str, folder: Path) -> None:

@@ -11,7 +11,7 @@ import click
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, finite, made_folder, write_report
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
-from jausml.cli.shared.terminal import step
+from jausml.cli.shared.terminal import gathered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -110,18 +110,12 @@ def _proved(
     from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.pieces import program, prove_all
 
-    found: dict[int, MapResult] = {}
     try:
         if not scheduler:
             settings = replace(settings, program=program())
-        with step("proving") as progress:
-            progress.note = lambda: f"{len(found)} of {len(trips)}"
-            for number, each in prove_all(model, trips, settings, scheduler):
-                found[number] = each
-                progress.at(len(found) / len(trips))
+        return gathered("proving", len(trips), prove_all(model, trips, settings, scheduler))
     except (PoolError, UnwritableError) as error:
         raise EnvironmentFault(str(error)) from error
-    return [found[number] for number in sorted(found)]
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:

@@ -8,16 +8,18 @@ import select
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from typing import TextIO
+
+ResultT = TypeVar("ResultT")
 
 PATIENCE = 1.0
 """Seconds that a step may take before a terminal shows that it goes on."""
@@ -102,15 +104,21 @@ def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
     progress = Progress()
     asked = verbosity()
     begun = time.monotonic()
-    with _shown(label, progress, begun) if _is_watched(asked, prints) else _nothing():
+    with _shown(label, progress, begun) if _is_watched(asked, prints) else nullcontext():
         yield progress
     if asked.verbose:
         click.echo(f"{label}: {time.monotonic() - begun:.2f} s", err=True)
 
 
-@contextmanager
-def _nothing() -> Iterator[None]:
-    yield
+def gathered(label: str, total: int, results: Iterable[tuple[int, ResultT]]) -> list[ResultT]:
+    """Returns numbered results in order, and shows how many there are while they come."""
+    found: dict[int, ResultT] = {}
+    with step(label) as progress:
+        progress.note = lambda: f"{len(found)} of {total}"
+        for number, each in results:
+            found[number] = each
+            progress.at(len(found) / total)
+    return [found[number] for number in sorted(found)]
 
 
 def _is_watched(asked: Verbosity, prints: bool) -> bool:

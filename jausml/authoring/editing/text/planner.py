@@ -40,7 +40,7 @@ _FOLDERS = ("msg", "srv", "action")
 
 
 def plan_text(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-    """Returns what is to change in a text, as `planning.Planner` says."""
+    """Returns what is to change in a text so that commands hold, all of the same state."""
     return _Plan(context).run(commands)
 
 

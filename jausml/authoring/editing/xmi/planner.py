@@ -38,7 +38,7 @@ _NAME = "name"
 
 
 def plan_xmi(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-    """Returns what is to change in an XMI file, as `planning.Planner` says."""
+    """Returns what is to change in an XMI file so that commands hold, all of one state."""
     return _Plan(context).run(commands) if context.document.root_nodes else []
 
 

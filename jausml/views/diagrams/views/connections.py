@@ -10,7 +10,7 @@ from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
-from jausml.views.diagrams.views.context import details, name_of, number
+from jausml.views.diagrams.views.context import name_of, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -54,14 +54,8 @@ def add_service_connection(
     context = builder.context
     message, usual = connection.message, getattr(owner, "frequency", 0)
     label = exchange(connection.exchange.name, connection.rate, usual)
-    row = Port(
-        context.id_of(connection),
-        name_of(connection),
-        name_of(message),
-        details=details(connection, message=name_of(message), exchange=label),
-        findings=context.findings(connection),
-        element=context.reference(connection),
-    )
+    told = name_of(message)
+    row = context.row(connection, name_of(connection), told, message=told, exchange=label)
     end = builder.put(context.id_of(owner), row)
     provider = connection.provider
     providers = [provider] if provider is not None else []
@@ -99,22 +93,17 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
     is_command = style == "message" and message is not None and message.isCommand
     label = exchange("command" if is_command else style, connection.rate, owner.frequency)
     arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
-    row = Port(
-        context.id_of(connection),
+    row = context.row(
+        connection,
         name_of(connection),
         f"{name_of(message)} {arrow} {_short(kind)}",
-        details=details(
-            connection,
-            map=name_of(used),
-            message=name_of(message),
-            type=_type(kind),
-            exchange=label,
-            limits=limits(connection),
-            QoS=topics_qos(connection),
-            **{"when lost": when_lost(connection)},
-        ),
-        findings=context.findings(connection),
-        element=context.reference(connection),
+        map=name_of(used),
+        message=name_of(message),
+        type=_type(kind),
+        exchange=label,
+        limits=limits(connection),
+        QoS=topics_qos(connection),
+        **{"when lost": when_lost(connection)},
     )
     here = builder.put(context.id_of(owner), row)
     way = "sends" if to_ros else "takes"
@@ -147,15 +136,8 @@ def _add_call(builder: Builder, owner: bridge.Bridge, call: _Call, *, to_ros: bo
     context, connection = builder.context, call.connection
     arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
     more = {call.words: call.name, "type": _type(call.kind), "JAUS": call.note}
-    row = Port(
-        context.id_of(connection),
-        name_of(connection),
-        f"{call.note} {arrow} {_short(call.kind)}",
-        call.words,
-        details=details(connection, **more),
-        findings=context.findings(connection),
-        element=context.reference(connection),
-    )
+    note = f"{call.note} {arrow} {_short(call.kind)}"
+    row = context.row(connection, name_of(connection), note, call.words, **more)
     here = builder.put(context.id_of(owner), row)
     way = "asks" if to_ros else "answers"
     for peer in _jaus_ends(builder, owner, connection.peers, connection.search, call.asked, way):

@@ -92,6 +92,20 @@ class Context:
                 pending += reversed(self.model.owned(element))
         return tuple(found)
 
+    def row(
+        self, element: EObject, label: str, note: str = "", mark: str = "", /, **more: object
+    ) -> Port:
+        """Returns the row of an element, with what is told of it on request: more, by names."""
+        return Port(
+            self.id_of(element),
+            label,
+            note,
+            mark,
+            details=details(element, **more),
+            findings=self.findings(element),
+            element=self.reference(element),
+        )
+
     def of_files(self) -> tuple[Finding, ...]:
         """Returns what was found about files and not about an element."""
         return tuple(dict.fromkeys(self._findings.get(("", ""), ())))

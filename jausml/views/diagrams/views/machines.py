@@ -107,8 +107,7 @@ def _rows(context: Context, machine: Machine, path: str, state: jaus.State) -> I
     """Yields what a state does by itself: at entry and exit, and on triggers that keep it."""
     for word, actions in (("entry", state.entry), ("exit", state.exit)):
         for action in actions:
-            yield Port(context.id_of(action), f"{word} / {_action(action)}",
-                       details=details(action), findings=context.findings(action))  # fmt: skip
+            yield context.row(action, f"{word} / {_action(action)}")
     for each in (*state.transitions, *state.defaults):
         target = machine.resolve(path, each.target) if each.target else None
         if target is None:

@@ -54,7 +54,7 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
             "service",
             name_of(service),
             str(service.urn or ""),
-            tuple(_event(context, each) for each in service.events),
+            tuple(context.row(each, name_of(each), "internal event") for each in service.events),
             own,
             column=0,
             details=details(service),
@@ -101,21 +101,5 @@ def _messages(
 
 
 def _message(context: Context, message: jaus.MessageDef) -> Port:
-    return Port(
-        context.id_of(message),
-        name_of(message),
-        str(message.code or ""),
-        "command" if message.isCommand else "",
-        details=details(message, code=message.code),
-        findings=context.findings(message),
-    )
-
-
-def _event(context: Context, event: jaus.InternalEvent) -> Port:
-    return Port(
-        context.id_of(event),
-        name_of(event),
-        "internal event",
-        details=details(event),
-        findings=context.findings(event),
-    )
+    mark = "command" if message.isCommand else ""
+    return context.row(message, name_of(message), str(message.code or ""), mark, code=message.code)
