@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from jausml.views.diagrams.layout import graphviz
-from jausml.views.diagrams.writers import png
+from jausml.views.diagrams.writers import svg
 
 CAR = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 
@@ -45,10 +45,10 @@ def test_a_picture_of_dots(jausml, tmp_path):
 
 def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch):
     pytest.importorskip("resvg_py", reason="PNG needs jausml[diagram]")
-    monkeypatch.setattr(png, "FONTS", ("No Such Font",))
-    png._font.cache_clear()
+    monkeypatch.setattr(svg, "FONTS", ("No Such Font",))
+    svg._font.cache_clear()
     result = jausml("diagram", CAR, "-o", tmp_path / "x.png")
-    png._font.cache_clear()
+    svg._font.cache_clear()
     assert result.exit_code == 2
     assert "needs one of these fonts on this machine: No Such Font" in result.output
     assert not (tmp_path / "x.png").exists()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.editor.positions import Place
+from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.workbench import Workbench
 from jausml.language.project.library import library
 

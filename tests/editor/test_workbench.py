@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from jausml.authoring.editor.completion import complete
+from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
-from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems, parsed_text, syntax_problems
 from jausml.language.text.reading import parsing
 

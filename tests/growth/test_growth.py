@@ -15,9 +15,9 @@ import pytest
 from counting import calls
 
 from jausml.authoring.editor.completion import complete
+from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems
 from jausml.generation import load_targets, render, select
 from jausml.language.metamodel.classes import system

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editor.context import (
     Part,
+    Place,
     contained_classes,
     context_at,
     features_of,
@@ -15,7 +16,6 @@ from jausml.authoring.editor.context import (
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
-from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.authoring.editor.context import Part, context_at
+from jausml.authoring.editor.context import Part, Place, context_at, is_within
 from jausml.authoring.editor.names import Declaration, find
-from jausml.authoring.editor.positions import Place, is_within
 from jausml.authoring.editor.workbench import imported_file, names_in, pieces_parsed
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editor.context import Part, context_at, features_of, keywords, table
+from jausml.authoring.editor.context import Part, Place, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
-from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import names_in, pieces_parsed
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editor.context import class_of, class_of_value, feature_named, table
-from jausml.authoring.editor.positions import is_within
+from jausml.authoring.editor.context import (
+    class_of,
+    class_of_value,
+    feature_named,
+    is_within,
+    table,
+)
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
 from jausml.language.text.tree import (
     Assignment,
@@ -25,7 +30,7 @@ from jausml.language.text.tree import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.authoring.editor.positions import Place
+    from jausml.authoring.editor.context import Place
     from jausml.language.metamodel import ClassTable
 
 _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}

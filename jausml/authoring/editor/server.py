@@ -17,9 +17,9 @@ from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
 from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
+from jausml.authoring.editor.context import Columns, Place
 from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
-from jausml.authoring.editor.positions import Columns, Place
 from jausml.authoring.editor.workbench import (
     Problem,
     Workbench,

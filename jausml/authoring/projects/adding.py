@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.projects.eclipse import MAPPINGS, as_xmi_beside
-from jausml.authoring.projects.places import Opened, ProjectError, opened
+from jausml.authoring.projects.places import MAPPINGS, Opened, ProjectError, as_xmi_beside, opened
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import participant_name

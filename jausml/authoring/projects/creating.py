@@ -14,14 +14,16 @@ import jinja2
 from jausml import __version__
 from jausml.authoring.editing.commands import Add
 from jausml.authoring.projects.adding import add, add_bridge
-from jausml.authoring.projects.eclipse import METAMODELS, localized, with_schema_location
 from jausml.authoring.projects.places import (
+    METAMODELS,
     ProjectError,
     as_xmi,
     empty_text,
     empty_xmi,
+    localized,
     place_of,
     text_of,
+    with_schema_location,
 )
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.language.model.inputs import read_input

@@ -1,26 +1,141 @@
-"""Where new elements go: a model file, which is made if need be, and the project around it."""
+"""Where new elements go: a model file, the project around it, and what lets Eclipse open both."""
 
 from __future__ import annotations
 
 import os
+import posixpath
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+from urllib.parse import quote
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
-from jausml.authoring.projects.eclipse import metamodels_for, with_schema_location
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.files import InputError
-from jausml.language.model.library import LIBRARY_URI, SUFFIXES, library_root
+from jausml.language.model.identifiers import name_identifiers
+from jausml.language.model.library import LIBRARY_URI, SUFFIXES, copy_in_project, library_root
+from jausml.language.model.names import name_of, qualified_name
 from jausml.language.model.project import project_folder
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import replace_file
+from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.project.index import index_around
-from jausml.language.text.notation import SUFFIX
+from jausml.language.text.notation import NOTATIONS, SUFFIX
 from jausml.language.text.writing.unparsing import to_text
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel.classes.ecore import EObject
+
+METAMODELS = "metamodels"
+MAPPINGS = "mappings"
+_ROOT = re.compile(r'<\w+:\w+(?:\s+(?:\w+:version|xmlns(?::\w+)?)="[^"]*")+')
+_LANGUAGE = re.compile(r'xmlns:(\w+)="(http://www\.jausml\.org/\1/[^"]+)"')
+_XMI = re.compile(r' xmlns:xmi="[^"]*"')
+_XSI = "http://www.w3.org/2001/XMLSchema-instance"
+_HREF = re.compile(rf'(?<=href="){re.escape(LIBRARY_URI)}([^"#]+)')
+_READY_MAP = re.compile(
+    rf'(?<=href="){re.escape(LIBRARY_URI)}({MAPPINGS}/[^"#]+\.ros2jaus)#([^"]+)'
+)
+
+
+def metamodels_for(path: Path, root: Path) -> str:
+    """Returns the folder of metamodels of a project, relative to a model; empty without one."""
+    for each in path.parents:
+        if not each.is_relative_to(root):
+            break
+        if (each / METAMODELS / "system.ecore").is_file():
+            return posixpath.relpath((each / METAMODELS).as_posix(), path.parent.as_posix())
+    return ""
+
+
+def with_schema_location(xmi: str, metamodels: str) -> str:
+    """Returns a model that tells Eclipse where the metamodels of its namespaces are, as EMF does.
+
+    `metamodels`: folder of the metamodels, relative to the model; empty for none.
+    """
+    root = _ROOT.search(xmi)
+    if root is None or not metamodels:
+        return xmi
+    declared = root.group()
+    places = " ".join(
+        f"{uri} {metamodels}/{name}.ecore" for name, uri in _LANGUAGE.findall(declared)
+    )
+    if _XSI not in declared:
+        declared = _XMI.sub(rf'\g<0> xmlns:xsi="{_XSI}"', declared, count=1)
+    return f'{xmi[: root.start()]}{declared} xsi:schemaLocation="{places}"{xmi[root.end() :]}'
+
+
+def as_xmi_beside(source: Path, target: Path, root: Path) -> str:
+    """Returns a text of the library as XMI that Eclipse opens."""
+    model = read_models([source], notations=NOTATIONS).model
+    roots = model.documents[0].roots
+    name_identifiers(roots, model)
+    return localized(to_xmi(roots, model, target), target, root)
+
+
+def localized(xmi: str, target: Path, root: Path) -> str:
+    """Returns a model that leads Eclipse to the copies that a project has for it."""
+    folder = target.parent
+
+    def local(match: re.Match[str]) -> str:
+        copy = copy_in_project(match[1], folder, root)
+        if copy is None:
+            return match.group()
+        return quote(posixpath.relpath(copy.as_posix(), folder.as_posix()))
+
+    return with_schema_location(_HREF.sub(local, xmi), metamodels_for(target, root))
+
+
+def with_ready_maps(xmi: str, target: Path, root: Path) -> tuple[str, dict[Path, Path]]:
+    """Returns a model that refers to ready maps by copies beside it, which Eclipse can read.
+
+    `root`: the folder of the project; without metamodels for Eclipse nothing changes. Returns the
+    model, and the copies that are missing, each with the text of which it is to be made.
+    """
+    missing: dict[Path, Path] = {}
+    known: dict[Path, dict[str, str]] = {}
+
+    def local(match: re.Match[str]) -> str:
+        source = library_root() / match[1]
+        copy = target.parent / MAPPINGS / f"{source.stem}.xmi"
+        if copy not in known:
+            known[copy] = _copied_fragments(source, copy)
+        fragment = known[copy].get(match[2])
+        if fragment is None:
+            return match.group()
+        if not copy.exists():
+            missing[copy] = source
+        return f"{MAPPINGS}/{quote(copy.name)}#{fragment}"
+
+    if not metamodels_for(target, root):
+        return xmi, {}
+    return _READY_MAP.sub(local, xmi), missing
+
+
+def _copied_fragments(source: Path, copy: Path) -> dict[str, str]:
+    """Returns by which fragments a copy has the elements of a text, by those that the text has.
+
+    A connection refers to a map, and its topics to joins of it.
+    """
+    text = read_models([source], notations=NOTATIONS).model
+    own = text.elements_of(text.documents[0])
+    places = {text.path_of(each): _key(each) for each in own if name_of(each)}
+    model = read_models([copy]).model if copy.exists() else text
+    if model is text:
+        name_identifiers(text.documents[0].roots, text)
+    elements = model.elements_of(model.documents[0])
+    named = (each for each in elements if name_of(each))
+    known = {_key(each): model.identifier(each) or model.path_of(each) for each in named}
+    return {place: known[key] for place, key in places.items() if key in known}
+
+
+def _key(element: EObject) -> tuple[str, str]:
+    """Returns what an element and a copy of it have in common."""
+    return element.eClass.name, qualified_name(element)
+
 
 RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
 

@@ -1,25 +1,27 @@
-"""Elements by the texts and names that mean them, and what can be done with them."""
+"""Elements by the texts and names that mean them, and what references may lead to."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model import refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
 from jausml.language.project.index import own_instances
 from jausml.language.project.library import library
+from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel import FeatureTable
+    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
 
@@ -254,3 +256,118 @@ class Options:
 
     options: tuple[Option, ...] = ()
     refusal: str = ""
+
+
+_OF_THE_SYSTEM = (jaus.Component, ros.Node, system.Host)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of the values that a field may have."""
+
+    value: str
+    label: str
+    documentation: str = ""
+
+
+def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:
+    """Returns what a reference of an element may lead to, in the order of the names."""
+    table = scope.model.metamodels.class_of(element)
+    for cls in table.supertypes:
+        find = _NARROW.get(f"{cls.qualified_name}.{feature.name}")
+        if find is not None and (narrow := find(element)) is not None:
+            return _choices(scope, narrow)
+    found = everywhere(scope, feature.target, element)
+    if feature.name == "query":
+        used = getattr(element, "query", None)
+        own = scope.ref(used) if used is not None else ""
+        return tuple(each for each in found if _is_query(each) or each.value == own)
+    return found
+
+
+def _is_query(choice: Choice) -> bool:
+    return choice.label.rpartition(".")[2].startswith("Query")
+
+
+def everywhere(
+    scope: Scope, target: ClassTable | None, element: EObject | None = None
+) -> tuple[Choice, ...]:
+    """Returns the elements of a class in the project and the library."""
+    if target is None:
+        return ()
+    kind = target.python_class
+    own = [each for each in scope.own(kind) if each is not element]
+    if any(issubclass(kind, each) for each in _OF_THE_SYSTEM):
+        whole = _system_of(element)
+        return _choices(scope, [each for each in own if _system_of(each) is whole])
+    if kind is jaus.Field:
+        types = (each for one in scope.model.instances(jaus.ServiceSet) for each in one.types)
+        return _choices(scope, [each for each in types if each is not element])
+    return (*_choices(scope, own), *library_choices(target))
+
+
+@cache
+def library_choices(target: ClassTable) -> tuple[Choice, ...]:
+    """Returns the elements of a class that the library has."""
+    return _choices(Scope(library(), Path("/")), library().instances(target.python_class))
+
+
+def _choices(scope: Scope, elements: Iterable[EObject]) -> tuple[Choice, ...]:
+    found = [(label_of(each), each) for each in elements]
+    counts = Counter(label for label, _ in found)
+    choices = [
+        Choice(
+            scope.ref(each),
+            f"{label} ({_file(scope, each)})" if counts[label] > 1 else label,
+            _first_sentence(str(getattr(each, "documentation", None) or "")),
+        )
+        for label, each in found
+    ]
+    return tuple(sorted(choices, key=lambda each: (each.label.lower(), each.label, each.value)))
+
+
+def _first_sentence(text: str) -> str:
+    return text.partition(". ")[0].removesuffix(".")
+
+
+def _file(scope: Scope, element: EObject) -> str:
+    document = scope.model.document_of(element)
+    return document.path.stem if document is not None else ""
+
+
+def _system_of(element: EObject | None) -> system.System | None:
+    return around(element, system.System)
+
+
+def _of_map(element: EObject, feature: str) -> list[EObject] | None:
+    """What the map has that an element stands in, or that its connection uses."""
+    found: Any = around(element, bridge.AttributeMap, bridge.Connection)
+    used = found.map if isinstance(found, bridge.Connection) else found
+    return None if used is None else list(getattr(used, feature))
+
+
+def _reports(element: EObject) -> list[EObject] | None:
+    """What the provider of a service connection sends; all messages where none is chosen."""
+    if not isinstance(element, jaus.ServiceConnection):
+        return None
+    provider = element.provider or element.search
+    return None if provider is None else list(dict.fromkeys(outputs(provider)))
+
+
+def _taken(element: EObject) -> list[EObject] | None:
+    """What the service of a state machine takes, inherited messages included."""
+    service = around(element, jaus.Service)
+    if service is None:
+        return None
+    return [each for one in lineage(service) for each in one.inputs if name_of(each)]
+
+
+_NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {
+    "bridge.Conversion.table": partial(_of_map, feature="tables"),
+    "bridge.Conversion.quantity": partial(_of_map, feature="quantities"),
+    "bridge.Topic.join": partial(_of_map, feature="joins"),
+    "bridge.ReportSource.join": partial(_of_map, feature="reportJoins"),
+    "jaus.ServiceConnection.message": _reports,
+    "jaus.Transition.message": _taken,
+}
+"""References that lead to fewer elements than those of their class."""

@@ -14,7 +14,7 @@ from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
-from jausml.authoring.studio.json_values import as_json, entry_as_json, files_as_json
+from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
 from jausml.language.model.refs import file_of

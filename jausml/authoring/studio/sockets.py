@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 from starlette.websockets import WebSocketDisconnect
 
 from jausml.authoring.studio import rpc
-from jausml.authoring.studio.json_values import TypedError, typed
-from jausml.authoring.studio.rpc import Request, RpcError
+from jausml.authoring.studio.rpc import Request, RpcError, TypedError, typed
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Coroutine

@@ -89,7 +89,7 @@ def diagram(model: str, view: str, output: str, theme: str, reading: Reading) ->
 def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
-    from jausml.views.diagrams.writers import html, png, svg
+    from jausml.views.diagrams.writers import html, svg
     from jausml.views.diagrams.writers.text import render_dot, render_mermaid
 
     match suffix:
@@ -100,7 +100,7 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
     try:
         match suffix:
             case ".png":
-                return png.render(graph, Graphviz(), theme)
+                return svg.render_png(graph, Graphviz(), theme)
             case ".html":
                 return html.render(graph, Graphviz(), theme)
             case _:

@@ -6,7 +6,13 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Rename, Set
-from jausml.authoring.proposals.elements import AnswerError, literal, values_of, version_of
+from jausml.authoring.proposals.elements import (
+    AnswerError,
+    everywhere,
+    literal,
+    values_of,
+    version_of,
+)
 from jausml.authoring.proposals.new_elements import (
     free_address,
     free_name,
@@ -21,7 +27,6 @@ from jausml.authoring.proposals.quick_fixes.found import (
     renamed_as_meant,
     unset,
 )
-from jausml.authoring.proposals.targets import everywhere
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.topics import topic_fault

@@ -12,13 +12,13 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.handlers import showing
-from jausml.authoring.studio.json_values import (
+from jausml.authoring.studio.rpc import (
+    Method,
     as_json,
     command,
     entry_as_json,
     freshness_as_json,
 )
-from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.language.metamodel.classes import jaus
 

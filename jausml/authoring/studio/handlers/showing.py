@@ -14,9 +14,8 @@ from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
-from jausml.authoring.studio.json_values import files_as_json, freshness_as_json
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
-from jausml.authoring.studio.rpc import REFUSED, Method, RpcError
+from jausml.authoring.studio.rpc import REFUSED, Method, RpcError, files_as_json, freshness_as_json
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
 from jausml.language.model import refs
 from jausml.language.model.library import library_root

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import label_of, literal, values_of
+from jausml.authoring.proposals.elements import Choice, label_of, legal_targets, literal, values_of
 from jausml.authoring.proposals.new_elements import usual_values
-from jausml.authoring.proposals.targets import Choice, legal_targets
 from jausml.authoring.studio.views.service_lines import usual_texts
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
 from jausml.language.model.refs import LIBRARY

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.elements import AnswerError, Choice, Option, Options, everywhere
 from jausml.authoring.proposals.new_elements import free_code
-from jausml.authoring.proposals.targets import Choice, everywhere
 from jausml.authoring.studio.views.spots import element_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes.system import System
 from jausml.language.model.values import nearest
 from jausml.language.semantics.memory import remembering
-from jausml.views.diagrams.views import machines, maps, services, system
+from jausml.views.diagrams.views import maps, services, system
 from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
@@ -83,5 +83,5 @@ def _offered(
     first = model.documents[0].roots if model.documents else []
     if not first or isinstance(first[0], System) or system.participants(model):
         yield (SYSTEM,), system.graph
-    for module in (maps, services, machines):
-        yield from module.offered(model, library=library)
+    for offered in (maps.offered, services.offered, services.offered_machines):
+        yield from offered(model, library=library)

@@ -1,4 +1,4 @@
-"""The view of a service: what it inherits, the messages that it takes and sends, its events."""
+"""The views of a service and of its state machines: messages and events, states and transitions."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.jaus.inherited_machines import DEEPEST, machine_with
 from jausml.language.semantics.jaus.services import lineage, query_name
-from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.views.context import Builder, details, name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from jausml.language.model.model import Model
+    from jausml.language.semantics.jaus.inherited_machines import Machine
     from jausml.views.diagrams.views.context import Context
 
 
@@ -103,3 +105,158 @@ def _messages(
 def _message(context: Context, message: jaus.MessageDef) -> Port:
     mark = "command" if message.isCommand else ""
     return context.row(message, name_of(message), str(message.code or ""), mark, code=message.code)
+
+
+def offered_machines(
+    model: Model, *, library: bool
+) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
+    """Yields the names of each machine, by service and name, and by name alone, and its graph."""
+    for each in model.instances(jaus.StateMachine, library=library):
+        service = each.eContainer()
+        if each.name:
+            names = (f"{name_of(service)}.{each.name}", each.name)
+            yield tuple(f"machine:{name}" for name in names), partial(machine_graph, element=each)
+
+
+def machine_graph(context: Context, element: jaus.StateMachine) -> Graph:
+    """Returns the view of a machine, with what it extends."""
+    builder = Builder(context)
+    machine = machine_with(element)
+    if machine is not None:
+        drawn = _drawn(machine)
+        composite = {outer for path in drawn for outer in _enclosing(path)}
+        for path in drawn:
+            _add_state(builder, machine, path, is_composite=path in composite)
+        for path in machine.nodes:
+            _add_transitions(builder, machine, path)
+    title = f"machine {name_of(element)} of {name_of(element.eContainer())}"
+    return builder.graph(title, element, downwards=True)
+
+
+def _drawn(machine: Machine) -> list[str]:
+    """Returns the paths of the states that are shown, enclosing ones first."""
+    core = [each for each in machine.core_states if each not in machine.nodes]
+    targets = {
+        machine.resolve(path, each.target)
+        for path, node in machine.nodes.items()
+        for state in node.elements
+        for each in (*state.transitions, *state.defaults)
+        if each.target
+    }
+    paths = [*machine.nodes, *(each for each in core if each in targets)]
+    enclosing = {outer for each in paths for outer in _enclosing(each)}
+    ordered = dict.fromkeys([*paths, *sorted(enclosing)])
+    return sorted(
+        (each for each in ordered if each.count(".") < DEEPEST),
+        key=lambda each: each.count("."),
+    )
+
+
+def _enclosing(path: str) -> Iterator[str]:
+    """Yields the paths of the states that a state lies in."""
+    while path := path.rpartition(".")[0]:
+        yield path
+
+
+def _id(builder: Builder, machine: Machine, path: str) -> str:
+    return f"{builder.context.id_of(machine.elements[-1])}!{path}"
+
+
+def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: bool) -> None:
+    context = builder.context
+    own = _id(builder, machine, path)
+    outer, _, name = path.rpartition(".")
+    around = _id(builder, machine, outer) if outer else ""
+    found = machine.nodes.get(path)
+    elements = found.elements if found is not None else []
+    element = context.reference(elements[-1]) if elements else ""
+    if is_composite:
+        builder.groups.append(Group(own, "state", name, around, element=element))
+    initial = machine.initial(outer) == path
+    rows = [row for state in elements for row in _rows(context, machine, path, state)]
+    if is_composite and not elements:
+        return
+    builder.add(
+        Node(
+            own,
+            "state",
+            f"{name} (all inside)" if is_composite else name,
+            "initial" if initial else "",
+            tuple(rows),
+            own if is_composite else around,
+            details=tuple(each for state in elements for each in details(state)),
+            findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
+            element=element,
+            key=context.key(elements[-1]) if elements else "",
+        )
+    )
+
+
+def _rows(context: Context, machine: Machine, path: str, state: jaus.State) -> Iterator[Port]:
+    """Yields what a state does by itself: at entry and exit, and on triggers that keep it."""
+    for word, actions in (("entry", state.entry), ("exit", state.exit)):
+        for action in actions:
+            yield context.row(action, f"{word} / {_action(action)}")
+    for each in (*state.transitions, *state.defaults):
+        target = machine.resolve(path, each.target) if each.target else None
+        if target is None:
+            goal = f" \N{RIGHTWARDS ARROW} {each.target}" if each.target else ""
+            wrong = Finding("error", "", f"there is no state '{each.target}'")
+            findings = context.findings(each) or ((wrong,) if each.target else ())
+            label = " ".join(_labels(each)) + goal
+            yield Port(context.id_of(each), label, each.kind.name,
+                       details=details(each), findings=findings)  # fmt: skip
+
+
+def _add_transitions(builder: Builder, machine: Machine, path: str) -> None:
+    context = builder.context
+    own = _id(builder, machine, path)
+    for state in machine.nodes[path].elements:
+        for each in (*state.transitions, *state.defaults):
+            target = machine.resolve(path, each.target) if each.target else None
+            end = _id(builder, machine, target) if target is not None else ""
+            end = _inside(builder, machine, target, end) if target is not None else ""
+            if end and own in builder.boxes:
+                labels = tuple(_labels(each))
+                builder.edges.append(
+                    Edge(
+                        context.id_of(each),
+                        End(own),
+                        End(end),
+                        "transition",
+                        labels[0],
+                        labels,
+                        details=details(each, kind=each.kind.name, target=target),
+                        findings=context.findings(each),
+                    )
+                )
+
+
+def _inside(builder: Builder, machine: Machine, target: str, end: str) -> str:
+    """Returns the box of a state, or of the innermost that entering it enters."""
+    if end in builder.boxes:
+        return end
+    inner = _id(builder, machine, machine.innermost(target))
+    if inner in builder.boxes:
+        return inner
+    below = [each for each in builder.boxes if each.startswith(f"{end}.")]
+    return below[0] if below else ""
+
+
+def _labels(transition: jaus.Transition) -> Iterator[str]:
+    """Yields what triggers a transition, its guard and its actions."""
+    if transition.message is not None:
+        yield name_of(transition.message)
+    else:
+        yield str(transition.event or "anything else")
+    if transition.guard:
+        yield f"[{transition.guard}]"
+    if transition.kind.name in ("push", "pop"):
+        yield f"({transition.kind.name})"
+    if transition.actions:
+        yield "/ " + ", ".join(_action(each) for each in transition.actions)
+
+
+def _action(action: jaus.Action) -> str:
+    sends = f" sends {name_of(action.sends)}" if action.sends is not None else ""
+    return f"{action.name or '?'}{sends}"
