@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from jausml.views.diagrams.layout.sheet import Box, Line, Sheet
-from jausml.views.diagrams.writers.colours import style
-from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, width
+from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, text_element
 
 if TYPE_CHECKING:

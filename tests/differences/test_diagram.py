@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 from jausml.language.model import LIBRARY_URI
-from jausml.views.diagrams.writers.colours import style
+from jausml.views.diagrams.writers.shapes import style
 
 ROOT = Path(__file__).resolve().parents[2]
 BASE = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import Edge
-from jausml.views.diagrams.writers import colours, svg
+from jausml.views.diagrams.writers import shapes, svg
 from jausml.views.diagrams.writers.shapes import cut
 from jausml.views.pages import hashed
 
@@ -27,7 +27,7 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """Returns a graph as a page."""
     shown = bundled(graph)
     script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
-    style = colours.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
+    style = shapes.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
     keys = svg.Keys()
     picture = svg.picture(shown, engine, theme, is_bundled=shown is not graph, keys=keys)
     # Of a text within a script the sign that could end it is written as JSON writes any sign.
@@ -36,7 +36,7 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
         (
             "default-src 'none'",
             f"script-src {hashed(script)}",
-            f"style-src {hashed(style)} {hashed(colours.style(theme, compares=shown.compares))}",
+            f"style-src {hashed(style)} {hashed(shapes.style(theme, compares=shown.compares))}",
             "base-uri 'none'",
             "form-action 'none'",
         )

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
-from jausml.views.diagrams.writers.colours import style
-from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, width
+from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, text_element
 from jausml.views.diagrams.writers.text import as_data
 

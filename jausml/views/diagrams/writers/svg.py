@@ -12,8 +12,7 @@ from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import shapes
-from jausml.views.diagrams.writers.colours import style
-from jausml.views.diagrams.writers.shapes import cut, width
+from jausml.views.diagrams.writers.shapes import cut, style, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,7 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.graph import nested, severity
-from jausml.views.diagrams.writers.colours import SIDES, outline
+from jausml.views.diagrams.writers.shapes import SIDES, outline
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
