@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+    OptionMaker = Callable[..., Decorator]
 
 
 # What options offer, without the modules that know more of it: they load slowly; tests compare.
@@ -104,62 +105,43 @@ def _quiet(_context: click.Context, _parameter: click.Parameter, value: bool) ->
     return value or verbosity().quiet
 
 
-def interface_option(
-    *names: str, text: str = "IPv4 address of the network interface of JAUS."
-) -> Decorator:
-    """Returns the option of the network interface; the verb takes it as `interface`.
+def _network_option(word: str, parameter: str, text: str, **attributes: Any) -> OptionMaker:
+    """Returns what makes an option of the JAUS network, by other names or with another text too.
 
-    `names`: its names; by default the short one and that of generated processes.
+    By default it has the short name and that of generated processes.
     """
-    return click.option(
-        *(names or ("--interface", "--jaus-interface")),
-        "interface",
-        default=INTERFACE,
-        metavar="ADDRESS",
-        help=text,
-    )
+
+    def made(*names: str, text: str = text) -> Decorator:
+        known = names or (f"--{word}", f"--jaus-{word}")
+        return click.option(*known, parameter, help=text, **attributes)
+
+    return made
 
 
-def port_option(*names: str, text: str = "UDP port of JUDP.") -> Decorator:
-    """Returns the option of the port of JAUS; the verb takes it as `port`.
-
-    `names`: its names; by default the short one and that of generated processes.
-    """
-    return click.option(
-        *(names or ("--port", "--jaus-port")),
-        "port",
-        type=click.IntRange(1, 65535),
-        default=PORT,
-        help=text,
-    )
-
-
-def multicast_group_option(*names: str, text: str = "Multicast group of JUDP.") -> Decorator:
-    """Returns the option of the multicast group; the verb takes it as `multicast_group`.
-
-    `names`: its names; by default the short one and that of generated processes.
-    """
-    return click.option(
-        *(names or ("--multicast-group", "--jaus-multicast-group")),
-        "multicast_group",
-        default=GROUP,
-        metavar="ADDRESS",
-        help=text,
-    )
-
-
-def peer_option(*names: str) -> Decorator:
-    """Returns the option of components that multicast does not reach, taken as `peers`.
-
-    `names`: its names; by default the short one and that of generated processes.
-    """
-    return click.option(
-        *(names or ("--peer", "--jaus-peer")),
-        "peers",
-        multiple=True,
-        metavar="ID=HOST:PORT",
-        help="Address of a component that multicast does not reach; may be repeated.",
-    )
+interface_option = _network_option(
+    "interface",
+    "interface",
+    "IPv4 address of the network interface of JAUS.",
+    default=INTERFACE,
+    metavar="ADDRESS",
+)
+port_option = _network_option(
+    "port", "port", "UDP port of JUDP.", type=click.IntRange(1, 65535), default=PORT
+)
+multicast_group_option = _network_option(
+    "multicast-group",
+    "multicast_group",
+    "Multicast group of JUDP.",
+    default=GROUP,
+    metavar="ADDRESS",
+)
+peer_option = _network_option(
+    "peer",
+    "peers",
+    "Address of a component that multicast does not reach; may be repeated.",
+    multiple=True,
+    metavar="ID=HOST:PORT",
+)
 
 
 class LazyGroup(click.Group):

@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
-from jausml.authoring.proposals.elements import AnswerError, Choice, Option, Options, everywhere
+from jausml.authoring.proposals.elements import (
+    AnswerError,
+    Choice,
+    Option,
+    Options,
+    around,
+    everywhere,
+)
 from jausml.authoring.proposals.new_elements import free_code
 from jausml.authoring.studio.views.spots import element_of
 from jausml.language.metamodel.classes import jaus
@@ -236,18 +243,15 @@ def _added(
     is_around = any(each.startswith(f"{source}.") for each in machine.nodes)
     feature = "defaults" if is_around else "transitions"
     node = machine.nodes.get(source)
-    own = [each for each in node.elements if _is_of(each, element)] if node is not None else []
+    own = (
+        [each for each in node.elements if around(each, jaus.StateMachine) is element]
+        if node is not None
+        else []
+    )
     if own:
         return Add(scope.ref(own[0]), feature, "jaus.Transition", values)
     child = Child(feature, "jaus.Transition", values)
     return Add(scope.ref(element), "states", "jaus.State", {"name": (source,)}, (child,))
-
-
-def _is_of(state: jaus.State, element: jaus.StateMachine) -> bool:
-    around = state.eContainer()
-    while isinstance(around, jaus.State):
-        around = around.eContainer()
-    return around is element
 
 
 def _preview(message: str, values: _Values) -> str:
