@@ -74,10 +74,8 @@ class Project:
         self._working_copy: WorkingCopy | None = None
         self._unreported: list[Change] = []
         self._files: dict[str, Stored] = {}
-        names = list(model_files(self.root, SUFFIXES))
-        if self.opened and self.opened not in names:
-            names.append(self.opened)
-        for file in names:
+        named = [self.opened] if self.opened else []
+        for file in dict.fromkeys([*model_files(self.root, SUFFIXES), *named]):
             data = self._disk.readable(file)
             if data is not None:
                 self._files[file] = stored(file, data, 0)
