@@ -87,6 +87,7 @@ class _Sampler:
     def __init__(self, ends: Ends) -> None:
         self._ends = ends
         self._sample = Sample()
+        self._given: set[str] = set()
 
     def sample(self) -> Sample:
         for chain in self._ends.chains:
@@ -104,6 +105,10 @@ class _Sampler:
         if path in self._sample.values:
             return
         place = self._ends.source.place(path)
+        if place.code in self._given:
+            # Alternatives of one field, of which a message has only one.
+            raise _NoSampleError
+        self._given.add(place.code)
         if place.kind == TEXT:
             self._sample.values[path] = "a"
         elif place.kind == QUATERNION:
