@@ -30,7 +30,12 @@ bridge desk {
 bridge cab {
     address: 10.1.2
     connection space { map: analog_action peers: desk rate: 10 topic cab/spacenav }
-    connection button { map: digital_control peers: desk exchange: everyChangeEvent topic cab/button }
+    connection button {
+        map: digital_control
+        peers: desk
+        exchange: everyChangeEvent
+        topic cab/button
+    }
 }
 """
 

@@ -233,17 +233,17 @@ class MissionDriver(ListDriver):
         mission = self._known(message.mission_id, State.INIT, State.PAUSED)
         if mission is not None:
             mission.begun = mission.place(message.task_id, message.message_uid)
-        return self._go(mission and mission.begun, sender)
+        return self._go(NO_UID if mission is None else mission.begun, sender)
 
     def _resume(self, message: Any, sender: JausAddress) -> Completion:
         """Executes the mission from where it was paused."""
         mission = self._known(message.mission_id, State.INIT, State.PAUSED)
-        return self._go(mission and max(mission.at, 1), sender)
+        return self._go(NO_UID if mission is None else max(mission.at, 1), sender)
 
-    def _go(self, place: int | None, sender: JausAddress) -> Completion:
+    def _go(self, place: int, sender: JausAddress) -> Completion:
         begun = Completion()
-        executor = self._executor_of(self.elements_from(place or NO_UID), place or NO_UID, sender)
-        if self._mission is None or not place or executor is None:
+        executor = self._executor_of(self.elements_from(place), place, sender)
+        if self._mission is None or executor is None:
             begun.fail()
             return begun
         self._completion.fail()
