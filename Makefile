@@ -1,17 +1,21 @@
 # Thin: each target creates .venv when it is missing and uses it after.
 PYTHON ?= python3
-BIN := .venv/bin
-READY := .venv/.ready
+# Each release of ROS 2 that has wheels gets an environment of its own: `make live ROS=kilted`.
+ROS ?= jazzy
+RELEASE := $(addprefix -,$(filter-out jazzy,$(ROS)))
+ENVIRONMENT := .venv$(RELEASE)
+BIN := $(ENVIRONMENT)/bin
+READY := $(ENVIRONMENT)/.ready
 
-.PHONY: help demo quick test test-slow coverage live lint format bench docs fuzz emf reference \
+.PHONY: help demo quick test test-slow coverage live live-each lint format bench docs fuzz emf reference \
 	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(READY): pyproject.toml
-	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,editor,dev]"
+	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
+	$(BIN)/python -m pip install --quiet --editable ".[ros$(RELEASE),demo,editor,dev]"
 	# What pip builds from; left here it would hide the installed entry points from `python -m`.
 	rm -rf jausml.egg-info
 	touch $@
@@ -37,6 +41,10 @@ coverage: $(READY)  ## run all tests and show untested lines; fail below the agr
 
 live: $(READY)  ## run the tests with real processes: rclpy, sockets, tshark
 	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
+
+live-each:  ## run these tests on Jazzy and on Kilted, each in an environment of its own
+	$(MAKE) live ROS=jazzy
+	$(MAKE) live ROS=kilted
 
 lint: $(READY)  ## check format, style, types and layers
 	$(BIN)/ruff format --check .
@@ -69,7 +77,7 @@ studio-check: $(READY)  ## build the page of the studio, and run its linter, typ
 
 # What an earlier build left would be packed too.
 wheel:  ## build a wheel with the page of the studio in wheels/, within a minute
-	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
 	$(BIN)/python tools/build_studio.py --no-check
 	rm -rf build wheels/jausml-*.whl
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir wheels .

@@ -46,6 +46,8 @@ What does not come back is meant so:
 | day of a time stamp | 0 | known peers leave it at 0; it becomes the nearest day |
 | pitch | beyond upright | the same orientation has other angles, with a pitch below |
 | RMS | 0 | a variance of 0 means in ROS that nothing is known |
+| deflection | the least value of its type | is full, as the largest is |
+| device, control | any but 1 | is not that of the map, and drops the message |
 | efforts | within 0.01 % of 0 | are 0 in ROS; JAUS has no exact 0 |
 | speeds, rates | beyond the limit of the map | are limited; up to 0.5 % this is not counted |
 | sensor states | standby | a truth value of ROS has no third state |

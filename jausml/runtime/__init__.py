@@ -37,6 +37,7 @@ from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import RosSide
 from .bridge.ends.list_driver import ListAnswers, ListMessages
+from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
 from .bridge.ends.settings import BridgeSettings
 from .bridge.ends.topics import Qos, RosService, Topic
@@ -120,6 +121,7 @@ __all__ = [
     "ListToAction",
     "Message",
     "MessageToTopics",
+    "MissionMessages",
     "ModelledComponent",
     "On",
     "OutOfRangeError",

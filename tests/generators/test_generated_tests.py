@@ -187,6 +187,36 @@ bridge arm_bridge {
     )
 
 
+def test_alternatives_of_one_field_do_not_stand_in_one_message(tmp_path):
+    """What is made of all three would be the sum of two that are not there."""
+    model = tmp_path / "desk.ros2jaus"
+    model.write_text(
+        """\
+import jaus.hmi
+axis {
+  JAUS ReportAnalogAction
+  ROS std_msgs/Float64
+  JAUS->ROS (
+    Yaw.byte, Yaw.integer -> data : expression("byte + integer") {
+      whenAbsent: useDefault
+      defaultValue: 0
+    }
+  )
+}
+component desk { address: 10.1.2  provides: AnalogControl }
+bridge desk_bridge {
+  address: 10.1.1
+  uses: AnalogControl
+  connection axis { map: axis  exchange: query  peers: desk  topic yaw {} }
+}
+"""
+    )
+    result = read_models([model], notations=NOTATIONS)
+    assert result.diagnostics == []
+    [tests] = [each for each in render(result.model, [TARGET]) if "/test/" in each.path]
+    assert "source.yaw = ReportAnalogAction.Yaw" not in tests.text
+
+
 def outcomes_of(folder, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
     package = folder / "checked_bridge"

@@ -134,6 +134,7 @@ def test_options_that_mean_nothing(arguments, words):
         ("CYCLONEDDS_URI", "file:///nowhere/dds.xml", "middleware settings", "error"),
         ("FASTDDS_DEFAULT_PROFILES_FILE", __file__, "middleware settings", "ok"),
         ("ROS_DISTRO", "jazzy", "rclpy", "ok"),
+        ("ROS_DISTRO", "kilted", "rclpy", "ok"),
         ("ROS_DISTRO", "humble", "rclpy", "warning"),
         ("ROS_SECURITY_ENABLE", "true", "security", "error"),
     ],
@@ -192,14 +193,16 @@ def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):
     assert str(program) in checks["python", "compiler"]["text"]
 
 
-def test_messages_that_nobody_installed(doctor, tmp_path):
+@pytest.mark.parametrize("release", ["jazzy", "kilted"])
+def test_messages_that_nobody_installed(doctor, tmp_path, monkeypatch, release):
     if find_spec("nav2_msgs"):
         pytest.skip("nav2_msgs is installed")
+    monkeypatch.setenv("ROS_DISTRO", release)
     model = tmp_path / "model.ros2jaus"
     model.write_text("import ros.nav2_msgs\n\nsystem rover {\n}\n", encoding="utf-8")
     _, checks = doctor("--port", free_port(), model)
     assert checks["model", "nav2_msgs"]["verdict"] == "error"
-    assert "ros-jazzy-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
+    assert f"ros-{release}-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
 
 
 def test_peers_are_told_of_as_they_are(doctor):

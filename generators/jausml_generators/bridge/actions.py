@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.connections.list_drivers import DriverMessages
     from jausml.language.semantics.jaus.answers import Answer
-    from jausml_generators.python.codec.messages import MessageView
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
@@ -90,14 +89,9 @@ class ActionView(ConnectionView):
         return f"{super().summary}, an element of {printable(self.action.action)}"
 
     @functools.cached_property
-    def driver(self) -> tuple[MessageView, MessageView, MessageView]:
-        """ExecuteList, QueryActiveElement and ReportActiveElement."""
-        found = messages_of_driver(self.action)
-        return (
-            self.view_of(found.execute),
-            self.view_of(found.query),
-            self.view_of(found.report),
-        )
+    def driver(self) -> DriverMessages:
+        """ExecuteList, QueryActiveElement and ReportActiveElement, or those of missions."""
+        return messages_of_driver(self.action)
 
     @property
     def query_element(self) -> jaus.MessageDef | None:
@@ -156,7 +150,8 @@ class ActionView(ConnectionView):
 
     @property
     def _driver(self) -> str:
-        return call("ListMessages", *(each.class_name for each in self.driver))
+        kind = "MissionMessages" if self.driver.spooler else "ListMessages"
+        return call(kind, *(self.view_of(each).class_name for each in self.driver.all))
 
     @property
     def _answers(self) -> list[str]:

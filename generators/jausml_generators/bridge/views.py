@@ -205,7 +205,7 @@ class BridgeView:
             for connection in self.bridge.serviceConnections
             for element in _messages_of_calls(connection)
         )
-        of_drivers = (each for one in drivers for each in (one.execute, one.query, one.report))
+        of_drivers = (each for one in drivers for each in one.all)
         answered = (
             message
             for action in self.bridge.actionConnections

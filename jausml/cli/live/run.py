@@ -301,6 +301,7 @@ def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_
 
 def _cure(name: str, folder: Path, is_own: bool) -> str:
     from jausml.language.model.library import has_package
+    from jausml.live.machine.ros import package_cure
 
     if not (is_own or has_package(name)):
         return (
@@ -309,10 +310,9 @@ def _cure(name: str, folder: Path, is_own: bool) -> str:
             " then run this again"
         )
     if not is_own:
-        debian = name.replace("_", "-")
         return (
-            "which Python does not find: source a ROS 2 installation that has it"
-            f" (apt install ros-jazzy-{debian}), or pip install ros-jazzy-{debian}"
+            "which Python does not find: source a ROS 2 installation that has it, or"
+            f" {package_cure(name)}"
         )
     root = folder.parent if folder.name == "src" else folder
     return (

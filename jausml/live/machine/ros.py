@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib import metadata
 from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 _TOPIC = "ros"
 _LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
-_DISTRIBUTION = "jazzy"
+_DISTRIBUTIONS = ("jazzy", "kilted")
 _DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
 _PROFILES = (
     "FASTDDS_DEFAULT_PROFILES_FILE",
@@ -49,12 +50,34 @@ def checks(packages: Mapping[str, bool]) -> Iterator[Finding]:
     yield from _packages(packages)
 
 
+def distribution() -> str:
+    """Returns the release of ROS 2 that is sourced, or that has its wheels installed."""
+    sourced = os.environ.get("ROS_DISTRO")
+    if sourced in _DISTRIBUTIONS:
+        return sourced
+    return next(filter(_has_wheels, _DISTRIBUTIONS), _DISTRIBUTIONS[0])
+
+
+def _has_wheels(release: str) -> bool:
+    try:
+        metadata.distribution(f"ros-{release}-rclpy")
+    except metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def package_cure(name: str) -> str:
+    """Returns how a package of messages of ROS 2 is installed."""
+    package = f"ros-{distribution()}-{name.replace('_', '-')}"
+    return f"apt install {package}, or pip install {package}"
+
+
 def _rclpy() -> Finding:
-    distribution = os.environ.get("ROS_DISTRO", "")
-    named = f"rclpy is installed{f', ROS_DISTRO is {distribution}' if distribution else ''}"
-    if distribution in ("", _DISTRIBUTION):
+    sourced = os.environ.get("ROS_DISTRO", "")
+    named = f"rclpy is installed{f', ROS_DISTRO is {sourced}' if sourced else ''}"
+    if sourced in ("", *_DISTRIBUTIONS):
         return Finding(_TOPIC, "rclpy", Outcome.OK, named)
-    cure = f"source /opt/ros/{_DISTRIBUTION}/setup.bash: bridges are made for ROS 2 Jazzy"
+    cure = f"source /opt/ros/{distribution()}/setup.bash: bridges are for ROS 2 Jazzy and Kilted"
     return Finding(_TOPIC, "rclpy", Outcome.WARNING, named, cure)
 
 
@@ -64,7 +87,7 @@ def _middleware() -> Finding:
     if any((share / name).is_dir() for share in installation.shares) or find_spec(name):
         return Finding(_TOPIC, "middleware", Outcome.OK, f"{name} is installed")
     debian = name.replace("_", "-")
-    cure = f"apt install ros-jazzy-{debian}, or unset RMW_IMPLEMENTATION"
+    cure = f"apt install ros-{distribution()}-{debian}, or unset RMW_IMPLEMENTATION"
     return Finding(_TOPIC, "middleware", Outcome.ERROR, f"{name} is not installed", cure)
 
 
@@ -167,8 +190,7 @@ def _packages(packages: Mapping[str, bool]) -> Iterator[Finding]:
         if found is not None and found.origin is not None:
             yield Finding("model", name, Outcome.OK, "its messages are installed")
             continue
-        debian = name.replace("_", "-")
-        cure = f"apt install ros-jazzy-{debian}, or pip install ros-jazzy-{debian}"
+        cure = package_cure(name)
         if is_own:
             cure = "no library has it: colcon build it, and source install/setup.bash"
         text = "Python finds no such package of messages"

@@ -27,6 +27,7 @@ from .connections.transcoding import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.list_driver import ListDriver
+from .ends.mission_driver import MissionDriver, MissionMessages
 from .ends.simulation import Simulation
 from .fastpath.library import NoFastPathError
 from .fastpath.side import FastSide
@@ -335,7 +336,10 @@ class Bridge:
     def list_driver(self, messages: ListMessages) -> ListDriver:
         """Returns the list driver of the bridge; connections that name its messages share it."""
         if messages not in self._list_drivers:
-            self._list_drivers[messages] = ListDriver(self.component, messages)
+            if isinstance(messages, MissionMessages):
+                self._list_drivers[messages] = MissionDriver(self.component, messages)
+            else:
+                self._list_drivers[messages] = ListDriver(self.component, messages)
         return self._list_drivers[messages]
 
     def _read(self, each: AttributeParameter) -> None:

@@ -340,7 +340,7 @@ def calls_of(owner: bridge.Bridge) -> Iterator[CallReport]:
         )
     for action in owner.actionConnections:
         driver = driver_messages(action.driver)
-        known = (driver.execute, driver.query, driver.report) if driver is not None else ()
+        known = driver.all if driver is not None else ()
         yield CallReport(
             str(action.name),
             str(action.direction.name),

@@ -87,6 +87,7 @@ class _Sampler:
     def __init__(self, ends: Ends) -> None:
         self._ends = ends
         self._sample = Sample()
+        self._given: set[str] = set()
 
     def sample(self) -> Sample:
         for chain in self._ends.chains:
@@ -103,7 +104,7 @@ class _Sampler:
         """Gives a source its value, once."""
         if path in self._sample.values:
             return
-        place = self._ends.source.place(path)
+        place = self._only_once(self._ends.source.place(path))
         if place.kind == TEXT:
             self._sample.values[path] = "a"
         elif place.kind == QUATERNION:
@@ -120,6 +121,13 @@ class _Sampler:
             if value is None:
                 raise _NoSampleError
             self._sample.values[path] = value
+
+    def _only_once(self, place: Place) -> Place:
+        """Refuses alternatives of one field, of which a message has only one."""
+        if place.code in self._given:
+            raise _NoSampleError
+        self._given.add(place.code)
+        return place
 
     def _candidates(self, place: Place) -> Iterator[Scalar]:
         if place.kind == BOOLEAN:

@@ -1,4 +1,4 @@
-"""List drivers: services that execute the list of a ListManager (AS5710)."""
+"""Services that execute a list: that of a ListManager (AS5710), or a mission (AS6062)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
 LIST_MANAGER = "ListManager"
+RUN, MISSION_QUERY, MISSION_REPORT = "RunMission", "QueryMissionStatus", "ReportMissionStatus"
+SPOOLER = ("SpoolMission", "AbortMission", "PauseMission", "ResumeMission")
+"""What a mission spooler takes besides."""
 SPEED_REPORT = "ReportTravelSpeed"
 
 ELEMENTS = {
@@ -29,24 +32,40 @@ ELEMENTS = {
 
 @dataclass(frozen=True)
 class DriverMessages:
-    """The messages of a list driver."""
+    """The messages of a list driver.
+
+    Attributes:
+        spooler: What a mission spooler takes besides, in the order of SPOOLER.
+    """
 
     execute: jaus.MessageDef
     query: jaus.MessageDef
     report: jaus.MessageDef
+    spooler: tuple[jaus.MessageDef, ...] = ()
+
+    @property
+    def all(self) -> tuple[jaus.MessageDef, ...]:
+        """Each of them, as the runtime takes them."""
+        return (self.execute, self.query, self.report, *self.spooler)
 
 
 def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     """Returns the messages of a list driver; None when a service is none."""
     services = lineage(service)
-    if not any(each.name == LIST_MANAGER for each in services):
+    inputs = [m for each in services for m in each.inputs]
+    outputs = [m for each in services for m in each.outputs]
+    spooler = tuple(m for name in SPOOLER if (m := named(name, inputs)) is not None)
+    if any(each.name == LIST_MANAGER for each in services):
+        spooler = ()
+        found = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
+    elif len(spooler) == len(SPOOLER):
+        found = named(RUN, inputs), named(MISSION_QUERY, inputs), named(MISSION_REPORT, outputs)
+    else:
         return None
-    execute = named(EXECUTE, (m for each in services for m in each.inputs))
-    query = named(QUERY, (m for each in services for m in each.inputs))
-    report = named(REPORT, (m for each in services for m in each.outputs))
+    execute, query, report = found
     if execute is None or query is None or report is None:
         return None
-    return DriverMessages(execute, query, report)
+    return DriverMessages(execute, query, report, spooler)
 
 
 def speed_answer(driver: jaus.Service) -> Answer | None:

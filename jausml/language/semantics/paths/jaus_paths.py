@@ -101,7 +101,7 @@ class JausPlace:
         if isinstance(part, jaus.SubField):
             return replace(self._part(part, where), label=part.name or self.label)
         if isinstance(part, jaus.Alternative | jaus.Format):
-            return self._part(part, where)
+            return replace(self._part(part, where), optional=self.optional)
         found = wire.target_of(part)
         if part is None or found is None:
             return None

@@ -77,7 +77,7 @@ class ListExecutor(Protocol):
         """
 
     def change_speed(self, speed: float) -> None:
-        """Goes on at another speed; 0 stands still."""
+        """Goes on at another speed; 0 stands still, also for a driver that knows none."""
 
     def list_changed(self) -> None:
         """Follows a change of the list that is executed."""
@@ -223,7 +223,7 @@ class ListDriver:
         counters.count("list_driver.mixed_list", f"the list of {sender} has elements of two kinds")
         return None
 
-    def _report(self, _query: Message, _sender: JausAddress) -> Message:
+    def _report(self, _query: Message, _sender: JausAddress) -> Message | None:
         report: Any = self._messages.report
         made: Message = report(element_uid=self.active)
         return made
@@ -253,9 +253,12 @@ class ListDriver:
             self._tell()
 
     def _note_active(self) -> None:
-        element = self._component.elements.get(self.active)
+        element = self._element(self.active)
         if self._running is not None and element is not None:
             self._last[self._running] = element
+
+    def _element(self, uid: int) -> ListElement | None:
+        return self._component.elements.get(uid)
 
     def _tell(self) -> None:
         for each in self._reports:

@@ -175,7 +175,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     def change_speed(self, speed: float) -> None:
         """Stands still at 0, and goes on from the active element afterwards."""
         former, self._speed = self._speed, speed
-        if bool(former) is not bool(speed):
+        if (former == 0) is not (speed == 0):
             self._start = self._driver.active
             self._proceed()
 

@@ -33,7 +33,7 @@ def drives_lists(subject: Subject) -> Iterator[Finding]:
     """The driver of an action connection executes lists with the message of its map.
 
     It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
-    ReportActiveElement.
+    ReportActiveElement. A mission spooler executes its mission in the same way, towards ROS.
 
     Bad: `driver="LocalWaypointDriver"`, which drives to one waypoint; or LocalWaypointListDriver
     with the map of SetGlobalWaypoint
@@ -41,10 +41,14 @@ def drives_lists(subject: Subject) -> Iterator[Finding]:
     Good: `driver="LocalWaypointListDriver"` with the map of SetLocalWaypoint
     """
     for each in _sound(subject):
-        if driver_messages(each.driver) is None:
+        messages = driver_messages(each.driver)
+        if messages is None:
             message = f"'{each.driver.name}' executes no lists"
             hint = "name a service that inherits ListManager and takes ExecuteList"
             yield Finding(each, message, "driver", hint)
+        elif messages.spooler and not _to_ros(each):
+            hint = "name a list driver: actions of ROS do not spool missions"
+            yield Finding(each, "missions go to ROS alone", "driver", hint)
         elif not takes(each.driver, each.element.message):
             note = Note(each.element, f"map '{each.element.name}'")
             message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
@@ -180,9 +184,10 @@ def action_names(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML488", Severity.ERROR, "two lists of one kind in one bridge")
 def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
-    """The lists of one kind of elements go to one action.
+    """The lists of one kind of elements go to one action, and a bridge has lists or missions.
 
-    A bridge has one list; the content of its elements determines which action executes it.
+    A bridge has one list or one mission; the content of its elements determines which action
+    executes it. So a robot never follows two.
 
     Bad: two connections with `direction="jausToRos"` and the map of SetLocalWaypoint
 
@@ -190,6 +195,7 @@ def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
     """
     for owner in subject.instances(bridge.Bridge, needs=("actionConnections",)):
         first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
+        kinds: dict[bool, bridge.RosActionConnection] = {}
         for each in owner.actionConnections:
             if not _is_sound(subject, each) or not _to_ros(each):
                 continue
@@ -198,6 +204,15 @@ def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
                 note = Note(other, f"'{other.name}' executes them")
                 message = f"lists of {each.element.message.name} are executed already"
                 yield Finding(each, message, "element", related=(note,))
+                continue
+            messages = driver_messages(each.driver)
+            has_missions = messages is not None and bool(messages.spooler)
+            kinds.setdefault(has_missions, each)
+            different = kinds.get(not has_missions)
+            if different is not None:
+                note = Note(different, f"'{different.name}' has the others")
+                message = "a bridge executes lists or missions, not both"
+                yield Finding(each, message, "driver", related=(note,))
 
 
 def _sound(subject: Subject, *features: str) -> list[bridge.RosActionConnection]:

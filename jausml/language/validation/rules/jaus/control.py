@@ -323,6 +323,6 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
         for action in component.actionConnections:
             used = driver_messages(action.driver)
             if used is not None:
-                found.update(dict.fromkeys((used.execute, used.query, used.report)))
+                found.update(dict.fromkeys(used.all))
             found[action.element.message if action.element is not None else None] = None
     return [message for message in found if message is not None]

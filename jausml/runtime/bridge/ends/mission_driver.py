@@ -1,0 +1,342 @@
+"""The mission spooler that a bridge provides: a mission of its controller, and who executes it.
+
+AS6062, Mission Spooler: a mission is a tree of tasks with messages, which are executed as the
+elements of a list are: those of a task first, then those of its subtasks. One mission is kept at a
+time. Where its controller is lost, it stays, and goes on when it is resumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import TYPE_CHECKING, Any
+
+from ...services.completion import Completion
+from ...services.definitions import Guard, Status
+from ...services.element_list import NO_UID, ListElement
+from .list_driver import ListDriver, ListMessages
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from ...base.address import JausAddress
+    from ...component.component import JausComponent
+    from ...wire.message import Message
+    from .list_driver import ListExecutor
+
+
+@dataclass(frozen=True)
+class MissionMessages(ListMessages):
+    """The messages of a mission spooler.
+
+    RunMission executes, and QueryMissionStatus and ReportMissionStatus tell of it.
+    """
+
+    spool: type[Message]
+    abort: type[Message]
+    pause: type[Message]
+    resume: type[Message]
+
+
+class State(IntEnum):
+    """State of a mission, of a task or of a message (ReportMissionStatus, Status)."""
+
+    INIT = 0
+    RUNNING = 1
+    PAUSED = 3
+    ABORTED = 5
+    FINISHED = 7
+
+
+class Cause(IntEnum):
+    """Why a mission is where it is (ReportMissionStatus, SecondaryStatus)."""
+
+    NO_ERROR = 0
+    LOST_CONTROL = 1
+    INTERNAL_FAILURE = 3
+
+
+class Kind(IntEnum):
+    """What is told of (ReportMissionStatus, Type)."""
+
+    MISSION = 0
+    TASK = 1
+    MESSAGE = 2
+
+
+class MissionError(Enum):
+    """Why a mission is not stored; the value is the name under which it is counted."""
+
+    NOT_INIT = "mission.not_stored"
+    NO_TREE = "mission.no_tree"
+    NOT_FOR_US = "mission.other_destination"
+    UNKNOWN_MESSAGE = "mission.unsupported_message"
+
+
+@dataclass
+class Mission:
+    """A mission in the order in which it is executed.
+
+    Attributes:
+        parent: Who spooled it, and is told what becomes of it.
+        elements: Its messages; their UIDs are their places, counted from 1.
+        names: Task and UID of each message; a UID is unique within its task.
+        begun: Where RunMission began; what lies before is not executed.
+    """
+
+    number: int
+    parent: JausAddress
+    elements: Sequence[ListElement]
+    names: Sequence[tuple[int, int]]
+    state: State = State.INIT
+    cause: Cause = Cause.NO_ERROR
+    begun: int = 1
+    at: int = NO_UID
+    tasks: dict[int, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Notes the last place of each task."""
+        self.tasks = {task: at for at, (task, _) in enumerate(self.names, 1)}
+
+    def place(self, task: int | None, uid: int | None) -> int:
+        """Returns the first place of a task or of one of its messages; 0 for one unknown."""
+        if task is None and uid is None:
+            return 1
+        places = enumerate(self.names, 1)
+        fits = (at for at, (of, its) in places if task in (None, of) and uid in (None, its))
+        return next(fits, NO_UID)
+
+    def state_at(self, first: int, last: int) -> State:
+        """Returns the state of the messages of some places."""
+        if last < self.begun:
+            return State.INIT
+        if self.state is State.FINISHED or last < self.at:
+            return State.FINISHED
+        return self.state if first <= self.at else State.INIT
+
+
+class MissionDriver(ListDriver):
+    """Executes the mission of a bridge, as its controller says."""
+
+    def __init__(self, component: JausComponent, messages: MissionMessages) -> None:
+        """Takes what a mission spooler takes, and answers QueryMissionStatus."""
+        super().__init__(component, messages)
+        self._mission: Mission | None = None
+        self._commander: JausAddress | None = None
+        self._pause_behind = NO_UID
+        for message, handler, guard in (
+            (messages.spool, self._spool, Guard.CONTROLLED),
+            (messages.abort, self._abort, Guard.CONTROLLED),
+            (messages.pause, self._pause, Guard.READY),
+            (messages.resume, self._resume, Guard.READY),
+        ):
+            component.handle(message, handler, when=guard)
+
+    # ------------------------------------------------------------------ as a list driver
+
+    def supports(self, element: ListElement) -> bool:
+        """A mission is no list of ListManager."""
+        del element
+        return False
+
+    def list_changed(self) -> None:
+        """The list of ListManager is none of a mission."""
+
+    def elements_from(self, uid: int) -> list[ListElement]:
+        """Returns the messages from a place on, in their order."""
+        return list(self._mission.elements[uid - 1 :]) if self._mission and uid else []
+
+    @property
+    def first_again(self) -> int:
+        """A mission is executed once."""
+        return NO_UID
+
+    def reached(self, executor: ListExecutor, uid: int) -> None:
+        """Tells the parent of each message that is executed; pauses where that is wanted."""
+        mission = self._mission
+        if mission is None or not self.is_executed_by(executor):
+            return
+        former, mission.at = mission.at, max(uid, mission.at)
+        for at in range(max(former, 1), mission.at):
+            self._tell_parent(Kind.MESSAGE, mission.names[at - 1][1], State.FINISHED)
+        super().reached(executor, mission.at)
+        if self._pause_behind and mission.at > self._pause_behind:
+            self._halt(executor)
+
+    def finished(self, executor: ListExecutor, *, succeeded: bool) -> None:
+        """Tells how the mission ended; one whose controller is lost waits for the next."""
+        mission = self._mission
+        if mission is None or not self.is_executed_by(executor):
+            return
+        if succeeded:
+            self._end(State.FINISHED)
+            self._tell_parent(Kind.MESSAGE, mission.names[-1][1], State.FINISHED)
+        elif mission.state is not State.ABORTED:
+            if self._is_controlled():
+                self._end(State.ABORTED, Cause.INTERNAL_FAILURE)
+            else:
+                self._end(State.PAUSED, Cause.LOST_CONTROL)
+        super().finished(executor, succeeded=succeeded)
+        self._tell_of_mission()
+
+    def _is_controlled(self) -> bool:
+        component = self._component
+        return component.status == Status.READY and component.controller == self._commander
+
+    def _element(self, uid: int) -> ListElement | None:
+        return next(iter(self.elements_from(uid)), None)
+
+    def _report(self, query: Any, _sender: JausAddress) -> Message | None:
+        mission = self._mission
+        if mission is None or query.mission_id not in (None, mission.number):
+            return None
+        if query.uid is None and query.task_id is None:
+            return self._status(Kind.MISSION, mission.number, mission.state, mission.cause)
+        first = mission.place(query.task_id, query.uid)
+        if not first:
+            return None
+        if query.uid is not None:
+            return self._status(Kind.MESSAGE, query.uid, mission.state_at(first, first))
+        last = mission.tasks[query.task_id]
+        return self._status(Kind.TASK, query.task_id, mission.state_at(first, last))
+
+    # ------------------------------------------------------------------ messages
+
+    def _spool(self, message: Any, sender: JausAddress) -> None:
+        made = self._read(message, sender)
+        if isinstance(made, MissionError):
+            self._component.counters.count(made.value, f"mission of {sender}")
+            return
+        self._mission = made
+        self._tell_of_mission()
+
+    def _read(self, message: Any, sender: JausAddress) -> Mission | MissionError:
+        former = self._mission
+        if former is not None and former.state not in (State.ABORTED, State.FINISHED):
+            return MissionError.NOT_INIT
+        tasks = _in_order(message.mission_plan)
+        found = [(each.task_data, data) for each in tasks for data in each.task_data.jaus_messages]
+        if not found or len(tasks) < len(message.mission_plan):
+            return MissionError.NO_TREE
+        elements = [
+            ListElement(at, data=each.jaus_message) for at, (_, each) in enumerate(found, 1)
+        ]
+        if not all(_is_for(self._component.address, each.destination_id) for _, each in found):
+            return MissionError.NOT_FOR_US
+        if not all(super(MissionDriver, self).supports(each) for each in elements):
+            return MissionError.UNKNOWN_MESSAGE
+        names = [(task.task_info.task_id, each.uid) for task, each in found]
+        return Mission(message.mission_info.mission_id, sender, elements, names)
+
+    def _execute(self, message: Any, sender: JausAddress) -> Completion:
+        """Executes the mission from its beginning, or from the task or message that is named."""
+        mission = self._known(message.mission_id, State.INIT, State.PAUSED)
+        if mission is not None:
+            mission.begun = mission.place(message.task_id, message.message_uid)
+        return self._go(NO_UID if mission is None else mission.begun, sender)
+
+    def _resume(self, message: Any, sender: JausAddress) -> Completion:
+        """Executes the mission from where it was paused."""
+        mission = self._known(message.mission_id, State.INIT, State.PAUSED)
+        return self._go(NO_UID if mission is None else max(mission.at, 1), sender)
+
+    def _go(self, place: int, sender: JausAddress) -> Completion:
+        begun = Completion()
+        executor = self._executor_of(self.elements_from(place), place, sender)
+        if self._mission is None or executor is None:
+            begun.fail()
+            return begun
+        self._completion.fail()
+        self._mission.at = place
+        self._pause_behind = NO_UID
+        self._end(State.RUNNING)
+        self._running, self._completion, self._commander = executor, begun, sender
+        executor.begin(place, None)
+        self._tell_of_mission()
+        return begun
+
+    def _pause(self, message: Any, _sender: JausAddress) -> None:
+        """Stands still at once, or behind the task that is named."""
+        mission = self._known(message.mission_id, State.RUNNING)
+        if mission is None or self._running is None:
+            return
+        if message.task_id is None:
+            self._halt(self._running)
+        else:
+            self._pause_behind = mission.tasks.get(message.task_id, NO_UID)
+
+    def _halt(self, executor: ListExecutor) -> None:
+        self._pause_behind = NO_UID
+        self._end(State.PAUSED)
+        executor.change_speed(0.0)
+        self._tell_of_mission()
+
+    def _abort(self, message: Any, _sender: JausAddress) -> None:
+        mission = self._known(message.mission_id, State.INIT, State.RUNNING, State.PAUSED)
+        if mission is None:
+            return
+        self._end(State.ABORTED)
+        if self._running is not None:
+            self._running.leave()
+        else:
+            self._tell_of_mission()
+
+    def _known(self, number: int | None, *states: State) -> Mission | None:
+        """Returns the mission that a message names, in one of some states; else None, counted."""
+        mission = self._mission
+        if mission is not None and number in (None, mission.number) and mission.state in states:
+            return mission
+        self._component.counters.count("mission.not_there", f"mission {number} is not to be had")
+        return None
+
+    # ------------------------------------------------------------------ what is told
+
+    def _end(self, state: State, cause: Cause = Cause.NO_ERROR) -> None:
+        if self._mission is not None:
+            self._mission.state, self._mission.cause = state, cause
+
+    def _tell_of_mission(self) -> None:
+        mission = self._mission
+        if mission is not None:
+            self._tell_parent(Kind.MISSION, mission.number, mission.state, mission.cause)
+            self._component.report_changed(self._messages.report)
+
+    def _tell_parent(
+        self, kind: Kind, number: int, state: State, cause: Cause = Cause.NO_ERROR
+    ) -> None:
+        if self._mission is not None:
+            report = self._status(kind, number, state, cause)
+            self._component.send(report, self._mission.parent, acknowledge=True)
+
+    def _status(
+        self, kind: Kind, number: int, state: State, cause: Cause = Cause.NO_ERROR
+    ) -> Message:
+        report: Any = self._messages.report
+        made: Message = report(type_=kind, id_=number, status=state, secondary_status=cause)
+        return made
+
+
+def _in_order(tasks: Sequence[Any]) -> list[Any]:
+    """Returns the tasks of a tree, each before its subtasks; too few when they are no tree."""
+    children = [[each.child_task_index for each in task.sub_tasks] for task in tasks]
+    named = [index for each in children for index in each]
+    if len(set(named)) < len(named) or any(index >= len(tasks) for index in named):
+        return []
+
+    def walk(index: int) -> Iterator[Any]:
+        waiting = [index]
+        while waiting:
+            at = waiting.pop()
+            yield tasks[at]
+            waiting += reversed(children[at])
+
+    roots = (index for index in range(len(tasks)) if index not in set(named))
+    return [task for root in roots for task in walk(root)]
+
+
+def _is_for(address: JausAddress, destination: Any) -> bool:
+    """Whether a message of a mission is for a component, itself or by a wildcard."""
+    wanted = (destination.subsystem_id, destination.node_id, destination.component_id)
+    own = (address.subsystem, address.node, address.component)
+    anybody = (0xFFFF, 0xFF, 0xFF)
+    return all(want in (has, every) for want, has, every in zip(wanted, own, anybody, strict=True))

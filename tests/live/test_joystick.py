@@ -1,0 +1,74 @@
+"""A joystick goes from a ROS node through two bridges to another, byte by byte."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+SYSTEM = """
+import mappings.hmi
+
+bridge desk {
+    address: 10.1.1
+    provides: AnalogControl, DigitalControl
+    connection space { map: analog_action topic spacenav/joy }
+    connection button { map: digital_control topic joy }
+}
+
+bridge cab {
+    address: 10.1.2
+    connection space { map: analog_action peers: desk rate: 10 topic cab/spacenav }
+    connection button {
+        map: digital_control
+        peers: desk
+        exchange: everyChangeEvent
+        topic cab/button
+    }
+}
+"""
+
+
+@pytest.fixture
+def ros(tmp_path, monkeypatch):
+    """Yields a node of the test while both bridges run."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    path, port = generate_text(tmp_path, "joystick", SYSTEM), str(free_port())
+    peer = RosPeer()
+    running = [
+        Process(["-m", f"{name}.main", "--jaus-port", port], path, tmp_path / f"{name}.log")
+        for name in ("desk", "cab")
+    ]
+    yield peer
+    for each in running:
+        each.close()
+        sys.stderr.write(each.log.read_text())
+    peer.close()
+
+
+def test_each_axis_and_a_button(ros):
+    from sensor_msgs.msg import Joy
+
+    axes, buttons = ros.listen(Joy, "cab/spacenav"), ros.listen(Joy, "cab/button")
+    pushed = [0.25, -0.5, 0.75, -1.0, 0.125, 1.0]
+    pressed = ros.publisher(Joy, "joy")
+    with Repeater(ros.publisher(Joy, "spacenav/joy"), Joy(axes=pushed, buttons=[1])):
+        with Repeater(pressed, Joy(buttons=[1, 0])):
+            wait_for(lambda: axes and buttons and buttons[-1].buttons[0], "both", 60)
+        with Repeater(pressed, Joy(buttons=[0, 1])):
+            wait_for(lambda: not buttons[-1].buttons[0], "the release", 60)
+    assert list(axes[-1].axes) == pytest.approx(pushed, abs=1 / 32767)
+    assert (axes[-1].header.frame_id, list(axes[-1].buttons)) == ("joy", [])
+    assert (buttons[-1].header.frame_id, list(buttons[-1].axes)) == ("joy", [])

@@ -1,0 +1,122 @@
+"""Missions of AS6062 that a bridge has a ROS action execute, in virtual time."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workspaces import python_path
+
+from jausml.generation import render
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.runtime.target import TARGET as RUNTIME
+
+MODEL = Path(__file__).with_name("missions.ros2jaus")
+SCRIPT = Path(__file__).with_name("mission_world.py")
+MISSION, TASK, MESSAGE = range(3)
+INIT, RUNNING, PAUSED, ABORTED, FINISHED = 0, 1, 3, 5, 7
+LOST_CONTROL, FAILURE = 1, 3
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory):
+    """The packages of the model."""
+    folder = tmp_path_factory.mktemp("missions")
+    result = read_models([MODEL], notations=NOTATIONS)
+    assert result.diagnostics == []
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
+        target = folder / artifact.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(artifact.text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def play(workspace):
+    """Plays a scene in a process of its own; returns what happened."""
+
+    def run(scene, loss=0.0):
+        result = subprocess.run(
+            [sys.executable, str(SCRIPT), scene, str(loss)],
+            env={**os.environ, "PYTHONPATH": python_path(workspace)},
+            capture_output=True,
+            text=True,
+            timeout=100,
+        )
+        assert result.returncode == 0, result.stderr
+        happened = json.loads(result.stdout)
+        assert "loop.callback_failed" not in happened["counted"]
+        return happened
+
+    return run
+
+
+def told_of(happened, kind):
+    return [each[1:] for each in happened["told"] if each[0] == kind]
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+def test_a_mission_is_driven_in_the_order_of_its_tree(play, loss):
+    happened = play("whole", loss)
+    assert happened["driven"] == [[1.0, 2.0, 3.0, 4.0]]
+    states = [RUNNING, INIT, RUNNING, FINISHED, RUNNING, RUNNING, FINISHED, None]
+    assert loss or happened["asked"] == states
+    assert told_of(happened, MISSION) == [[5, INIT, 0], [5, RUNNING, 0], [5, FINISHED, 0]]
+    assert [uid for uid, *_ in told_of(happened, MESSAGE)] == [1, 2, 1, 1]
+
+
+def test_a_mission_that_is_paused_goes_on_where_it_was(play):
+    happened = play("paused")
+    assert happened["driven"] == [[1.0, 2.0, 3.0, 4.0], [2.0, 3.0, 4.0]]
+    assert happened["asked"] == [True, PAUSED, FINISHED]
+
+
+def test_a_mission_pauses_behind_a_task(play):
+    happened = play("paused_behind_a_task")
+    assert happened["asked"] == [RUNNING, PAUSED, True]
+
+
+def test_a_mission_begins_at_a_message(play):
+    happened = play("begun_at_a_message")
+    assert happened["driven"] == [[2.0, 3.0, 4.0]]
+    assert happened["asked"] == [INIT, RUNNING]
+
+
+def test_a_mission_is_aborted_and_no_other_takes_its_place_before(play):
+    happened = play("aborted")
+    assert happened["asked"] == [True, ABORTED]
+    assert told_of(happened, MISSION)[-1] == [5, ABORTED, 0]
+    assert happened["driven"] == [[1.0, 2.0, 3.0, 4.0]]
+    assert happened["counted"]["mission.not_stored"] == 1
+    assert happened["counted"]["mission.not_there"] == 1
+
+
+def test_a_goal_that_fails_aborts_the_mission(play):
+    happened = play("failed")
+    assert happened["asked"] == [ABORTED]
+    assert told_of(happened, MISSION)[-1] == [5, ABORTED, FAILURE]
+
+
+def test_a_mission_stands_while_its_operator_is_lost_and_starts_only_when_told(play):
+    happened = play("operator_lost")
+    assert happened["asked"] == [True, PAUSED, True, RUNNING]
+    assert happened["driven"] == [[1.0, 2.0, 3.0, 4.0], [2.0, 3.0, 4.0]]
+
+
+def test_what_nobody_can_execute_is_not_stored(play):
+    happened = play("refused")
+    assert happened["driven"] == []
+    assert happened["asked"] == [None]
+    assert happened["counted"] == {
+        "mission.no_tree": 2,
+        "mission.other_destination": 1,
+        "mission.unsupported_message": 1,
+        "mission.not_there": 1,
+    }
