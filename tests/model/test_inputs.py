@@ -18,14 +18,14 @@ OWN_DATA = {
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
-    "generators/jausml_generators/common/runtime.py",
+    "generators/jausml_generators/python/package.py",
     "generators/jausml_generators/runtime/target.py",
     "language/model/names.py",
     "authoring/projects/creating.py",
     "authoring/projects/places.py",
     "authoring/studio/handlers/showing.py",
     "language/text/reading/scanning.py",
-    "generators/jausml_generators/cpp/support.py",
+    "generators/jausml_generators/cpp/types.py",
 }
 """Modules that read what is shipped with them."""
 

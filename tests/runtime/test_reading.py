@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from jausml.runtime.transports.ports import FRAME
 from ports import free_port
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
@@ -19,9 +20,8 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
-from jausml.runtime.transports.udp.drops import KernelDrops
 from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.shared_port import FRAME
+from jausml.runtime.transports.udp.reading import KernelDrops
 
 if TYPE_CHECKING:
     from jausml.runtime.transports.delivery import ReceivedMessage

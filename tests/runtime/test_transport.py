@@ -7,6 +7,7 @@ import threading
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from jausml.runtime.transports.ports import neighbour_ports
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
@@ -15,8 +16,7 @@ from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.shared_port import neighbour_ports
-from jausml_generators.wireshark.views import NEIGHBOUR_PORTS
+from jausml_generators.wireshark.target import NEIGHBOUR_PORTS
 
 pytestmark = pytest.mark.ports
 
