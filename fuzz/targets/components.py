@@ -15,7 +15,7 @@ from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
-from jausml.runtime.services.completion import Completion
+from jausml.runtime.services.definitions import Completion
 from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message

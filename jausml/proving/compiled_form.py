@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation import native
 from jausml.proving.layout import FLOAT, SIGNED, UNSIGNED
 from jausml_generators.cpp.proof import PROOF
-from jausml_generators.cpp.support import support
+from jausml_generators.cpp.types import support
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

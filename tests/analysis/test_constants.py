@@ -10,7 +10,7 @@ from jausml.runtime.clients.controlled_target import RENEWALS
 from jausml.runtime.clients.event_client import EVENT_HEADER
 from jausml.runtime.services.definitions import MAX_EVENT_RATE, ComponentSettings
 from jausml.runtime.services.events import _EVENT
-from jausml.runtime.transports.packets import messenger, packetizer
+from jausml.runtime.transports.packets import messenger, outgoing
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE
 from jausml.views.analysis.constants import runtime_constants
 
@@ -20,7 +20,7 @@ def test_constants_are_those_of_the_runtime():
     transport, component = TransportSettings(), ComponentSettings()
     assert found.empty_message == EMPTY_MESSAGE_SIZE
     assert found.largest_fragment == MAX_FRAGMENT_SIZE
-    assert found.most_small_fragments == packetizer.MOST_SMALL_FRAGMENTS
+    assert found.most_small_fragments == outgoing.MOST_SMALL_FRAGMENTS
     assert found.at_once == messenger.AT_ONCE
     assert found.held_by_peers == messenger.HELD_BY_PEERS
     assert found.largest_message == transport.reassembly_limit

@@ -12,8 +12,8 @@ from jausml.language.model import library_root, read_models
 from jausml.live.messages import load_catalogue
 from jausml.live.messages.samples import example, sample
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.outgoing import Packetizer
 from jausml.runtime.transports.packets.packet import AckNak, Priority
-from jausml.runtime.transports.packets.packetizer import Packetizer
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.sizes import jaus_size
 from jausml.views.analysis.streams import on_wire, packet_count

@@ -19,7 +19,7 @@ from jausml.language.cdr import fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import read_models
 from jausml_generators.bridge import target as bridge_target
-from jausml_generators.bridge.light.module import LightModule
+from jausml_generators.bridge.light_module import LightModule
 from jausml_generators.common.ros import ros_type
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -20,20 +20,20 @@ from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.runtime import wire
-from jausml_generators.codec_cpp.target import TARGET
-from jausml_generators.codec_cpp.views import HeaderView
+from jausml_generators.codec_cpp.target import TARGET, HeaderView
 from jausml_generators.cpp.jaus_numbers import NUMBERS
-from jausml_generators.cpp.support import JAUS, support
 from jausml_generators.cpp.types import (
+    JAUS,
     Choice,
     Elements,
     Struct,
     cpp_class,
     cpp_name,
     cpp_number,
+    support,
 )
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.message_examples import example_bytes
+from jausml_generators.python.codec.messages import example_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

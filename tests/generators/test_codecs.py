@@ -19,9 +19,8 @@ from for_each import for_each
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from jausml.runtime.wire.message import DecodeError, EncodeError
-from jausml.runtime.wire.selection import optional_fields
-from jausml_generators.python.codec.message_examples import example_bytes
+from jausml.runtime.wire.message import DecodeError, EncodeError, optional_fields
+from jausml_generators.python.codec.messages import example_bytes
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 FEW = settings(

@@ -19,8 +19,8 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.semantics.jaus.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
 from jausml.runtime import messages as core_messages
-from jausml.runtime.services import core
-from jausml.runtime.services.liveness import UNSOLICITED
+from jausml.runtime.component import state
+from jausml.runtime.services.liveness_and_time import UNSOLICITED
 from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule
@@ -232,8 +232,8 @@ def test_messages_of_core_1_0_are_the_same() -> None:
 
 
 def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
-    classes = [each for name, each in vars(core).items() if name.endswith("Service")]
-    served = frozenset().union(*(each.urns for each in classes if each is not core.CoreService))
+    classes = [each for name, each in vars(state).items() if name.endswith("Service")]
+    served = frozenset().union(*(each.urns for each in classes if each is not state.CoreService))
     # Transport has no messages; unsolicited heartbeats are a setting of Liveness.
     assert served | {CORE + "Transport", UNSOLICITED} == SERVED_BY_RUNTIME
 

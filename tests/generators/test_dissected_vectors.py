@@ -16,7 +16,7 @@ from wire_vectors import VECTORS, payload_of, vectors
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml_generators.wireshark.views import DissectorView
+from jausml_generators.wireshark.target import DissectorView
 from tests.live.wireshark_bodies import tells
 from tests.live.wireshark_support import Shown, SystemOfNothing, datagram, write_dissector
 

@@ -13,9 +13,8 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml_generators.common.services import library_services, used_services
-from jausml_generators.wireshark.target import TARGET
-from jausml_generators.wireshark.views import message_tables
+from jausml_generators.common.components import library_services, used_services
+from jausml_generators.wireshark.target import TARGET, message_tables
 
 HERE = Path(__file__).parent
 MODELS = HERE.parents[1] / "models"

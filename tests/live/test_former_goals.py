@@ -15,8 +15,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_action_status_default
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ros.action_client import MARK_SIZE, FormerGoals
 from jausml.runtime.bridge.ros.action_work import ActionWork
+from jausml.runtime.bridge.ros.actions import MARK_SIZE, FormerGoals
 
 from .bridge_support import wait_for
 

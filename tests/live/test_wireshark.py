@@ -12,8 +12,8 @@ from wire_vectors import golden_vectors, payload_of, vectors
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
-from jausml_generators.common.services import library_services
-from jausml_generators.wireshark.views import DissectorView
+from jausml_generators.common.components import library_services
+from jausml_generators.wireshark.target import DissectorView
 
 from .wireshark_bodies import body, matches, tells
 from .wireshark_support import (

@@ -25,7 +25,7 @@ OWN_DATA = {
     "authoring/projects/places.py",
     "authoring/studio/handlers/texts.py",
     "language/text/reading/scanning.py",
-    "generators/jausml_generators/cpp/support.py",
+    "generators/jausml_generators/cpp/types.py",
 }
 """Modules that read what is shipped with them."""
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.bridge.ends.quality import Conflict, conflicts
-from jausml.runtime.bridge.ends.topics import Qos
+from jausml.runtime.bridge.ends.topics import Conflict, Qos, conflicts
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirk, Quirks
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.packets.carrier import Carrier
+from jausml.runtime.transports.delivery import Carrier
 from jausml.runtime.transports.packets.messenger import Bursts, Messenger
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, Priority
 

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.transports.packets.packetizer import Packetizer
+from jausml.runtime.transports.packets.outgoing import Packetizer
 
 SENDER, OTHER, HERE = JausAddress(2, 1, 1), JausAddress(3, 1, 1), JausAddress(9, 1, 1)
 

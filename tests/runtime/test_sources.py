@@ -17,8 +17,7 @@ from jausml.runtime.base.settings import (
     add_arguments,
     from_arguments,
 )
-from jausml.runtime.transports.address_book import AddressBook
-from jausml.runtime.transports.allowed_hosts import AllowedHosts
+from jausml.runtime.transports.address_book import AddressBook, AllowedHosts
 from jausml.runtime.transports.packets.packet import Packet
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.connections.backlog import Backlog
+from jausml.runtime.bridge.connections.ages import Backlog
 from jausml.runtime.bridge.reports.diagnostics import TOO_OLD, Statistics
 
 if TYPE_CHECKING:

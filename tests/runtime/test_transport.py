@@ -16,7 +16,7 @@ from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlag
 from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml.runtime.transports.udp.shared_port import neighbour_ports
-from jausml_generators.wireshark.views import NEIGHBOUR_PORTS
+from jausml_generators.wireshark.target import NEIGHBOUR_PORTS
 
 pytestmark = pytest.mark.ports
 

@@ -23,8 +23,8 @@ from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.component.process import create_transport
 from jausml.runtime.messages import QueryStatus, ReportStatus
 from jausml.runtime.transports import port_holder
+from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
-from jausml.runtime.transports.tcp.jtcp import JtcpTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import BridgeView, bridge_views
-from jausml_generators.cpp.support import CORE, support
-from jausml_generators.messages.views import SystemMessages
+from jausml_generators.cpp.types import CORE, support
+from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
     module_path,

@@ -16,19 +16,18 @@ from jausml.language.semantics.connections.report_joins import requested_fields
 from jausml.language.semantics.connections.unanswered import told_command
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.paths.directions import used_maps
-from jausml_generators.bridge.actions import (
+from jausml_generators.bridge.base_module import BaseModule, names_of, stub
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.bridge.ends import messages_of_joins, query_of
+from jausml_generators.bridge.light_module import LightModule
+from jausml_generators.bridge.services_and_actions import (
     ActionView,
+    CallView,
     answers_of_driver,
     carried,
     messages_of_driver,
 )
-from jausml_generators.bridge.base_module import BaseModule, names_of, stub
-from jausml_generators.bridge.call_views import CallView
-from jausml_generators.bridge.connections import ConnectionView
-from jausml_generators.bridge.jaus_ends import query_of
-from jausml_generators.bridge.light.module import LightModule
-from jausml_generators.bridge.report_joins import messages_of_joins
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.bridge.translation.translating import Translations, translate
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.common import runtime

@@ -19,8 +19,7 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
-from jausml_generators.cpp.layout import laid_out
-from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number
+from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number, laid_out
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -41,7 +41,7 @@ from jausml_generators.python.codec.classes import (
     Enumeration,
     VariableFieldClass,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml_generators.common.components import plain_components
 from jausml_generators.common.runtime import FACE
 from jausml_generators.jaus_component.views import ComponentView
-from jausml_generators.messages.views import SystemMessages
+from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
     package_tasks,

@@ -16,7 +16,7 @@ from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
 from jausml_generators.common import components, runtime
-from jausml_generators.jaus_component import machines, simulation
+from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (
     GUARD_TEXTS,
     Answer,
@@ -25,13 +25,13 @@ from jausml_generators.jaus_component.handlers import (
     Peer,
     Received,
     documented,
+    simulated,
 )
 from jausml_generators.python import names
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.message_examples import example_bytes, example_numbers
-from jausml_generators.python.guards import condition, may_set_limits
+from jausml_generators.python.codec.messages import example_bytes, example_numbers
 from jausml_generators.python.package import EntryPoint
-from jausml_generators.python.statements import long_string
+from jausml_generators.python.statements import condition, long_string, may_set_limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -188,7 +188,7 @@ class ComponentView:
                     answers[view.code] = self._answer(message, report)
         received = tuple(self._received(each) for each in self.component.connections)
         if self.component.simulated:
-            return *simulation.simulated(handlers.values(), answers.values()), received
+            return *simulated(handlers.values(), answers.values()), received
         return tuple(handlers.values()), tuple(answers.values()), received
 
     @functools.cached_property

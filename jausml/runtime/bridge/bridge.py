@@ -15,8 +15,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base.address import JausAddress
+from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..base.errors import JausError
 from ..clients.exchanges import Exchanges
 from ..component.component import JausComponent
 from ..conversions import Time
@@ -47,10 +47,9 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .diagnosing import Carried
     from .ends.by_sender import Taker
-    from .ends.ends import FastSubscriber, Feed, ReportHolder, RosPublisher, RosSide
+    from .ends.ends import BridgeSettings, FastSubscriber, Feed, ReportHolder, RosPublisher, RosSide
     from .ends.list_driver import ListMessages
     from .ends.parameters import AttributeParameter
-    from .ends.settings import BridgeSettings
     from .ends.topics import Topic
     from .messages.compiled import Compiled, Core, Function, Translation
 

@@ -28,7 +28,7 @@ from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
 from .ends.parameters import ParameterError
-from .messages.errors import RosLostError, RosTypeError
+from .messages.values import RosLostError, RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     from ..base.settings import TransportSettings
     from ..transports.transport import Transport
     from .bridge import Bridge
-    from .ends.ends import RosSide
-    from .ends.settings import BridgeSettings
+    from .ends.ends import BridgeSettings, RosSide
     from .ros.node import RosNode
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
+from .control_state import Releases
 from .controlled_target import ControlledTarget
-from .releases import Releases
 
 if TYPE_CHECKING:
     from collections.abc import Callable

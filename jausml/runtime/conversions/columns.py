@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy
 
-from . import numbers, orientations, times
+from . import numbers, orientations
 from .types import Angles, Quaternion, Time, UnevenError
 
 if TYPE_CHECKING:
@@ -268,17 +268,17 @@ def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Any:
     """Time stamps of JAUS to the instants nearest to `near`."""
     parts = stamp.milliseconds, stamp.seconds, stamp.minutes, stamp.hour, stamp.day
     if not any(map(is_column, parts)):
-        return times.timestamp_to_time(stamp, near=near)
+        return numbers.timestamp_to_time(stamp, near=near)
     rows = _rows(*parts)
-    return Time(*_each(rows, lambda row: times.timestamp_to_time(_Parts(*row), near=near)))
+    return Time(*_each(rows, lambda row: numbers.timestamp_to_time(_Parts(*row), near=near)))
 
 
 def time_to_timestamp(instant: TimeLike) -> Any:
     """Instants to time stamps of JAUS."""
     if not (is_column(instant.sec) or is_column(instant.nanosec)):
-        return times.time_to_timestamp(instant)
+        return numbers.time_to_timestamp(instant)
     rows = _rows(instant.sec, instant.nanosec)
-    return _Parts(*_each(rows, lambda row: times.time_to_timestamp(Time(*row))))
+    return _Parts(*_each(rows, lambda row: numbers.time_to_timestamp(Time(*row))))
 
 
 def _rows(*parts: Any) -> list[tuple[Any, ...]]:

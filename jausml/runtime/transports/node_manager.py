@@ -11,7 +11,7 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .packets.carrier import Carrier
+from .delivery import Carrier
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
 from .port_holder import MANAGER, is_alive

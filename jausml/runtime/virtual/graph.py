@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..bridge.ends.quality import EndpointHealth, conflicts
-from ..bridge.ends.topics import Published, Qos, Topic, TopicCounts
-from ..bridge.messages.errors import RosTypeError
+from ..bridge.ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts, conflicts
+from ..bridge.messages.values import RosTypeError
 from .actions import VirtualAction, VirtualActionClient
-from .link import Link, Way
+from .network import Link, Way
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..bridge.ends.parameters import ParameterError, nearest
 from ..bridge.ends.topics import Topic
-from ..bridge.messages.errors import RosTypeError
+from ..bridge.messages.values import RosTypeError
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
 
@@ -18,10 +18,16 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
     from ..bridge.ends.ends import RosCodec, RosPublisher
-    from ..bridge.ends.quality import EndpointHealth, TopicFault
-    from ..bridge.ends.topics import Parameter, RosService, ServiceClient, TopicCounts
+    from ..bridge.ends.topics import (
+        EndpointHealth,
+        Parameter,
+        RosService,
+        ServiceClient,
+        TopicCounts,
+        TopicFault,
+    )
     from .graph import GraphPublisher, RosGraph
-    from .link import Link
+    from .network import Link
 
 _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 
@@ -133,7 +139,7 @@ class VirtualRosNode:
             RosTypeError: rclpy or the type is not installed: light classes do without.
         """
         try:
-            from ..bridge.ros.codec import Codec  # noqa: PLC0415 - light classes do without
+            from ..bridge.ros.internals import Codec  # noqa: PLC0415 - light classes do without
 
             return Codec(ros_type)
         except ImportError as error:

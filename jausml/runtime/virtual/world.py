@@ -11,8 +11,7 @@ from ..base.clocks import HostClock
 from ..base.loop import Loop
 from ..base.settings import TransportSettings
 from .graph import RosGraph
-from .link import Link
-from .network import Network
+from .network import Link, Network
 from .node import VirtualRosNode
 
 if TYPE_CHECKING:

@@ -21,8 +21,7 @@ from .codec import (
 )
 from .message import DecodeError, EncodeError, Message
 from .records import Number, RowLayout, Stamp, read_records, write_records
-from .stamped_message import StampedMessage
-from .time_stamp import TimeStamp
+from .time_stamp import StampedMessage, TimeStamp
 
 __all__ = [
     "DecodeError",

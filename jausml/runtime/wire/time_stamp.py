@@ -1,11 +1,12 @@
-"""The time stamp of messages: a time of day on a day of an unnamed month, UTC."""
+"""The time stamp of messages, and the base of the generated messages that hold one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from .codec import integer
+from .message import Message
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -65,3 +66,14 @@ class TimeStamp:
             bits >> 22 & 0x1F,
             bits >> 27 & 0x1F,
         )
+
+
+class StampedMessage(Message):
+    """A message with the time stamp of AS5710, whose class it offers as `TimeStamp`.
+
+    The class stands here since a dataclass would take an alias in its own body for a field.
+    """
+
+    __slots__ = ()
+
+    TimeStamp: TypeAlias = TimeStamp

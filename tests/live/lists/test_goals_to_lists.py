@@ -9,8 +9,7 @@ pytest.importorskip("rclpy")
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.services.completion import Completion
-from jausml.runtime.services.definitions import Guard, ServiceIdentity, Status
+from jausml.runtime.services.definitions import Completion, Guard, ServiceIdentity, Status
 
 from ..bridge_support import wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, wait_goal

@@ -11,7 +11,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
 from jausml.runtime.bridge.connections.to_ros import EventToTopics, MessageToTopics
-from jausml.runtime.bridge.ends.settings import BridgeSettings
+from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic, TopicCounts
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus

@@ -14,9 +14,9 @@ from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.to_ros import QueryToTopics
 from jausml.runtime.bridge.diagnosing import LATELY, SLICE
-from jausml.runtime.bridge.ends.settings import BridgeSettings
+from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
-from jausml.runtime.bridge.reports.latency import WINDOW, Latency
+from jausml.runtime.bridge.reports.diagnostics import WINDOW, Latency
 from jausml.runtime.component.accounts import MOST_PEERS
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import (

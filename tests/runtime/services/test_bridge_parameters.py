@@ -9,10 +9,9 @@ import pytest
 from jausml.runtime import AttributeParameter, Join
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.to_ros import QueryToTopics
+from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.parameters import nearest
-from jausml.runtime.bridge.ends.quality import TopicFault
-from jausml.runtime.bridge.ends.settings import BridgeSettings
-from jausml.runtime.bridge.ends.topics import Qos, Topic
+from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout
 
 from .bridge_support import (

@@ -8,8 +8,7 @@ import pytest
 
 from jausml.runtime import Guard
 from jausml.runtime.bridge.calls.calls import MOST_CALLS
-from jausml.runtime.bridge.calls.jaus_to_service import JausToRosService
-from jausml.runtime.bridge.calls.service_to_jaus import RosServiceToJaus
+from jausml.runtime.bridge.calls.services import JausToRosService, RosServiceToJaus
 from jausml.runtime.bridge.ends.topics import RosService
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.messages import (

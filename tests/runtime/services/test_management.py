@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.base.errors import JausError
+from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,

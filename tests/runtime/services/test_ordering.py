@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.services.ordering import FARTHEST, LATEST, Ordering
-from jausml.runtime.transports.delivery import Arrival
+from jausml.runtime.transports.delivery import FARTHEST, LATEST, Arrival, Ordering
 
 ONE, OTHER = JausAddress(1, 1, 1), JausAddress(1, 1, 2)
 

@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import PeerChoice, PeerSearch, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients import peer_client
+from jausml.runtime.clients import peer_search
 from jausml.runtime.messages import QueryHeartbeatPulse, QueryServiceList, ReportHeartbeatPulse
 from jausml.runtime.services.discovery_messages import query_all_services, report_services
 
@@ -108,7 +108,7 @@ def test_a_newcomer_is_found_when_it_speaks_not_at_the_next_look_around(world):
     world.run(60)
     assert searcher.told == []
     provider(world, "200.1.1")
-    world.run(2 * peer_client.COLLECTING_TIME)
+    world.run(2 * peer_search.COLLECTING_TIME)
     assert searcher.peers == ("200.1.1",)
 
 
@@ -117,7 +117,7 @@ def test_a_silent_newcomer_is_found_within_the_slowest_search(world):
     world.run(60)
     component = world.component("200.1.1", services=(*CORE_SERVICES, ServiceIdentity(SENSOR, 1, 0)))
     component.start()
-    world.run(peer_client.SLOWEST_SEARCH + 2)
+    world.run(peer_search.SLOWEST_SEARCH + 2)
     assert searcher.peers == ("200.1.1",)
 
 
@@ -148,7 +148,7 @@ def test_one_lost_check_is_no_loss(world):
     searcher = Searcher(world, search())
     world.run(2)
     world.lost = lambda *what: what[2] == QueryHeartbeatPulse.CODE
-    world.run(peer_client.CHECK_INTERVAL * (peer_client.MISSED_CHECKS - 1.5))
+    world.run(peer_search.CHECK_INTERVAL * (peer_search.MISSED_CHECKS - 1.5))
     world.lost = lambda *_: False
     world.run(10)
     assert searcher.told == [("100.1.1",)]

@@ -7,7 +7,7 @@ from itertools import groupby, pairwise
 import pytest
 
 from jausml.runtime.virtual import Link, VirtualWorld
-from jausml.runtime.virtual.link import LONGEST_HOLD, Way
+from jausml.runtime.virtual.network import LONGEST_HOLD, Way
 
 MANY = 20_000
 PERIOD = 0.01

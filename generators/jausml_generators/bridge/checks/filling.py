@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Protocol
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml_generators.bridge.translation.places import INTEGER_RANGES, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,
     place_text,
 )
-from jausml_generators.bridge.translation.ros_fields import INTEGER_RANGES, RosStart, ros_field
+from jausml_generators.bridge.translation.steps import conditions
 from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml_generators.python.names import snake_case
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus, ros
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 

@@ -14,8 +14,8 @@ from jausml_generators.python.statements import long_string
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.ends import Ends
-    from jausml_generators.bridge.checks.figures import Chain
     from jausml_generators.bridge.checks.filling import Place, Scalar
     from jausml_generators.bridge.checks.samples import Sample
 

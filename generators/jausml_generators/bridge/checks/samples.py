@@ -24,13 +24,13 @@ from jausml_generators.bridge.translation.expressions import (
     TEXT,
     TIME,
 )
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.places import PathError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.ends import Ends
-    from jausml_generators.bridge.checks.figures import Chain
 
 _ORIENTATION = orientation(roll=0.125, pitch=0.25, yaw=0.375)
 _MOMENT = datetime(2024, 2, 29, 23, 59, 58, 987_000, tzinfo=timezone.utc)

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.translation.body import Body
+    from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.bridge.translation.targets import Target
 

@@ -8,7 +8,6 @@ from jausml.generation.literals import printable
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
-from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     OCTETS,
@@ -19,18 +18,17 @@ from jausml_generators.bridge.translation.expressions import (
     Translate,
 )
 from jausml_generators.bridge.translation.lists import add_list
-from jausml_generators.bridge.translation.places import Equal, Place
+from jausml_generators.bridge.translation.places import Equal, Place, RosStart
 from jausml_generators.bridge.translation.printing import printed
-from jausml_generators.bridge.translation.ros_fields import RosStart
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
-from jausml_generators.bridge.translation.steps import Require, Write
+from jausml_generators.bridge.translation.steps import Body, Require, Write
 from jausml_generators.bridge.translation.surroundings import NestedTranslation
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.translation import Translation, paths_of
 from jausml_generators.bridge.translation.values import NO_POLICY
 from jausml_generators.python.codec.jaus_fields import JausStart
-from jausml_generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import CURRENT_COMMAND, may_set_limits
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -14,11 +14,12 @@ from jausml_generators.bridge.translation.expressions import (
     Expression,
     Read,
 )
-from jausml_generators.bridge.translation.places import Place, There
-from jausml_generators.bridge.translation.ros_fields import (
+from jausml_generators.bridge.translation.places import (
     INTEGER_RANGES,
     PathError,
+    Place,
     RosStart,
+    There,
     ros_field,
 )
 from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
@@ -28,8 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Local, Longer, Way
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import Local, Longer, RosField, Way
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 

@@ -25,8 +25,7 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     Scalar,
 )
-from jausml_generators.bridge.translation.places import Local, Place
-from jausml_generators.bridge.translation.ros_fields import RosStart, ros_field
+from jausml_generators.bridge.translation.places import Local, Place, RosStart, ros_field
 from jausml_generators.bridge.translation.steps import Append, Let, Write
 from jausml_generators.bridge.translation.values import (
     PYTHON_TYPES,
@@ -40,15 +39,15 @@ from jausml_generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
-from jausml_generators.python.codec.compounds import PartValue, VariantValue
 from jausml_generators.python.codec.jaus_fields import JausStart, default_of, jaus_field
+from jausml_generators.python.codec.members import PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml_generators.bridge.translation.body import Body
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField
+    from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 

@@ -13,11 +13,11 @@ from jausml.language.metamodel.classes import bridge, ecore
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.stops import has_stop
 from jausml.language.semantics.paths.directions import used_maps
-from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
 from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.bridge.translation.translation import frame_assignments, frames_of
+from jausml_generators.common.ros import RosClasses
 from jausml_generators.cpp.core import Core, Ends
 from jausml_generators.python.names import Scope, names_in, snake_case
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml_generators.bridge.light.module import LightModule
+    from jausml_generators.bridge.light_module import LightModule
     from jausml_generators.bridge.translation.translation import Frames
     from jausml_generators.cpp.core import Compiled
     from jausml_generators.python.codec.messages import MessageView

@@ -27,13 +27,12 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Ranges,
 )
-from jausml_generators.bridge.translation.ros_fields import INTEGER_RANGES
+from jausml_generators.bridge.translation.places import INTEGER_RANGES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml_generators.bridge.translation.places import Way
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField, Way
     from jausml_generators.python.codec.jaus_fields import JausField, Limits
 
 NUMBERS = {REAL, INTEGER, BOOLEAN}

@@ -33,10 +33,10 @@ from jausml_generators.bridge.translation.places import (
     Local,
     Longer,
     Named,
+    PathError,
     Place,
     There,
 )
-from jausml_generators.bridge.translation.ros_fields import PathError
 from jausml_generators.python.codec.classes import (
     Alternative,
     BitFieldClass,
@@ -45,8 +45,13 @@ from jausml_generators.python.codec.classes import (
     SubField,
     VariableFieldClass,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
-from jausml_generators.python.codec.members import Member
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    VariantValue,
+)
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:

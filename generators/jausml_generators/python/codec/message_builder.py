@@ -18,8 +18,15 @@ from jausml_generators.python.codec.classes import (
     VariableFieldClass,
     VariantAlias,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
-from jausml_generators.python.codec.members import Member, Run, Single
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    Run,
+    Single,
+    VariantValue,
+)
 from jausml_generators.python.codec.message_scope import MessageScope
 from jausml_generators.python.codec.messages import MessageView
 

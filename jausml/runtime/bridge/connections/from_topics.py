@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
 from ..light_message import is_light
-from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
-from ..reports.latency import age_of_time
+from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import FILTERED, Connection
 from .joins import JoinedTopic
@@ -21,8 +20,7 @@ if TYPE_CHECKING:
     from ...base.fast_path import Outlet
     from ...wire.message import Message
     from ..ends.ends import Ends, FastSubscriber, Feed
-    from ..ends.quality import TopicFault
-    from ..ends.topics import Topic
+    from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
     from .joins import Join

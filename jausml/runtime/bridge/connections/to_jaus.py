@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from .connection import NO_PEER, NOT_READY
-from .controlled_peers import ControlledPeers
+from .controlled_peers import ControlledPeers, RepeatedStops
 from .from_topics import FromTopics
-from .repeated_stops import RepeatedStops
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

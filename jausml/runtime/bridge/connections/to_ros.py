@@ -11,16 +11,13 @@ from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.by_sender import Taker
 from ..ends.guarding import topic_stops
-from ..ends.quality import TopicFault
+from ..ends.topics import TopicFault
 from ..light_message import is_light
-from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
-from ..reports.latency import age_of_stamp
+from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
 from .ages import jaus_age
-from .command_answers import CommandMemory
 from .connection import FILTERED, Connection
-from .report_joins import JoinedReport
-from .requests import EventRequests, QueryRequests
+from .requests import CommandMemory, EventRequests, JoinedReport, QueryRequests
 from .shaping import RateCap
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
@@ -36,9 +33,8 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic
     from ..reports.states import Standing
     from .ages import Age
-    from .command_answers import CommandAnswer
     from .connection import Take
-    from .report_joins import ReportJoin
+    from .requests import CommandAnswer, ReportJoin
     from .stopping import Switch
     from .transcoding import Transcode
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from ...base.settings import TransportSettings
+from ...component.base import COMPONENT_TYPE
+from ...services.definitions import ComponentSettings, ServiceIdentity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,10 +28,41 @@ if TYPE_CHECKING:
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
-    from .quality import TopicFault
-    from .settings import BridgeSettings
     from .simulation import Simulation
-    from .topics import Parameter, Published, RosService, ServiceClient, Topic, TopicCounts
+    from .topics import (
+        Parameter,
+        Published,
+        RosService,
+        ServiceClient,
+        Topic,
+        TopicCounts,
+        TopicFault,
+    )
+
+
+@dataclass(frozen=True)
+class BridgeSettings:
+    """What the model says about a bridge, apart from its connections.
+
+    Attributes:
+        frequency: Messages each second where the model states no rate. Diagnostics come at this
+            rate too, but not more often than once a second.
+        services: Services that the bridge provides, inherited ones included.
+        authority: Authority code that control is requested with, 0 to 255.
+        guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
+    """
+
+    name: str
+    address: JausAddress
+    description: str = ""
+    namespace: str = ""
+    frequency: float = 1.0
+    services: tuple[ServiceIdentity, ...] = ()
+    component_type: int = COMPONENT_TYPE
+    authority: int = 127
+    component: ComponentSettings = field(default_factory=ComponentSettings)
+    transport: TransportSettings = field(default_factory=TransportSettings)
+    guardian: bool = True
 
 
 class RosPublisher(Protocol):

@@ -15,7 +15,7 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
 from ...conversions.types import UnevenError
-from .errors import OutOfRangeError
+from .values import OutOfRangeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized

@@ -15,8 +15,8 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from ..ends.actions import LONGEST_GOAL
-from ..messages.errors import RosTypeError
-from .codec import Codec
+from ..messages.values import RosTypeError
+from .internals import Codec
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

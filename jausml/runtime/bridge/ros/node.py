@@ -25,9 +25,8 @@ from ...base.counters import LOGGER
 from ...conversions import Time
 from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
-from ..messages.errors import RosLostError
-from .codec import Codec
-from .internals import require_internals, spare_generator
+from ..messages.values import RosLostError
+from .internals import Codec, require_internals, spare_generator
 from .lifecycle import ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
@@ -40,8 +39,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...guardian.ward import Ward
     from ..ends.actions import ActionClient, GoalTaker, ListAction
-    from ..ends.quality import TopicFault
-    from ..ends.topics import Parameter, RosService
+    from ..ends.topics import Parameter, RosService, TopicFault
     from .actions import NodeActions
     from .lifecycle import Managed
     from .services import NodeClient, TakeRequest

@@ -22,7 +22,7 @@ from ..ends.topics import Parameter, Qos
 if TYPE_CHECKING:
     from collections.abc import Callable, Container
 
-    from ..ends.quality import EndpointHealth
+    from ..ends.topics import EndpointHealth
 
 OVERRIDABLE = ("reliability", "durability", "history", "depth")
 """Policies that parameters may change; times are the business of the model."""

@@ -25,21 +25,18 @@ from rclpy.type_support import check_is_valid_msg_type
 
 from ...base.counters import LOGGER
 from ..ends.parameters import ParameterError
-from ..ends.quality import EndpointHealth
-from ..ends.topics import Published, Qos, Topic, TopicCounts
-from .codec import message_class
-from .internals import internals
-from .listener import Listener, NoListenerError
+from ..ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts
+from .internals import internals, message_class
 from .parameters import as_parameter_error, tell_unknown
 from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
 from .taking import Subscription
-from .wait_set import WaitSets
+from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from ...base.loop import Loop
-    from ..ends.quality import TopicFault
+    from ..ends.topics import TopicFault
     from .parameters import NodeParameters
 
     Told = Callable[[Any], None]

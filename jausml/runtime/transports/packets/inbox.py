@@ -10,8 +10,7 @@ from ...base.clocks import HostClock
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
-from .carrier import Origin
+from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, Origin, ReceivedMessage
 from .duplicates import DuplicateWindow
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop, Timer
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
-    from ..delivery import Receive, Take
-    from .carrier import Carrier
+    from ..delivery import Carrier, Receive, Take
 
     Receivers = list[tuple[JausAddress, Receive]]
 

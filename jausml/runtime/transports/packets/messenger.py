@@ -9,12 +9,11 @@ from ...base.address import address_of
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, PeerTraffic, report
-from .carrier import Carrier, Origin, ReliableCarrier
+from ..delivery import MESSAGE_CODE_SIZE, Carrier, Origin, PeerTraffic, ReliableCarrier, report
 from .inbox import Inbox
 from .outbox import Outbox
+from .outgoing import Packetizer
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
-from .packetizer import Packetizer
 
 if TYPE_CHECKING:
     from collections.abc import Callable

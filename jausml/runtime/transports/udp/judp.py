@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
-from ..allowed_hosts import AllowedHosts
+from ..address_book import AllowedHosts
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, parse_datagram
 from ..port_holder import manager_folder
 from .datagrams import DatagramTransport
-from .drops import KernelDrops
-from .reading import Usual, reader
+from .reading import KernelDrops, Usual, reader
 from .shared_port import (
     FRAME,
     SharedPort,
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from ...base.standstill import Watch
     from ..delivery import Receive, Take
     from ..packets.packet import Priority
-    from .drops import Receiver
+    from .reading import Receiver
 
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0

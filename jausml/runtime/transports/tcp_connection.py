@@ -8,17 +8,17 @@ import sys
 from collections import deque
 from typing import TYPE_CHECKING
 
-from ...base.errors import JausError
-from ..delivery import report
-from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
+from ..base.api import JausError
+from .delivery import report
+from .packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from ...base.counters import Counters
-    from ...base.loop import Loop, Timer
-    from ...base.settings import Endpoint
-    from ..delivery import OnResult
+    from ..base.counters import Counters
+    from ..base.loop import Loop, Timer
+    from ..base.settings import Endpoint
+    from .delivery import OnResult
 
 
 _SIZE_END = 3

@@ -9,25 +9,23 @@ from collections import Counter, OrderedDict, deque
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ...base.address import BROADCAST
-from ...base.budgets import Held, who_gives_way
-from ...base.counters import LOGGER
-from ..address_book import SOURCE_REFUSED, resolve
-from ..allowed_hosts import AllowedHosts
-from ..delivery import report
-from ..packets.carrier import ReliableCarrier
-from ..packets.duplicates import DuplicateWindow
-from ..packets.messenger import Messenger
-from ..packets.packet import AckNak, Broadcast, Packet
-from ..port_holder import advice
-from ..transport import Transport
-from .connection import TcpConnection, connect
+from ..base.address import BROADCAST
+from ..base.budgets import Held, who_gives_way
+from ..base.counters import LOGGER
+from .address_book import SOURCE_REFUSED, AllowedHosts, resolve
+from .delivery import ReliableCarrier, report
+from .packets.duplicates import DuplicateWindow
+from .packets.messenger import Messenger
+from .packets.packet import AckNak, Broadcast, Packet
+from .port_holder import advice
+from .tcp_connection import TcpConnection, connect
+from .transport import Transport
 
 if TYPE_CHECKING:
-    from ...base.address import JausAddress
-    from ...base.loop import Loop, Timer
-    from ...base.settings import Endpoint, TransportSettings
-    from ..delivery import OnResult, Receive, Take
+    from ..base.address import JausAddress
+    from ..base.loop import Loop, Timer
+    from ..base.settings import Endpoint, TransportSettings
+    from .delivery import OnResult, Receive, Take
 
 _BACKLOG = 64
 _ACCEPTS_PER_WAKE_UP = 16

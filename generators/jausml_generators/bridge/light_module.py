@@ -12,7 +12,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.cdr import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
-from jausml_generators.bridge.light.serializing import Runs, reading_lines, writing_lines
+from jausml_generators.bridge.light_serializing import Runs, reading_lines, writing_lines
 from jausml_generators.common import runtime
 from jausml_generators.common.ros import local_names, ros_type
 from jausml_generators.python.names import snake_case
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from jausml.language.cdr import FieldLayout
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.ros_classes import RosClasses
+    from jausml_generators.common.ros import RosClasses
 
 
 _TAKEN = ("ClassVar", "Layout", "LightMessage")
