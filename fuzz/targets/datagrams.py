@@ -13,13 +13,13 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
-from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.shared_port import (
+from jausml.runtime.transports.ports import (
     FRAME,
     present_frame,
     read_forwarded,
     read_present,
 )
+from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
     from jausml.runtime.base.settings import Endpoint

@@ -40,7 +40,7 @@ from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
 from .bridge.messages.compiled import Core
-from .bridge.messages.values import (
+from .bridge.messages.limits import (
     AbsentFieldError,
     OutOfRangeError,
     StaleJoinError,

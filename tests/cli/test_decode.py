@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from ports import free_port
 
 from jausml.cli import main
-from jausml.runtime.transports.udp.shared_port import FRAME
+from jausml.runtime.transports.ports import FRAME
 
 pytestmark = pytest.mark.ports
 

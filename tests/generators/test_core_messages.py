@@ -52,7 +52,7 @@ TOO_MUCH = (
 GUARDS = (
     "models/library/jaus",
     "jausml/runtime/messages",
-    "jausml/runtime/wire/kinds.py",
+    "jausml/runtime/wire/codec.py",
     "jausml/runtime/wire/layout.py",
 )
 

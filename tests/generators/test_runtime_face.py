@@ -15,9 +15,9 @@ from jausml import runtime
 from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
-from jausml_generators.common import runtime as public
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.python import package as public
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
 

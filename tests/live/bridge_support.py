@@ -153,7 +153,7 @@ class RosPeer:
     def __init__(self) -> None:
         import rclpy
 
-        from jausml.runtime.bridge.ros.spin import EndableExecutor
+        from jausml.runtime.bridge.ros.lifecycle import EndableExecutor
 
         self.context = rclpy.Context()
         rclpy.init(context=self.context, args=[])

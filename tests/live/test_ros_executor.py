@@ -24,7 +24,7 @@ class Spun:
     def __init__(self, context):
         import rclpy
 
-        from jausml.runtime.bridge.ros.spin import GuardedExecutor
+        from jausml.runtime.bridge.ros.lifecycle import GuardedExecutor
 
         self.node = rclpy.create_node("guarded", context=context)
         self.executor = GuardedExecutor(context)
@@ -53,7 +53,7 @@ class Spun:
 
 def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
     """What rclpy offers for it, `shutdown`, is not, just before it waits."""
-    from jausml.runtime.bridge.ros.spin import EndableExecutor
+    from jausml.runtime.bridge.ros.lifecycle import EndableExecutor
 
     class AboutToWait(EndableExecutor):
         def get_nodes(self):

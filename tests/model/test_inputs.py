@@ -18,7 +18,7 @@ OWN_DATA = {
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
-    "generators/jausml_generators/common/runtime.py",
+    "generators/jausml_generators/python/package.py",
     "generators/jausml_generators/runtime/target.py",
     "language/model/names.py",
     "authoring/projects/creating.py",

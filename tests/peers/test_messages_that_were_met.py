@@ -16,7 +16,7 @@ from jausml.cli import main
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.bridge.connections.reporting import FEWEST_FAILURES, Reporter
-from jausml.runtime.bridge.messages.values import AbsentFieldError
+from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.bridge.reports.diagnostics import Statistics
 from jausml.runtime.bridge.reports.limiting import Limiting
 from jausml.runtime.messages import RequestControl

@@ -19,9 +19,9 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.ports import FRAME
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml.runtime.transports.udp.reading import KernelDrops
-from jausml.runtime.transports.udp.shared_port import FRAME
 
 if TYPE_CHECKING:
     from jausml.runtime.transports.delivery import ReceivedMessage

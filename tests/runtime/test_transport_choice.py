@@ -22,7 +22,7 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.component.process import create_transport
 from jausml.runtime.messages import QueryStatus, ReportStatus
-from jausml.runtime.transports import port_holder
+from jausml.runtime.transports import ports as port_holder
 from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport

@@ -13,9 +13,9 @@ from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.cdr import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
 from jausml_generators.bridge.light_serializing import Runs, reading_lines, writing_lines
-from jausml_generators.common import runtime
 from jausml_generators.common.ros import local_names, ros_type
 from jausml_generators.python.names import snake_case
+from jausml_generators.python.package import LIGHT
 from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ class LightModule:
         return Imports(
             {
                 **offered("typing", "ClassVar"),
-                **offered(runtime.LIGHT, "Layout", "LightMessage"),
-                "cdr_": Origin(runtime.LIGHT, "cdr"),
+                **offered(LIGHT, "Layout", "LightMessage"),
+                "cdr_": Origin(LIGHT, "cdr"),
             }
         )
 

@@ -16,7 +16,6 @@ from jausml.language.semantics.connections.report_joins import requested_fields
 from jausml.language.semantics.connections.unanswered import told_command
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.paths.directions import used_maps
-from jausml_generators.bridge.base_module import BaseModule, names_of, stub
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import messages_of_joins, query_of
 from jausml_generators.bridge.light_module import LightModule
@@ -28,9 +27,9 @@ from jausml_generators.bridge.services_and_actions import (
     messages_of_driver,
 )
 from jausml_generators.bridge.translation.places import PathError
+from jausml_generators.bridge.translation.surroundings import BaseModule, names_of, stub
 from jausml_generators.bridge.translation.translating import Translations, translate
 from jausml_generators.bridge.translation.values import AssignmentError
-from jausml_generators.common import runtime
 from jausml_generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
@@ -41,7 +40,7 @@ from jausml_generators.common.components import (
 )
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.names import class_name, package_name
-from jausml_generators.python.package import EntryPoint, laid_out
+from jausml_generators.python.package import FACE, EntryPoint, laid_out, runtime_names
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ class BridgeView:
             PathError: A path leads nowhere.
         """
         classes = {view.class_name for view in self.messages}
-        taken = {*classes, *runtime.names(), self.class_name, self.base_name}
+        taken = {*classes, *runtime_names(), self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property
@@ -260,7 +259,7 @@ class BridgeView:
         """What the base may import."""
         return Imports(
             {
-                **runtime.names(),
+                **runtime_names(),
                 **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
                 **offered("typing", "Any"),
@@ -280,7 +279,7 @@ class BridgeView:
     @property
     def dependencies(self) -> tuple[str, ...]:
         """Packages that the package needs at run time, by their names for rosdep, sorted."""
-        packages = {"diagnostic_msgs", runtime.FACE, "python3-numpy", "rcl_interfaces", "rclpy"}
+        packages = {"diagnostic_msgs", FACE, "python3-numpy", "rcl_interfaces", "rclpy"}
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}

@@ -8,10 +8,10 @@ from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml_generators.common.components import plain_components
-from jausml_generators.common.runtime import FACE
 from jausml_generators.jaus_component.views import ComponentView
 from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
+    FACE,
     PACKAGE_TEMPLATES,
     package_tasks,
     package_view,

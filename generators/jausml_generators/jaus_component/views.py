@@ -15,7 +15,7 @@ from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
-from jausml_generators.common import components, runtime
+from jausml_generators.common import components
 from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (
     GUARD_TEXTS,
@@ -30,7 +30,7 @@ from jausml_generators.jaus_component.handlers import (
 from jausml_generators.python import names
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import example_bytes, example_numbers
-from jausml_generators.python.package import EntryPoint
+from jausml_generators.python.package import MESSAGES, EntryPoint, runtime_names
 from jausml_generators.python.statements import condition, long_string, may_set_limits
 
 if TYPE_CHECKING:
@@ -392,8 +392,8 @@ class ComponentView:
         core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
         return Imports(
             {
-                **runtime.names(),
-                **offered(runtime.MESSAGES, *core),
+                **runtime_names(),
+                **offered(MESSAGES, *core),
                 **offered(".messages", *(view.class_name for view in self.messages)),
             }
         )
@@ -413,7 +413,7 @@ class ComponentView:
         """What the tests may import."""
         return Imports(
             {
-                **runtime.names(),
+                **runtime_names(),
                 "messages": Origin(self.package, "messages"),
                 **offered(f"{self.package}.{self.package}", self.class_name),
             },

@@ -13,12 +13,11 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.common.components import own_bridges, plain_components
-from jausml_generators.common.runtime import FACE
 from jausml_generators.jaus_component.views import ComponentView
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule
 from jausml_generators.python.names import Scope, package_name, snake_case
-from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

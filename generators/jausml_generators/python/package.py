@@ -1,23 +1,68 @@
-"""Package files: what makes a folder an ament_python package, shared by all targets."""
+"""Package files of an ament_python package, and what its code may import of the runtime."""
 
 from __future__ import annotations
 
+import ast
+import functools
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+import jausml
 from jausml.generation import native
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, layout
+from jausml.generation.languages.python import Imports, Origin, layout, offered
 from jausml.generation.literals import python_string
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
-from jausml_generators.common import runtime
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from jausml.generation.artifact import SkeletonContract
     from jausml.language.metamodel.classes import jaus, ros
     from jausml.language.metamodel.classes.system import System
+
+API_VERSION = (1, 0)
+"""API of the runtime that generated code is written for."""
+
+FACE = "jausml_runtime"
+"""Components, bridges, and what they are made and told of."""
+MESSAGES = f"{FACE}.messages"
+"""Messages of the core services."""
+CONVERSIONS = f"{FACE}.conversions"
+"""Conversions of values, and the values that they know."""
+ARITHMETIC = f"{CONVERSIONS}.arithmetic"
+"""Functions of expressions."""
+COLUMNS = f"{CONVERSIONS}.columns"
+"""Columns of numbers, by numpy."""
+LIGHT = f"{FACE}.bridge.light_message"
+"""What light classes of ROS messages are made of."""
+OCTETS = f"{FACE}.bridge.messages.octets"
+"""Lists of single octets."""
+WIRE = f"{FACE}.wire"
+"""What classes of messages are made of."""
+
+
+@functools.cache
+def runtime_names() -> Mapping[str, Origin]:
+    """Returns what generated modules may import of the runtime besides messages and codecs.
+
+    The face is read from the file that is copied: nothing that generates imports the runtime.
+    """
+    face = Path(jausml.__file__).parent / "runtime" / "__init__.py"
+    lists = [
+        node.value
+        for node in ast.parse(face.read_text("utf-8")).body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    ]
+    return {
+        **offered(FACE, *ast.literal_eval(lists[0])),
+        "conversions": Origin(FACE, "conversions"),
+        "arithmetic": Origin(CONVERSIONS, "arithmetic"),
+        "columns": Origin(CONVERSIONS, "columns"),
+        "octets": Origin(f"{FACE}.bridge.messages", "octets"),
+    }
+
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -51,12 +96,12 @@ class PackageView:
     @property
     def asks_for_api(self) -> bool:
         """Whether it imports the runtime, and what is run in it does not ask for its API."""
-        return runtime.FACE in self.dependencies and not self.executables
+        return FACE in self.dependencies and not self.executables
 
     @property
     def runtime_api(self) -> tuple[int, int]:
         """API of the runtime that its code is written for."""
-        return runtime.API_VERSION
+        return API_VERSION
 
     @property
     def core_flags(self) -> str:
@@ -120,7 +165,7 @@ class EntryPoint:
     @property
     def runtime_api(self) -> tuple[int, int]:
         """API of the runtime that the generated code is written for."""
-        return runtime.API_VERSION
+        return API_VERSION
 
 
 class ProgramView(Protocol):

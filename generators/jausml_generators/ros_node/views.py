@@ -19,9 +19,8 @@ from jausml_generators.common.ros import (
     qos,
     ros_type,
 )
-from jausml_generators.common.runtime import FACE
 from jausml_generators.python.names import Scope, class_name, package_name, snake_case
-from jausml_generators.python.package import EntryPoint, laid_out
+from jausml_generators.python.package import FACE, EntryPoint, laid_out
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:

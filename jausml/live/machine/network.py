@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.machine.finding import Finding, Outcome
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.port_holder import holders, manager_folder
+from jausml.runtime.transports.ports import holders, manager_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

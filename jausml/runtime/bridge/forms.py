@@ -11,7 +11,7 @@ from ..wire.message import EncodeError
 from .connections.transcoding import uses_ros_classes
 from .light_message import LightMessage
 from .messages.compiled import NoCoreError, compiled_of
-from .messages.values import RosTypeError
+from .messages.limits import RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..services.definitions import Status
     from ..services.host import Host
     from .control_state import ControlState
+    from .discovery_client import Presence
     from .event_client import EventClient
-    from .presence import Presence
 
 
 class ControlSession:

@@ -14,7 +14,7 @@ from ..messages import (
     ReportStatus,
     RequestControl,
 )
-from .presence import QUICK_TRIES
+from .discovery_client import QUICK_TRIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
+    from .discovery_client import Presence
     from .event_client import EventClient
     from .event_subscription import EventSubscription
-    from .presence import Presence
 
 
 class ControlState(Enum):

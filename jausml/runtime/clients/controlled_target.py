@@ -19,7 +19,7 @@ from ..messages import (
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
 from .control_state import ControlState, Questions, Session, TargetWatch
-from .presence import QUICK_TRIES, Pace
+from .discovery_client import QUICK_TRIES, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
     from .control_state import Releases
+    from .discovery_client import Presence
     from .event_client import EventClient
-    from .presence import Presence
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of

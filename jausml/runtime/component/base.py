@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base.clocks import HostClock
-from ..clients.presence import SILENCE
+from ..clients.discovery_client import SILENCE
 from ..messages import Event
 from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity
 from ..services.dispatch import Provision, Router

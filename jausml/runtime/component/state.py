@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ..clients.command_client import CommandClient
 from ..clients.control_session import ControlClient
-from ..clients.discovery_client import DiscoveryClient
+from ..clients.discovery_client import DiscoveryClient, Greeter, Presence
 from ..clients.event_client import EventClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
-from ..clients.presence import Greeter, Presence
 from ..clients.query import QueryClient
 from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.codec import integer
-from ..wire.kinds import U8, U32, bits, unsigned
+from ..wire.codec import U8, U32, bits, integer, unsigned
 from ..wire.layout import Bodiless, message
 from ..wire.message import Message
 from ..wire.time_stamp import StampedMessage, TimeStamp

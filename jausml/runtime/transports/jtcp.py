@@ -17,7 +17,7 @@ from .delivery import ReliableCarrier, report
 from .packets.duplicates import DuplicateWindow
 from .packets.messenger import Messenger
 from .packets.packet import AckNak, Broadcast, Packet
-from .port_holder import advice
+from .ports import advice
 from .tcp_connection import TcpConnection, connect
 from .transport import Transport
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from .delivery import Carrier
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
-from .port_holder import MANAGER, is_alive
+from .ports import MANAGER, is_alive
 from .transport import Transport
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..bridge.ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts, conflicts
-from ..bridge.messages.values import RosTypeError
+from ..bridge.messages.limits import RosTypeError
 from .actions import VirtualAction, VirtualActionClient
 from .network import Link, Way
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..bridge.ends.parameters import ParameterError, nearest
 from ..bridge.ends.topics import Topic
-from ..bridge.messages.values import RosTypeError
+from ..bridge.messages.limits import RosTypeError
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
 

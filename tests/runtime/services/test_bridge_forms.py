@@ -9,7 +9,7 @@ import pytest
 from jausml.runtime import ros_classes
 from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.ends.topics import Topic
-from jausml.runtime.bridge.messages.values import AbsentFieldError
+from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import SetTime
 from jausml.runtime.wire.message import DecodeError, EncodeError

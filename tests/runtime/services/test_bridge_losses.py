@@ -6,8 +6,14 @@ import time
 
 import pytest
 
-from jausml.runtime.bridge.messages.limits import Clamp, DropField, DropMessage, Error
-from jausml.runtime.bridge.messages.values import AbsentFieldError, OutOfRangeError
+from jausml.runtime.bridge.messages.limits import (
+    AbsentFieldError,
+    Clamp,
+    DropField,
+    DropMessage,
+    Error,
+    OutOfRangeError,
+)
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire.message import EncodeError

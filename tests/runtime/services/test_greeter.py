@@ -9,8 +9,7 @@ import pytest
 
 from jausml.runtime import ComponentSettings, Scope
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients.discovery_client import EAGER_INTERVAL
-from jausml.runtime.clients.presence import PATIENCE
+from jausml.runtime.clients.discovery_client import EAGER_INTERVAL, PATIENCE
 from jausml.runtime.messages import QueryIdentification, ReportHeartbeatPulse, ReportIdentification
 
 from .bridge_support import OWN, PEER, event, values

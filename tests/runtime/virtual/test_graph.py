@@ -7,7 +7,7 @@ import pytest
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.ends.parameters import ParameterError
 from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
-from jausml.runtime.bridge.messages.values import RosTypeError
+from jausml.runtime.bridge.messages.limits import RosTypeError
 from jausml.runtime.virtual import Link
 
 KIND = "std_msgs/msg/Float64"

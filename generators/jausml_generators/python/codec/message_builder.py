@@ -27,8 +27,7 @@ from jausml_generators.python.codec.members import (
     Single,
     VariantValue,
 )
-from jausml_generators.python.codec.message_scope import MessageScope
-from jausml_generators.python.codec.messages import MessageView
+from jausml_generators.python.codec.messages import MessageScope, MessageView
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

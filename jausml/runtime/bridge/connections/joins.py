@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..ends import parameters
-from ..messages.values import StaleJoinError
+from ..messages.limits import StaleJoinError
 from .transcoding import ros_decoder
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from ..ends.actions import LONGEST_GOAL
-from ..messages.values import RosTypeError
+from ..messages.limits import RosTypeError
 from .internals import Codec
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
 from ..light_message import installed_class, is_light
-from ..messages.values import RosLostError
+from ..messages.limits import RosLostError
 
 internals: Any = rclpy_implementation
 """The extension module of rclpy."""

@@ -25,12 +25,11 @@ from ...base.counters import LOGGER
 from ...conversions import Time
 from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
-from ..messages.values import RosLostError
+from ..messages.limits import RosLostError
 from .internals import Codec, require_internals, spare_generator
-from .lifecycle import ManagedNode
+from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
-from .spin import GuardedExecutor
 from .topics import NodeTopics
 
 if TYPE_CHECKING:

@@ -10,17 +10,17 @@ from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
 from ..address_book import AllowedHosts
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, parse_datagram
-from ..port_holder import manager_folder
-from .datagrams import DatagramTransport
-from .reading import KernelDrops, Usual, reader
-from .shared_port import (
+from ..ports import (
     FRAME,
     SharedPort,
     forwarded_frame,
+    manager_folder,
     present_frame,
     read_forwarded,
     read_present,
 )
+from .datagrams import DatagramTransport
+from .reading import KernelDrops, Usual, reader
 
 if TYPE_CHECKING:
     import socket

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..delivery import Take
     from ..packets.duplicates import Numbers
     from ..packets.inbox import Inbox
-    from .shared_port import SharedPort
+    from ..ports import SharedPort
 
     Receiver = Callable[[int], tuple[bytes, Endpoint]]
     """Receives a datagram of at most so many bytes; tells where it came from."""
