@@ -39,8 +39,7 @@ from jausml_generators.common.components import (
     transport_settings,
 )
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.names import class_name, package_name
-from jausml_generators.python.package import FACE, EntryPoint, laid_out, runtime_names
+from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid_out, runtime_names
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
@@ -55,42 +54,24 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class BridgeView:
+class BridgeView(ProgramView):
     """A modelled bridge."""
+
+    KIND = "bridge"
 
     bridge: Bridge
     system: System
     source: str
 
     @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-        return f"bridge:{self.bridge.name}"
-
-    @property
-    def name(self) -> str:
-        """Name of the bridge, of its node and of its JAUS identification."""
-        return str(self.bridge.name)
+    def element(self) -> Bridge:
+        """The model element."""
+        return self.bridge
 
     @property
     def title(self) -> str:
         """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
         return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
-
-    @property
-    def package(self) -> str:
-        """Package, module of the skeleton and executable."""
-        return package_name(self.name)
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return class_name("".join(word.capitalize() for word in self.package.split("_")))
-
-    @property
-    def base_name(self) -> str:
-        """Class that is generated anew each time."""
-        return f"{self.class_name}Base"
 
     @property
     def documentation(self) -> str:
@@ -99,24 +80,14 @@ class BridgeView:
 
     @functools.cached_property
     def translations(self) -> Translations:
-        """The translations of the connections.
-
-        Raises:
-            AssignmentError: A value does not fit its target.
-            PathError: A path leads nowhere.
-        """
+        """The translations of the connections."""
         classes = {view.class_name for view in self.messages}
         taken = {*classes, *runtime_names(), self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property
     def core(self) -> Core:
-        """The compiled form of the translations.
-
-        Raises:
-            AssignmentError: A value does not fit its target.
-            PathError: A path leads nowhere.
-        """
+        """The compiled form of the translations."""
         return self.translations.core
 
     @property
@@ -326,11 +297,7 @@ class BridgeView:
 
 
 def bridge_views(model: Model) -> tuple[BridgeView, ...]:
-    """Returns the bridges of the system that is generated; `model.made` shares them.
-
-    Raises:
-        NoSystemError: It has no system, or several.
-    """
+    """Returns the bridges of the system that is generated; `model.made` shares them."""
     system, source = system_of(model), source_of(model)
     return tuple(BridgeView(each, system, source) for each in own_bridges(system))
 

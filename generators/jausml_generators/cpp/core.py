@@ -128,11 +128,7 @@ class Core:
         )
 
     def printed_of(self, function: str, steps: Iterable[Step]) -> tuple[str, ...]:
-        """Returns some of the steps of a function, in its names.
-
-        Raises:
-            UnprintableError: A step has no form in C++.
-        """
+        """Returns some of the steps of a function, in its names."""
         return self._printed(steps, self.inputs[function][1]).lines
 
     def structs_of(self, function: str) -> tuple[Struct, Struct]:

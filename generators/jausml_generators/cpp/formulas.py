@@ -63,9 +63,6 @@ def number(expression: Expression, names: Mapping[str, str], binding: int = _CHO
     Args:
         names: C++ for each variable.
         binding: How tightly what stands around it binds; what binds less is put in parentheses.
-
-    Raises:
-        UnprintableError: An operation has no counterpart of the same bits.
     """
     match expression:
         case Number(value=value):
@@ -146,11 +143,7 @@ def _call(function: str, arguments: Sequence[str]) -> str:
 
 @functools.cache
 def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
-    """Returns the function of a conversion, whose arguments are those of its definition.
-
-    Raises:
-        UnprintableError: It has no arithmetic of its own.
-    """
+    """Returns the function of a conversion, whose arguments are those of its definition."""
     definition = conversion.definition
     if not isinstance(definition, Definition):
         raise UnprintableError(f"the conversion {conversion.name}")

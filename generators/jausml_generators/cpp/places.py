@@ -79,11 +79,7 @@ class Places:
         return name
 
     def at(self, place: Place) -> Found:
-        """Returns what stands at a place.
-
-        Raises:
-            UnprintableError: Nothing does.
-        """
+        """Returns what stands at a place."""
         root = place.root
         found = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):
@@ -94,11 +90,7 @@ class Places:
         return found
 
     def root(self, name: str) -> Found:
-        """Returns a parameter of the method.
-
-        Raises:
-            UnprintableError: It is none.
-        """
+        """Returns a parameter of the method."""
         if name not in self._roots:
             raise UnprintableError(f"the constant {name}")
         return self._roots[name]

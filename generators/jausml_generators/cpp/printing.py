@@ -73,9 +73,6 @@ def printed(
 
     Args:
         joins: Structs of the joined messages, by parameter of the method.
-
-    Raises:
-        UnprintableError: A step has no form in C++.
     """
     printer = _Printer(used, {"source": source, "target": target}, joins)
     lines = printer.statements(steps)

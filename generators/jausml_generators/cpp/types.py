@@ -48,11 +48,7 @@ def cpp_class(name: str) -> str:
 
 
 def cpp_string(text: str) -> str:
-    """Returns a text as a `std::string` of C++.
-
-    Raises:
-        UnprintableError: It has characters beyond ASCII, which the two sides encode differently.
-    """
+    """Returns a text as a `std::string` of C++."""
     if not text.isascii() or not text.isprintable():
         raise UnprintableError(f"the text {text!a}")
     return f"std::string({json.dumps(text)})"
@@ -194,11 +190,7 @@ Type: TypeAlias = Plain | Elements | Choice | Struct
 
 
 def find(structs: Mapping[str, Struct], name: str) -> Struct:
-    """Returns the struct of a class of Python.
-
-    Raises:
-        UnprintableError: There is none.
-    """
+    """Returns the struct of a class of Python."""
     if name not in structs:
         raise UnprintableError(f"the class {name}")
     return structs[name]

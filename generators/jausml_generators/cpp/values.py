@@ -57,20 +57,12 @@ class Used:
     constants: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def conversion(self, name: str) -> None:
-        """Notes that a conversion is called.
-
-        Raises:
-            UnprintableError: It has no form in C++.
-        """
+        """Notes that a conversion is called."""
         if name not in self.conversions:
             self.conversions[name] = conversion_lines(CONVERSIONS[name])
 
     def names(self, name: str) -> str:
-        """Notes that a constant of names is used; returns its name.
-
-        Raises:
-            UnprintableError: It is no such constant.
-        """
+        """Notes that a constant of names is used; returns its name."""
         if name not in self.tables:
             raise UnprintableError(f"the constant {name}")
         texts = (cpp_string(ast.literal_eval(each)) for each in self.tables[name])
@@ -98,11 +90,7 @@ class Used:
 
 
 def literal(constant: Constant) -> str:
-    """Returns a constant of the model.
-
-    Raises:
-        UnprintableError: It has no form in C++.
-    """
+    """Returns a constant of the model."""
     value = constant.value
     if isinstance(value, str):
         return cpp_string(value)

@@ -14,7 +14,6 @@ from jausml_generators.python.package import (
     FACE,
     PACKAGE_TEMPLATES,
     package_tasks,
-    package_view,
     program_tasks,
 )
 
@@ -28,15 +27,8 @@ def tasks(model: Model) -> list[Task]:
     views = [ComponentView(component, system, source) for component in plain_components(system)]
     messages = SystemMessages(system, source)
     packages = [
-        package_view(
-            system,
-            view.package,
-            element_id=view.element_id,
-            source=source,
-            description=view.documentation,
-            element=view.component,
-            dependencies=(FACE, *messages.needed_by(view)),
-            executables=((view.package, f"{view.package}.main"),),
+        view.package_view(
+            system, view.documentation, dependencies=(FACE, *messages.needed_by(view))
         )
         for view in views
     ]

@@ -30,7 +30,7 @@ from jausml_generators.jaus_component.handlers import (
 from jausml_generators.python import names
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import example_bytes, example_numbers
-from jausml_generators.python.package import MESSAGES, EntryPoint, runtime_names
+from jausml_generators.python.package import MESSAGES, EntryPoint, ProgramView, runtime_names
 from jausml_generators.python.statements import condition, long_string, may_set_limits
 
 if TYPE_CHECKING:
@@ -64,37 +64,24 @@ _TAKEN = (
 
 
 @dataclass(frozen=True)
-class ComponentView:
+class ComponentView(ProgramView):
     """A modelled component."""
+
+    KIND = "component"
 
     component: jaus.Component
     system: System
     source: str
 
     @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-        return f"component:{self.component.name}"
+    def element(self) -> jaus.Component:
+        """The model element."""
+        return self.component
 
     @property
     def name(self) -> str:
         """Name of the component in the model, clean."""
         return clean(self.component.name)
-
-    @property
-    def package(self) -> str:
-        """Package, module of the skeleton and executable."""
-        return names.package_name(str(self.component.name))
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return names.class_name("".join(word.capitalize() for word in self.package.split("_")))
-
-    @property
-    def base_name(self) -> str:
-        """Class that is generated anew each time."""
-        return f"{self.class_name}Base"
 
     @property
     def documentation(self) -> str:

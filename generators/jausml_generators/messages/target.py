@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean
 from jausml.generation.languages.python import Origin, statements
@@ -28,31 +28,11 @@ if TYPE_CHECKING:
     from jausml_generators.python.codec.messages import MessageView
 
 
-class User(Protocol):
-    """A component or bridge, whose package uses messages."""
-
-    @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-
-    @property
-    def source(self) -> str:
-        """Model file."""
-
-    @property
-    def package(self) -> str:
-        """Package name."""
-
-    @property
-    def message_map(self) -> Mapping[jaus.MessageDef, MessageView]:
-        """The messages that it uses, under the names that they have in its code."""
-
-
 @dataclass(frozen=True)
 class UsedMessages:
     """The module `messages` of a package: class names from the package of messages."""
 
-    user: User
+    user: BridgeView | ComponentView
     names: Mapping[str, Origin]
 
     @property
@@ -92,7 +72,7 @@ class SystemMessages:
         self.source = source
         self.name = package_name(f"{system.name}_messages")
         self.element_id = f"messages:{system.name}"
-        self.users: tuple[User, ...] = (
+        self.users: tuple[BridgeView | ComponentView, ...] = (
             *(ComponentView(each, system, source) for each in plain_components(system)),
             *(BridgeView(each, system, source) for each in own_bridges(system)),
         )
@@ -129,7 +109,7 @@ class SystemMessages:
         """Returns where a module of the package stands."""
         return f"{self.name}/{self.name}/{module.element_id.partition('/')[2]}.py"
 
-    def used_by(self, user: User) -> UsedMessages:
+    def used_by(self, user: BridgeView | ComponentView) -> UsedMessages:
         """Returns the messages of a component or bridge."""
         names: dict[str, Origin] = {}
         for element, view in user.message_map.items():
@@ -138,7 +118,7 @@ class SystemMessages:
             names[view.class_name] = Origin(f"{self.name}.{module}", home.class_name)
         return UsedMessages(user, names)
 
-    def needed_by(self, user: User) -> tuple[str, ...]:
+    def needed_by(self, user: BridgeView | ComponentView) -> tuple[str, ...]:
         """Returns the packages that the messages of a component or bridge are in."""
         return (self.name,) if user.message_map else ()
 

@@ -56,57 +56,23 @@ _ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _NOT, _AND, _OR, _CHOICE = range(9)
 _BINDING = {"*": _PRODUCT, "+": _SUM, "-": _SUM, "and": _AND, "or": _OR}
 
 
-@dataclass(frozen=True)
-class PythonExpression:
-    """An expression in Python.
-
-    Attributes:
-        code: The expression, in one line.
-        functions: Functions of the module `arithmetic` of the runtime that it calls.
-    """
-
-    code: str
-    functions: frozenset[str]
-
-
-def python_expression(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
-    """Returns the Python expression that computes an expression, as a `float`.
+def python_expression(expression: Expression, sources: Mapping[str, str]) -> str:
+    """Returns the Python expression, in one line, that computes an expression as a `float`.
 
     Args:
-        expression: The expression.
         sources: Python for each variable, by name: a name, an attribute, an item or a call.
-
-    Raises:
-        KeyError: A variable has no source.
     """
-    writer = _Writer(sources)
-    code = writer.number(expression, _CHOICE)
-    return PythonExpression(code, frozenset(writer.functions))
+    return _Writer(sources).number(expression, _CHOICE)
+
+
+def python_condition(expression: Expression, sources: Mapping[str, str]) -> str:
+    """Returns the Python expression that tells whether an expression differs from 0."""
+    return _Writer(sources).truth(expression, _CHOICE)
 
 
 def column_expression(expression: Expression, sources: Mapping[str, str]) -> str:
-    """Returns the Python expression that computes an expression of columns.
-
-    Args:
-        expression: The expression, without functions, quotients and powers.
-        sources: Python for each variable, by name.
-    """
+    """Returns the Python expression of columns; the expression has no quotients and powers."""
     return _ColumnWriter(sources).number(expression, _CHOICE)
-
-
-def python_condition(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
-    """Returns the Python expression that tells whether an expression differs from 0.
-
-    Args:
-        expression: The expression.
-        sources: Python for each variable, by name: a name, an attribute, an item or a call.
-
-    Raises:
-        KeyError: A variable has no source.
-    """
-    writer = _Writer(sources)
-    code = writer.truth(expression, _CHOICE)
-    return PythonExpression(code, frozenset(writer.functions))
 
 
 class _Writer:
@@ -114,7 +80,6 @@ class _Writer:
 
     def __init__(self, sources: Mapping[str, str]) -> None:
         self._sources = sources
-        self.functions: set[str] = set()
 
     def number(self, expression: Expression, binding: int) -> str:
         """Python for a number, in parentheses when it binds more loosely than asked for."""
@@ -162,10 +127,8 @@ class _Writer:
         return _within(f"{left} {sign} {right}", own, binding)
 
     def _call(self, function: str, arguments: Sequence[Expression]) -> str:
-        self.functions.add(function)
-        return (
-            f"arithmetic.{function}({', '.join(self.number(each, _CHOICE) for each in arguments)})"
-        )
+        given = ", ".join(self.number(each, _CHOICE) for each in arguments)
+        return f"arithmetic.{function}({given})"
 
     def _literal(self, value: float, binding: int) -> str:
         if not math.isfinite(value):
@@ -224,7 +187,7 @@ class FormulaPrinter:
         """One of two values as statements, under a name."""
         name = self.names.claim("term")
         condition = self._shortened(expression.condition)
-        test = python_condition(condition, self.sources).code
+        test = python_condition(condition, self.sources)
         branches = []
         for value in (expression.then, expression.otherwise):
             branch = replace(self, statements=[])
@@ -253,7 +216,7 @@ class FormulaPrinter:
         """An operand under a name of its own, if it can be computed before."""
         if not operands_of(operand) or len(self._text(operand)) <= _SHORT:
             return operand
-        if not is_certain and python_expression(operand, self.sources).functions:
+        if not is_certain and "arithmetic." in self._text(operand):
             return operand
         name = self.names.claim("term")
         self.statements.append(Assign(name, self.code(operand)))
@@ -261,4 +224,4 @@ class FormulaPrinter:
         return Variable(name)
 
     def _text(self, expression: Expression) -> str:
-        return python_expression(expression, self.sources).code
+        return python_expression(expression, self.sources)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import functools
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import jausml
 from jausml.generation import native
@@ -14,6 +15,7 @@ from jausml.generation.artifact import Kind
 from jausml.generation.languages.python import Imports, Origin, layout, offered
 from jausml.generation.literals import python_string
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
+from jausml_generators.python.names import class_name, package_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -168,39 +170,78 @@ class EntryPoint:
         return API_VERSION
 
 
-class ProgramView(Protocol):
-    """A component, bridge or node whose package holds a base, a skeleton and an entry point."""
+class ProgramView(ABC):
+    """A component, bridge or node whose package holds a base, a skeleton and an entry point.
+
+    Attributes:
+        KIND: What its identity begins with.
+        source: Model file.
+    """
+
+    KIND: ClassVar[str]
+    source: str
+
+    @property
+    @abstractmethod
+    def element(self) -> jaus.Component | ros.Node:
+        """The model element."""
 
     @property
     def element_id(self) -> str:
         """Identity of the model element."""
+        return f"{self.KIND}:{self.element.name}"
 
     @property
-    def source(self) -> str:
-        """Model file."""
+    def name(self) -> str:
+        """Its name in the model."""
+        return str(self.element.name)
 
     @property
     def package(self) -> str:
-        """Package name, which is also the name of the skeleton's module."""
+        """Package, module of the skeleton and executable."""
+        return package_name(str(self.element.name))
 
     @property
     def class_name(self) -> str:
-        """The user's class."""
+        """Class of the user's skeleton."""
+        return class_name("".join(word.capitalize() for word in self.package.split("_")))
 
     @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    @abstractmethod
     def entry_point(self) -> EntryPoint:
         """How its process runs."""
 
+    @abstractmethod
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
 
     @property
+    @abstractmethod
     def base_imports(self) -> Imports:
         """What the base may import."""
 
     @property
+    @abstractmethod
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
+
+    def package_view(self, system: System, description: str, **attributes: Any) -> PackageView:
+        """Returns its package, whose other attributes are as `package_view` takes them."""
+        return package_view(
+            system,
+            self.package,
+            element_id=self.element_id,
+            source=self.source,
+            description=description,
+            element=self.element,
+            executables=((self.package, f"{self.package}.main"),),
+            **attributes,
+        )
 
 
 ViewT = TypeVar("ViewT", bound=ProgramView)

@@ -10,7 +10,6 @@ from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
     package_tasks,
-    package_view,
     program_tasks,
 )
 from jausml_generators.ros_node.views import NodeView
@@ -24,16 +23,7 @@ def tasks(model: Model) -> list[Task]:
     system, source = system_of(model), source_of(model)
     nodes = [NodeView(node, system.name, source) for node in system.nodes]
     packages = [
-        package_view(
-            system,
-            node.package,
-            element_id=node.element_id,
-            source=source,
-            description=node.description,
-            element=node.node,
-            dependencies=node.dependencies,
-            executables=((node.package, f"{node.package}.main"),),
-        )
+        node.package_view(system, node.description, dependencies=node.dependencies)
         for node in nodes
     ]
     return [

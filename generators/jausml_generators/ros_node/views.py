@@ -19,8 +19,8 @@ from jausml_generators.common.ros import (
     qos,
     ros_type,
 )
-from jausml_generators.python.names import Scope, class_name, package_name, snake_case
-from jausml_generators.python.package import FACE, EntryPoint, laid_out
+from jausml_generators.python.names import Scope, class_name, snake_case
+from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid_out
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
@@ -133,37 +133,24 @@ class ParameterView:
 
 
 @dataclass(frozen=True)
-class NodeView:
+class NodeView(ProgramView):
     """A modelled node."""
+
+    KIND = "node"
 
     node: ros.Node
     system: str
     source: str
 
     @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-        return f"node:{self.node.name}"
-
-    @property
-    def name(self) -> str:
-        """Node name."""
-        return str(self.node.name)
-
-    @property
-    def package(self) -> str:
-        """Package name, which is also the name of the skeleton's module."""
-        return package_name(self.name)
+    def element(self) -> ros.Node:
+        """The model element."""
+        return self.node
 
     @property
     def class_name(self) -> str:
         """Class of the user's skeleton."""
         return class_name(self.name)
-
-    @property
-    def base_name(self) -> str:
-        """Class that is generated anew each time."""
-        return f"{self.class_name}Base"
 
     @property
     def full_name(self) -> str:

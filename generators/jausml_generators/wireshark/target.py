@@ -92,11 +92,7 @@ class DissectorView:
 
 
 def message_tables(services: Iterable[jaus.Service]) -> list[MessageTable]:
-    """Returns the messages of some services, equal ones once, in the order of their codes.
-
-    Raises:
-        GenerationError: A message cannot be encoded; validation tells users before.
-    """
+    """Returns the messages of some services, equal ones once, in the order of their codes."""
     found: dict[int, list[MessageTable]] = {}
     filters: dict[str, dict[str, str]] = {}
     for service in services:

@@ -6,6 +6,7 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..clients.list_client import deletion, replacement
 from ..clients.peer_search import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
@@ -38,7 +39,9 @@ class JausComponent(ComponentBase):
     Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run on
     the loop's thread, or on the thread that calls ``start``, ``stop``, ``fail`` or
     ``report_changed``. When one raises, the error is logged and counted as
-    ``component.handler_failed``.
+    ``component.handler_failed``. A value that does not fit its field is an EncodeError; an address
+    that is not one component, or a number out of its range, a ValueError. What is returned can be
+    cancelled.
 
     A generated component derives from this class, calls ``handle``, ``provide``, ``subscribe``
     and ``control`` in its constructor, and overrides the ``on_...`` hooks.
@@ -71,13 +74,6 @@ class JausComponent(ComponentBase):
             on_silence: Called once each time the provider falls silent.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
-
-        Returns:
-            A handle to cancel the subscription with.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The rate is out of range or the provider is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.events.subscribe(
@@ -110,9 +106,6 @@ class JausComponent(ComponentBase):
 
         Returns:
             A handle to read the state from and to release control with.
-
-        Raises:
-            ValueError: The authority is out of range or the target is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.control.control(target, authority, resume, on_change)
@@ -136,13 +129,6 @@ class JausComponent(ComponentBase):
             timeout: Seconds to wait for the report before the query is repeated.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
-
-        Returns:
-            A handle to cancel the query with.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.queries.ask(
@@ -178,13 +164,6 @@ class JausComponent(ComponentBase):
                 the target did not answer.
             max_duration: Seconds that the command may take.
             timeout: Seconds to wait for the confirmation.
-
-        Returns:
-            A handle to cancel the wait with.
-
-        Raises:
-            EncodeError: A value of the command does not fit its field.
-            ValueError: The target is not one component, or the duration is out of range.
         """
         with self.loop.lock:
             return self._jaus_clients.commands.command(
@@ -209,17 +188,10 @@ class JausComponent(ComponentBase):
             on_refused: Told the code of RejectElementRequest, or None when the target did not
                 answer; the list may then be set in part.
             timeout: Seconds to wait for each answer before the request is repeated.
-
-        Returns:
-            A handle to cancel with.
-
-        Raises:
-            EncodeError: An element does not fit its field.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_clients.lists.set_list(
-                target, elements, on_done, on_refused, timeout, retries
+            return self._jaus_clients.lists.change(
+                target, replacement(list(elements)), on_done, on_refused, timeout, retries
             )
 
     def delete_elements(
@@ -238,17 +210,10 @@ class JausComponent(ComponentBase):
             uids: The elements, at most 255; 65535 means all.
             on_refused: Told the code of RejectElementRequest, or None without an answer.
             timeout: Seconds to wait for each answer before the request is repeated.
-
-        Returns:
-            A handle to cancel with.
-
-        Raises:
-            EncodeError: There are too many elements, or a UID is out of range.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_clients.lists.delete(
-                target, uids, on_done, on_refused, timeout, retries
+            return self._jaus_clients.lists.change(
+                target, [deletion(uids)], on_done, on_refused, timeout, retries
             )
 
     def read_list(
@@ -266,9 +231,6 @@ class JausComponent(ComponentBase):
             on_failure: Called when a query stayed unanswered, for example because the list was
                 changed meanwhile.
             timeout: Seconds to wait for each report before the query is repeated.
-
-        Raises:
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
             self._jaus_clients.lists.read(target, on_list, on_failure, timeout, retries)
@@ -322,10 +284,6 @@ class JausComponent(ComponentBase):
             rate: Reports each second of each provider; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Told a provider each time that it falls silent.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The rate is out of range.
         """
         subscriptions: dict[JausAddress, EventSubscription] = {}
 

@@ -72,11 +72,7 @@ class CoreService(Protocol):
         """Identifiers of the service; some had several over the years."""
 
     def attach(self) -> None:
-        """Take the messages of the service, for a component that provides it.
-
-        Raises:
-            ValueError: The component handles one of them otherwise.
-        """
+        """Take the messages of the service, for a component that provides it."""
 
 
 class CoreServices:

@@ -59,11 +59,7 @@ def not_numbers(values: NDArray[Any]) -> bool:
 
 
 def rounded(values: Any) -> Any:
-    """Returns the nearest integers, the even one of two.
-
-    Raises:
-        UnevenError: A value is not finite.
-    """
+    """Returns the nearest integers, the even one of two."""
     if values.dtype.kind != "f":
         return values
     if not numpy.isfinite(values).all():
@@ -72,11 +68,7 @@ def rounded(values: Any) -> Any:
 
 
 def listed_in(values: Any, ranges: Sequence[tuple[int, int]]) -> Any:
-    """Returns the nearest integers, each of which is within one of several ranges.
-
-    Raises:
-        UnevenError: One is not.
-    """
+    """Returns the nearest integers, each of which is within one of several ranges."""
     whole = rounded(values)
     found = [(whole >= low) & (whole <= high) for low, high in ranges]
     if not numpy.logical_or.reduce(found).all():
@@ -85,11 +77,7 @@ def listed_in(values: Any, ranges: Sequence[tuple[int, int]]) -> Any:
 
 
 def as_column(values: NDArray[Any]) -> NDArray[Any]:
-    """Returns numbers as those that conversions take: real ones of 64 bits, or such integers.
-
-    Raises:
-        UnevenError: They are integers of 64 bits without a sign.
-    """
+    """Returns numbers as those that conversions take: real ones of 64 bits, or such integers."""
     if values.dtype.kind == "f":
         return values.astype("f8")
     if values.dtype.kind == "u" and values.itemsize == 8:
@@ -98,11 +86,7 @@ def as_column(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def in_range(values: NDArray[Any], code: str) -> NDArray[Any]:
-    """Returns numbers in the type of a format character of `struct`, little-endian.
-
-    Raises:
-        UnevenError: One of them does not fit.
-    """
+    """Returns numbers in the type of a format character of `struct`, little-endian."""
     kind = _TYPES[code]
     if kind.kind in "iu":
         info = numpy.iinfo(kind)

@@ -75,11 +75,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._is_open = False
 
     def open(self) -> None:
-        """Listen on the port, or connect to the process of this host that owns it.
-
-        Raises:
-            OSError: The interface cannot be used.
-        """
+        """Listen on the port, or connect to the process of this host that owns it."""
         self._book = resolve(self._settings.address_book, self.counters)
         with self.loop.lock:
             self._is_open = True

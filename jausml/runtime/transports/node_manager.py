@@ -90,11 +90,7 @@ class NodeManagerClient(Carrier[str]):
         return self._state is _State.ATTACHED
 
     def open(self) -> None:
-        """Create the socket and ask the manager for acceptance.
-
-        Raises:
-            OSError: The socket cannot be created, or another process has it.
-        """
+        """Create the socket and ask the manager for acceptance."""
         if is_alive(self._path):
             raise OSError(f"{self._path}: another process runs component {self.address}")
         self._path.unlink(missing_ok=True)

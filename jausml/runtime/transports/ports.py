@@ -166,11 +166,7 @@ class SharedPort:
         return [each for each in (self.multicast, self.unicast, self.former) if each is not None]
 
     def open(self) -> None:
-        """Join the group and take the unicast port, or another one when it is taken.
-
-        Raises:
-            OSError: The interface or the group cannot be used.
-        """
+        """Join the group and take the unicast port, or another one when it is taken."""
         try:
             self.multicast = self._multicast_socket()
             self._take(self._well_known_or_any_socket())

@@ -149,11 +149,7 @@ class VirtualRosNode:
     def publisher(
         self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher; see `RosSide`.
-
-        Raises:
-            RosTypeError: The topic has another type.
-        """
+        """Makes a publisher; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.advertise(self.name, ros_type, resolved, greet)
         end.encode = partial(self._encoded, ros_type)
@@ -164,11 +160,7 @@ class VirtualRosNode:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; see `RosSide`.
-
-        Raises:
-            RosTypeError: The topic has another type.
-        """
+        """Makes a subscription; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.attach(self.name, ros_type, resolved, take, self._link)
         self._health[topic, False] = end.health

@@ -16,7 +16,6 @@ from .node import VirtualRosNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from types import TracebackType
 
     from ..base.counters import Counters
     from ..base.loop import Timer
@@ -72,12 +71,7 @@ class VirtualWorld:
         """Return the world; it is closed when the block ends."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close the world."""
         self.close()
 

@@ -40,11 +40,7 @@ class EncodeError(JausError):
 
 
 def read_code(payload: bytes) -> int:
-    """Returns the message code that a payload begins with.
-
-    Raises:
-        DecodeError: The payload is too short for a code.
-    """
+    """Returns the message code that a payload begins with."""
     try:
         code: int = _CODE.unpack_from(payload)[0]
     except struct.error:
@@ -115,11 +111,7 @@ class Message:
 
     @classmethod
     def check_code(cls, payload: bytes) -> None:
-        """Refuses a payload of another message.
-
-        Raises:
-            DecodeError: The code is missing, or that of another message.
-        """
+        """Refuses a payload of another message."""
         code = read_code(payload)
         if code != cls.CODE:
             raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
@@ -177,10 +169,6 @@ def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> 
 
     Args:
         report: Message code and body. It is read only where the query may leave something out.
-
-    Raises:
-        DecodeError: The report is of another message, or cannot be read.
-        EncodeError: A value of the report does not fit its field.
     """
     report_class.check_code(report)
     if asks_for_all(query, report_class):

@@ -33,11 +33,7 @@ class TimeStamp:
     day: int = 1
 
     def to_integer(self) -> int:
-        """Returns the integer that holds the bits.
-
-        Raises:
-            EncodeError: A part is out of range or no number.
-        """
+        """Returns the integer that holds the bits."""
         bits = integer(self.milliseconds, 0, 999, "milliseconds")
         bits |= integer(self.seconds, 0, 59, "seconds") << 10
         bits |= integer(self.minutes, 0, 59, "minutes") << 16

@@ -116,11 +116,7 @@ class Message(Protocol):
     """A message of either side under a name of the generated test."""
 
     def place(self, path: str) -> Place:
-        """Returns the attribute at the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the attribute at the end of a path."""
 
     def fill(self, values: Mapping[str, Scalar]) -> list[str]:
         """Returns the statements that make the message with some values."""

@@ -55,10 +55,6 @@ def to_ros(
 
     Args:
         joins: Parameter and class of each joined report, by name of the join.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
     """
     body = Body(owner, connection.outOfRange.name)
     _map_to_ros(body, connection.map, message, class_name, joins, around)
@@ -76,10 +72,6 @@ def to_jaus(
 
     Args:
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
     """
     body = Body(owner, connection.outOfRange.name)
     _map_to_jaus(body, connection.map, message, joins, around)
@@ -93,12 +85,7 @@ def stop(
     class_name: str,
     around: Surroundings,
 ) -> Body:
-    """Returns the steps that make `target`, of either side, without a source.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Returns the steps that make `target`, of either side, without a source."""
     body = Body(owner, connection.outOfRange.name)
     used = connection.map
     if connection.direction.name == "jausToRos":
@@ -221,12 +208,7 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
 
 
 def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
-    """Adds the statements that translate a message which a JAUS field carries.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Adds the statements that translate a message which a JAUS field carries."""
     (_to_ros if translation.to_ros else _to_jaus)(translation, assignment)
 
 

@@ -192,9 +192,6 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         message_type: The `ros.MessageType` of the message.
         path: Field names joined by dots; `name[i]` is an element of an array, `.` the start.
         start: Where the path starts; the message `source` when it is not given.
-
-    Raises:
-        PathError: There is no such field.
     """
     begin = start or RosStart("source", message_type)
     current, field, is_array = begin.type, begin.field, False

@@ -41,18 +41,10 @@ class Source(Protocol):
     """Where the source paths of some assignments start."""
 
     def value(self, path: str, policy: Policy) -> Value:
-        """Returns the value at the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the value at the end of a path."""
 
     def many(self, path: str) -> Many:
-        """Returns the list at the end of a path.
-
-        Raises:
-            PathError: The path leads to no list.
-        """
+        """Returns the list at the end of a path."""
 
 
 @dataclass(frozen=True)
@@ -110,11 +102,7 @@ class JausSource:
         return replace(self, start=replace(self.start, names=None))
 
     def field(self, path: str) -> JausField:
-        """Returns the end of a path; one that begins with `/` starts at the message.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path; one that begins with `/` starts at the message."""
         if path.startswith("/"):
             return (self.top or self).field(path[1:])
         name, _, rest = path.partition(".")
@@ -160,11 +148,7 @@ class JausSource:
         return JausSource(self.message, start, self.top or self, counters, conditions)
 
     def carried(self, path: str) -> JausField:
-        """Returns the field that carries a message.
-
-        Raises:
-            PathError: The field carries none.
-        """
+        """Returns the field that carries a message."""
         found = self.field(path)
         if found.kind not in {FORMAT, OCTETS}:
             raise PathError(f"'{found.path}' carries no message")

@@ -215,11 +215,7 @@ class Surroundings:
         return str(quantity.name), value, str(quantity.units or found.units or "")
 
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
-        """Returns the method of a conversion that the user writes.
-
-        Raises:
-            AssignmentError: Another assignment gives it another number of values.
-        """
+        """Returns the method of a conversion that the user writes."""
         if method not in self.methods:
             name = self.attributes.claim(f"convert_{snake_case(method)}")
             self.methods[method] = UserMethod(name, method, tuple(inputs), output)

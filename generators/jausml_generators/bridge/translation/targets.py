@@ -114,11 +114,7 @@ class RosTarget:
     made: set[Place] = field(default_factory=set)
 
     def field(self, path: str) -> RosField:
-        """Returns the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path."""
         return ros_field(self.type, path, self.start)
 
     def kind(self, path: str) -> str:
@@ -202,11 +198,7 @@ class JausTarget:
     made: dict[Place, Local | None] = field(default_factory=dict)
 
     def field(self, path: str) -> JausField:
-        """Returns the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path."""
         found = jaus_field(self.message, path, self.start)
         return replace(found, place=self._named(found.place))
 
@@ -312,11 +304,7 @@ class JausTarget:
         return JausTarget(self.message, replace(many.start, root=root))
 
     def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
-        """Returns an encoded message as the field that carries it takes it.
-
-        Raises:
-            AssignmentError: The field carries no message.
-        """
+        """Returns an encoded message as the field that carries it takes it."""
         found = self.field(path)
         if found.kind == FORMAT:
             return New(found.class_name, (number(0), payload))

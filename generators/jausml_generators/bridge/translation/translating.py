@@ -241,12 +241,7 @@ def translate(
     taken: Iterable[str],
     light: LightModule,
 ) -> Translations:
-    """Translates the connections of a bridge.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Translates the connections of a bridge."""
     ros_classes = RosClasses(taken)
     overrides = {str(each.name): each for each in element.quantities}
     attributes = Scope(_TAKEN_ATTRIBUTES)

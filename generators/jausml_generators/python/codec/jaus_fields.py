@@ -150,9 +150,6 @@ def jaus_field(message: MessageView, path: str, start: JausStart | None = None) 
         message: The message.
         path: JAUS names joined by dots, relative to the start; `.` for the start itself.
         start: Where the path starts; the body of the message `source` when it is not given.
-
-    Raises:
-        PathError: There is no such field.
     """
     walk = _Walk(message, start or JausStart("source"), path)
     for step in [] if path == "." else path.split("."):

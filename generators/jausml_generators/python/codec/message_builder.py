@@ -43,9 +43,6 @@ def build_message(element: jaus.MessageDef, class_name: str | None = None) -> Me
 
     Args:
         class_name: Name of the class; made from the message's name when it is not given.
-
-    Raises:
-        GenerationError: The message cannot be encoded; validation tells users before.
     """
     try:
         layout = wire.resolve(element)

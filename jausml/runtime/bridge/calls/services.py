@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from ...clients.exchanges import Unanswered
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
-from ...transports.packets.packet import Priority
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
 from ..connections.to_ros import UNEXPECTED
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.topics import RosService, ServiceClient
+    from ..ends.topics import ServiceClient
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
 
@@ -60,34 +59,18 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         self,
         name: str,
         *,
-        service: RosService,
-        request: CallTranslation | Message,
-        response: CallTranslation | type[Message] | None,
         peers: Sequence[JausAddress] | PeerSearch,
         rejections: Sequence[type[Message]] = (),
         control: Guard = Guard.ANY,
-        is_command: bool = False,
         is_success_mapped: bool = False,
-        priority: Priority = Priority.STANDARD,
-        timeout: float = 1.0,
+        **options: Any,
     ) -> None:
-        """Prepares the connection.
+        """Prepares the connection; a command that nobody answers is done when it is sent.
 
         Args:
-            response: The translation of answers, or the message that answers without one; None
-                for a command that nobody answers: it is done when it is sent.
             peers: JAUS components that are asked, or how they are found.
-            timeout: Seconds after which a call without an answer has failed.
         """
-        super().__init__(
-            name,
-            service=service,
-            request=request,
-            response=response,
-            timeout=timeout,
-            is_command=is_command,
-            priority=priority,
-        )
+        super().__init__(name, **options)
         self._peers = ControlledPeers(peers, control)
         self._rejections = codes_of(rejections)
         self._is_success_mapped = is_success_mapped
@@ -255,36 +238,18 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         self,
         name: str,
         *,
-        service: RosService,
-        request: CallTranslation | type[Message],
-        response: CallTranslation | type[Message] | None,
         peers: Sequence[JausAddress] | PeerSearch = (),
         rejections: Sequence[type[Message]] = (),
         when: Guard | Callable[[Any], Guard] = Guard.ANY,
-        is_command: bool = False,
-        priority: Priority = Priority.STANDARD,
-        timeout: float = 1.0,
+        **options: Any,
     ) -> None:
         """Prepares the connection.
 
         Args:
-            request: The translation of messages that ask, or such a message: the request has its
-                defaults then.
-            response: The translation of responses, or the message that answers with its defaults;
-                None where nothing answers.
             peers: JAUS components that may ask, or how they are found; none means anybody.
             rejections: The first of these messages answers when a call came to nothing.
-            timeout: Seconds after which a call without a response has failed.
         """
-        super().__init__(
-            name,
-            service=service,
-            request=request,
-            response=response,
-            timeout=timeout,
-            is_command=is_command,
-            priority=priority,
-        )
+        super().__init__(name, **options)
         self._peers = PeerBinding(peers)
         self._rejections = tuple(rejections)
         self._when = when

@@ -146,17 +146,10 @@ class RosSide(Protocol):
         Args:
             take: Is given each serialized message, and the time at which it was published, in
                 nanoseconds by the clock of its publisher; on the loop or with its lock.
-
-        Returns:
-            The counts, which go on.
         """
 
     def action_client(self, action: ListAction) -> ActionClient:
-        """Makes what sends goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
+        """Makes what sends goals of an action."""
 
     def serve(
         self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
@@ -165,24 +158,13 @@ class RosSide(Protocol):
 
         Args:
             take: Is given each serialized request and what replies to it, on the loop.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
         """
 
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
+        """Takes the goals of an action."""
 
     def service_client(self, service: RosService) -> ServiceClient:
-        """Returns what calls a service.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
+        """Returns what calls a service."""
 
     def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""

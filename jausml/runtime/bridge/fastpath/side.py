@@ -170,9 +170,6 @@ class FastSide:
 
         Args:
             code: The library of the core.
-
-        Raises:
-            NoFastPathError: Messages cannot pass a core alone here.
         """
         transport, self._loop = component.transport, component.loop
         if not isinstance(transport, JudpTransport) or self._loop.now is not time.monotonic:

@@ -46,9 +46,6 @@ def each(make: Callable[[T], Made], items: Sequence[T], code: str) -> MutableSeq
     Args:
         make: Makes an element, or a number, of an element.
         code: Format character of the numbers that are made; empty for elements.
-
-    Raises:
-        UnevenError: The elements do not lie alike, or are treated differently.
     """
     try:
         with numpy.errstate(all="ignore"):
@@ -74,11 +71,7 @@ def _whole(made: Any, count: int, code: str) -> MutableSequence[Any]:
 
 
 def columns_of(items: Any) -> Any:
-    """Returns the element of columns of a list, or the column of a list of numbers.
-
-    Raises:
-        UnevenError: The elements do not lie alike.
-    """
+    """Returns the element of columns of a list, or the column of a list of numbers."""
     if type(items) is Records:
         alike = items.alike
         if isinstance(alike, Rows):

@@ -156,11 +156,7 @@ class Limit(Generic[Absent]):
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
-        """Returns an integer of a value set; others have no nearest one, since each has a meaning.
-
-        Raises:
-            OutOfRangeError: The value does not fit and drops the message.
-        """
+        """Returns an integer of a value set; others have no nearest one: each has a meaning."""
         try:
             is_finite = math.isfinite(value)
         except TypeError:
@@ -193,11 +189,7 @@ class Limit(Generic[Absent]):
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
-        """Returns a text of Latin-1 characters; one that does not fit has no nearest.
-
-        Raises:
-            OutOfRangeError: The text does not fit and drops the message.
-        """
+        """Returns a text of Latin-1 characters; one that does not fit has no nearest."""
         if not shortest <= len(value) <= longest:
             reason = f"length {len(value)} is outside {shortest} .. {longest}"
             return self._outside(field, reason, None)

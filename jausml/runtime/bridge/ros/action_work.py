@@ -78,11 +78,7 @@ class ActionMessages:
     """The classes of rclpy of an action, and their members that the bridge knows."""
 
     def __init__(self, action: ListAction) -> None:
-        """Finds them.
-
-        Raises:
-            RosTypeError: The type is not installed as the model has it.
-        """
+        """Finds them."""
         self.type = _installed(action.type_name)
         self._codec = Codec(action.element)
         self._action = action

@@ -168,11 +168,7 @@ class RosNode:
     # ------------------------------------------------------------------ endpoints
 
     def attach(self, loop: Loop) -> None:
-        """Chooses how to wait; to be called before there are publishers and subscriptions.
-
-        Raises:
-            ParameterError: Only a listener would do, and there is none.
-        """
+        """Chooses how to wait; to be called before there are publishers and subscriptions."""
         self._loop = loop
         self._executor.counters = loop.counters
         self._services = NodeServices(self._node, loop)

@@ -188,9 +188,6 @@ class NodeTopics:
 
         Args:
             age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
-
-        Raises:
-            ParameterError: Only a listener would do, and there is none.
         """
         self._node = node
         self._parameters = parameters
@@ -233,11 +230,7 @@ class NodeTopics:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; messages are taken after `start`.
-
-        Returns:
-            The counts, which go on.
-        """
+        """Makes a subscription; messages are taken after `start`."""
         found, counts = message_class(ros_type), TopicCounts()
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
         handle = self._made(internals.Subscription, found, topic, health)

@@ -193,11 +193,7 @@ class Listener:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Finds the functions.
-
-        Raises:
-            NoListenerError: One of them is missing, or another machine calls them otherwise.
-        """
+        """Finds the functions."""
         self._loop = loop
         self._callback, self._on_message, self._on_event = _functions()
         self._unset: list[Callable[[], int]] = []
@@ -207,11 +203,7 @@ class Listener:
         self._is_started = False
 
     def try_out(self, subscription: Any, event: Any) -> None:
-        """Tells whether the middleware takes the callbacks.
-
-        Raises:
-            NoListenerError: It does not, or rclpy gives no pointers.
-        """
+        """Tells whether the middleware takes the callbacks."""
         number = _eventfd()
         try:
             for function, handle in ((self._on_message, subscription), (self._on_event, event)):

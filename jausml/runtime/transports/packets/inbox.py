@@ -142,11 +142,7 @@ class Inbox(Generic[Origin]):
         return len(self.reassembly)
 
     def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
-        """Receive messages for a component from now on.
-
-        Raises:
-            ValueError: The address is not one component, or is attached already.
-        """
+        """Receive messages for a component from now on."""
         if not address.is_concrete:
             raise ValueError(f"{address} does not name one component")
         if address in self.receivers:

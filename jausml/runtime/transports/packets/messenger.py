@@ -120,11 +120,7 @@ class Messenger(Generic[Origin]):
         acknowledge: bool,  # noqa: FBT001 - one caller
         on_result: OnResult | None,
     ) -> None:
-        """Send one message; see ``Transport.send``.
-
-        Raises:
-            ValueError: The source is not one component or the payload has no message code.
-        """
+        """Send one message; see ``Transport.send``."""
         if not source.is_concrete:
             raise ValueError(f"{source} does not name one component")
         if len(payload) < MESSAGE_CODE_SIZE:

@@ -55,11 +55,7 @@ class JudpTransport(DatagramTransport):
         self._manager_watch: Timer | None = None
 
     def open(self) -> None:
-        """Open the sockets and begin to receive.
-
-        Raises:
-            OSError: The interface or the multicast group cannot be used.
-        """
+        """Open the sockets and begin to receive."""
         self._book.configure(self._settings.address_book)
         with self.loop.lock:
             self._port.open()
