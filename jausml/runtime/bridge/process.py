@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from ..base.settings import TransportSettings
     from ..transports.transport import Transport
     from .bridge import Bridge
-    from .ends.ends import BridgeSettings, RosSide
+    from .ends.ends import BridgeSettings
+    from .ends.ros_side import RosSide
     from .ros.node import RosNode
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
-    from ..bridge.ends.ends import RosCodec, RosPublisher
+    from ..bridge.ends.ros_side import RosCodec, RosPublisher
     from ..bridge.ends.topics import (
         EndpointHealth,
         Parameter,

@@ -13,7 +13,7 @@ from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
 from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
-from ..ends.by_sender import Taker
+from ..ends.ends import Taker
 from .calls import (
     FAILED,
     NOT_ASKED,
@@ -264,7 +264,9 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         asking = self._request
         message = asking.message if isinstance(asking, CallTranslation) else asking
         senders = None if self._peers.is_anybody else self._peers
-        ends.accept(message, Taker(self._take, senders, self._refuse_sender), self._when)
+        ends.shared_messages.accept(
+            message, Taker(self._take, senders, self._refuse_sender), self._when
+        )
 
     def _refuse_sender(self, _payload: bytes, sender: JausAddress) -> None:
         self.drop(UNEXPECTED, str(sender))

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from ...base.loop import Timer
     from ...base.standstill import Watch
     from ...wire.message import Message
-    from ..ends.ends import Ends, RosSide
+    from ..ends.ends import Ends
+    from ..ends.ros_side import RosSide
     from ..reports.diagnostics import Statistics
 
     Take = Callable[[bytes, Any], None]

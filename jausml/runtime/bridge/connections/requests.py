@@ -10,7 +10,7 @@ from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
 from ...transports.delivery import MESSAGE_CODE_SIZE
 from ..ends import parameters
-from ..ends.by_sender import Taker
+from ..ends.ends import Taker
 from ..ends.simulation import real_rate
 from .joins import Joined
 
@@ -263,7 +263,7 @@ class JoinedReport(Joined):
             self._peers = PeerBinding(peers.search or peers.present)
         if join.query is None:
             senders = None if self._peers.is_anybody else self._peers
-            ends.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
+            ends.shared_messages.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
         elif join.is_asked and join.rate is not None:
             asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)

@@ -268,7 +268,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
-        self._report = ends.report(self._query, self._message)
+        self._report = ends.shared_messages.report(self._query, self._message)
         self._sink.deliver = self._put = self._putting(ends)
         super().open(ends)
 

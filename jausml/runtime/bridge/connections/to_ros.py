@@ -9,7 +9,7 @@ from ...base.fast_path import FastPath, through
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
-from ..ends.by_sender import Taker
+from ..ends.ends import Taker
 from ..ends.guarding import topic_stops
 from ..ends.topics import TopicFault
 from ..light_message import is_light
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from ...clients.peer_search import PeerSearch
     from ...guardian.ward import Content
     from ...wire.message import Message
-    from ..ends.ends import Ends, RosPublisher
+    from ..ends.ends import Ends
+    from ..ends.ros_side import RosPublisher
     from ..ends.topics import Topic
     from ..reports.states import Standing
     from .ages import Age
@@ -94,7 +95,9 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
-        self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        self._publishers = [
+            ends.shared_topics.publisher(self._type, topic, greet) for topic in self._topics
+        ]
         only = self._publishers[0] if len(self._publishers) == 1 else None
         self._publisher = only or _Publishers(self._publishers)
         self.guard()
@@ -297,7 +300,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def begin(self, ends: Ends) -> None:
         """Prepares to ask for the event."""
         self._events = EventRequests(ends, self._query, self._message, self._take, self.rate)
-        ends.note_unasked(self._message, self._note_unasked, self._peers)
+        ends.shared_messages.note_unasked(self._message, self._note_unasked, self._peers)
 
     def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
         """Counts a report of a peer that is no event: which fields it has nobody has asked for."""
@@ -425,7 +428,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             self._take = RateCap(self._rate_cap, ends.loop.now, self.refuse).before(self._take)
         senders = None if self._peers.is_anybody else self._peers
         taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
-        ends.accept(self._message, taker, self._when)
+        ends.shared_messages.accept(self._message, taker, self._when)
         if self._memory is not None:
             self._memory.provide(ends.component)
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from .actions import ListAction
-    from .ends import BridgeSettings, RosSide
+    from .ends import BridgeSettings
+    from .ros_side import RosSide
     from .topics import RosService, Topic
 
 LEAST = 1e-9

@@ -9,7 +9,7 @@ from select import EPOLLIN
 from typing import TYPE_CHECKING, Protocol
 
 from ...transports.udp.judp import JudpTransport
-from ..ends.ends import Other
+from ..ends.ros_side import Other
 from .library import (
     NONE,
     SENT,
