@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
@@ -110,16 +110,6 @@ class Place:
         if self.kind == TEXT:
             return text
         raise ValueTextError(f"{self.path} takes no value in a test vector")
-
-
-class Message(Protocol):
-    """A message of either side under a name of the generated test."""
-
-    def place(self, path: str) -> Place:
-        """Returns the attribute at the end of a path."""
-
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
 
 
 @dataclass(frozen=True)
@@ -288,3 +278,7 @@ def is_absent(place: Place) -> list[str]:
 def is_there(place: Place) -> list[str]:
     """Returns the assertions that an attribute is there."""
     return [holds(each) for each in place.conditions]
+
+
+Message: TypeAlias = JausMessage | RosMessage
+"""A message of either side under a name of the generated test."""

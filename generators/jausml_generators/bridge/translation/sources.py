@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
@@ -35,16 +35,6 @@ if TYPE_CHECKING:
 
 INDEX, COUNT = "index", "count"
 MANY = 2**32 - 1
-
-
-class Source(Protocol):
-    """Where the source paths of some assignments start."""
-
-    def value(self, path: str, policy: Policy) -> Value:
-        """Returns the value at the end of a path."""
-
-    def many(self, path: str) -> Many:
-        """Returns the list at the end of a path."""
 
 
 @dataclass(frozen=True)
@@ -219,3 +209,7 @@ class RosSource:
 def _lengths(found: RosField) -> tuple[Longer, ...]:
     """What must hold for the elements of sequences on the way to be there."""
     return tuple(length for length, _ in found.elements)
+
+
+Source: TypeAlias = JausSource | RosSource
+"""Where the source paths of some assignments start."""

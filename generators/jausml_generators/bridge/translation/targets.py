@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation.expressions import (
@@ -71,31 +71,6 @@ class ManyTarget:
     fresh: bool
     new_element: Expression | None
     start: Any
-
-
-class Target(Protocol):
-    """Where the target paths of some assignments start."""
-
-    def kind(self, path: str) -> str:
-        """Returns the kind of value that a path takes."""
-
-    def value_type(self, path: str) -> str:
-        """Returns the Python type of the value that a path takes."""
-
-    def listed(self, path: str) -> tuple[tuple[str, str], ...]:
-        """Returns the names and values that the end of a path names."""
-
-    def prepare(self, body: Body, path: str) -> None:
-        """Adds the statements that make what a message lacks on the way to the end of a path."""
-
-    def fitted(self, path: str, value: Value) -> Expression:
-        """Returns a value as the end of a path takes it."""
-
-    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
-        """Adds the statement that stores a value that fits."""
-
-    def constant(self, path: str, text: str) -> Value:
-        """Returns a text of the model as a value for the end of a path."""
 
 
 @dataclass(frozen=True)
@@ -311,3 +286,7 @@ class JausTarget:
         if found.kind == OCTETS:
             return policy.limit("octets", payload, found.path, found.limits)
         raise AssignmentError(f"{found.path} carries no message")
+
+
+Target: TypeAlias = JausTarget | RosTarget
+"""Where the target paths of some assignments start."""

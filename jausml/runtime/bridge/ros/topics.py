@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
@@ -154,22 +154,6 @@ class NodePublisher:
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
 """How the bridge waits for ROS; `automatic` takes the listener where there is one."""
-
-
-class Waiting(Protocol):
-    """Waits for topics and events, and runs what takes them with the lock of the loop."""
-
-    def subscription(self, subscription: Subscription) -> None:
-        """Takes the messages of a subscription, what waits already included."""
-
-    def event(self, event: Any, read: Callable[[], object]) -> None:
-        """Runs `read` when an event has something to tell."""
-
-    def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins; `fail` is told why nobody waits any more."""
-
-    def close(self) -> None:
-        """Ends; the handles may be destroyed then."""
 
 
 class NodeTopics:
@@ -331,7 +315,7 @@ class NodeTopics:
 
     # ------------------------------------------------------------------ waiting
 
-    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Waiting:
+    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Listener | WaitSets:
         """Returns what waits."""
         if waiting == "wait-set":
             return WaitSets(loop, context)
