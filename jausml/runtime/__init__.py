@@ -25,10 +25,11 @@ from .bridge.calls.calls import CallTranslation
 from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
+from .bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
 from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
-from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
+from .bridge.connections.to_ros import MessageToTopics
 from .bridge.connections.transcoding import Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress

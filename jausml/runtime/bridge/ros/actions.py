@@ -283,11 +283,7 @@ class NodeActionServer:
     """
 
     def __init__(
-        self,
-        work: ActionWork,
-        messages: ActionMessages,
-        name: str,
-        taker: GoalTaker,
+        self, work: ActionWork, messages: ActionMessages, name: str, taker: GoalTaker
     ) -> None:
         """Use `NodeActions.serve` instead."""
         self.work = work
