@@ -36,5 +36,5 @@ def test_constants_are_those_of_the_runtime():
 
 
 def test_the_least_depth_is_that_of_the_ros_side():
-    profiles = pytest.importorskip("jausml.runtime.bridge.ros.profiles")
+    profiles = pytest.importorskip("jausml.runtime.bridge.ros.parameters")
     assert runtime_constants().least_depth == profiles.LEAST_DEPTH

@@ -15,7 +15,7 @@ from jausml.generation.languages.python import Imports, Modules, Origin
 from jausml.language.metamodel.classes import ros, system
 from jausml_generators.common.ros import RosType, local_names
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
-from jausml_generators.ros_node.views import NodeView
+from jausml_generators.ros_node.target import NodeView
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
 

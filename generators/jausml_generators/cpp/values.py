@@ -13,13 +13,14 @@ from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
 from jausml_generators.cpp.formulas import conversion_lines, number
-from jausml_generators.cpp.places import Found, Places
 from jausml_generators.cpp.types import (
     INTEGER,
     REAL,
     TEXT,
     TRUTH,
     Elements,
+    Found,
+    Places,
     Plain,
     Struct,
     Type,

@@ -162,7 +162,7 @@ def _with_ends(
 
 
 def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
-    from jausml.runtime.bridge.ros.profiles import qos_of  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
     found = []
     for each in infos:

@@ -9,7 +9,7 @@ import struct
 from collections import deque
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from ..component.accounts import accounts_of
+from ..transports.transport import accounts_of
 from .calls.calls import Calls
 from .connections.connection import Connection
 from .ends.ends import Ends
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
-    from ..component.accounts import Accountable
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
+    from ..transports.transport import Accountable
     from .ends.simulation import Simulation
     from .reports.states import Standing
 

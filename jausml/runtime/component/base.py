@@ -11,8 +11,8 @@ from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdenti
 from ..services.dispatch import Provision, Router
 from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
 from ..transports.packets.packet import Priority
+from ..transports.transport import log_accounts
 from ..wire.message import Message
-from .accounts import log_accounts
 from .state import Clients, ComponentState, CoreServices
 
 if TYPE_CHECKING:

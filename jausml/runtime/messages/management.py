@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.codec import U8, U32, bits, integer, unsigned
+from ..wire.codec import U8, U32, StampedMessage, TimeStamp, bits, integer, unsigned
 from ..wire.layout import Bodiless, message
 from ..wire.message import Message
-from ..wire.time_stamp import StampedMessage, TimeStamp
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 

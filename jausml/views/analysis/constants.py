@@ -63,7 +63,7 @@ def runtime_constants() -> RuntimeConstants:
         watch_interval=definitions.default("ComponentSettings", "watch_interval"),
         renewals=int(_File("clients/controlled_target.py").value("RENEWALS")),
         queue_age_limit=_File("bridge/ends/parameters.py").value("QUEUE_AGE_LIMIT"),
-        least_depth=int(_File("bridge/ros/profiles.py").value("LEAST_DEPTH")),
+        least_depth=int(_File("bridge/ros/parameters.py").value("LEAST_DEPTH")),
     )
 
 

@@ -17,7 +17,6 @@ from jausml.runtime.bridge.diagnosing import LATELY, SLICE
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.diagnostics import WINDOW, Latency
-from jausml.runtime.component.accounts import MOST_PEERS
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.messages import (
     ConfirmEventRequest,
@@ -32,6 +31,7 @@ from jausml.runtime.messages import (
     SetTime,
 )
 from jausml.runtime.transports.delivery import PeerTraffic
+from jausml.runtime.transports.transport import MOST_PEERS
 
 from .bridge_support import (
     CORE,

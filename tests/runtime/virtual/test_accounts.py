@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import JausAddress
-from jausml.runtime.component.accounts import accounts_of
 from jausml.runtime.messages import QueryStatus, ReportStatus, SetTime
+from jausml.runtime.transports.transport import accounts_of
 from jausml.runtime.virtual import Link
 
 from .test_network import EVERYBODY, FIRST, SECOND, THIRD, component

@@ -15,8 +15,8 @@ import numpy
 
 from ...conversions.columns import as_column, fit, in_range, is_column
 from ...conversions.types import UnevenError
+from ...wire.codec import TimeStamp
 from ...wire.records import Number, Records, Rows, Stamp
-from ...wire.time_stamp import TimeStamp
 from ..light_message import LightMessage
 from . import cdr, cdr_rows
 

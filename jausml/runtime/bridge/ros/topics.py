@@ -27,8 +27,16 @@ from ...base.counters import LOGGER
 from ..ends.parameters import ParameterError
 from ..ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts
 from .internals import internals, message_class
-from .parameters import as_parameter_error, tell_unknown
-from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
+from .parameters import (
+    OVERRIDABLE,
+    as_parameter_error,
+    deep_enough,
+    never_waiting,
+    overridden,
+    profile_of,
+    qos_of,
+    tell_unknown,
+)
 from .taking import Subscription
 from .waiting import Listener, NoListenerError, WaitSets
 
