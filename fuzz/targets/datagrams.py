@@ -8,18 +8,17 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.ports import (
     FRAME,
     present_frame,
     read_forwarded,
     read_present,
 )
-
-from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.base.counters import Counters
-from jausml.runtime.base.loop import Loop
-from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
-from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:

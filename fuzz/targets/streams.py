@@ -5,11 +5,10 @@ The first byte of an input is how many bytes arrive at once, the rest is the str
 
 from __future__ import annotations
 
-from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
-
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE, DataFlags, Packet
+from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
 _MOST_PENDING = 65535
 

@@ -10,7 +10,7 @@ import sys
 import typing
 from importlib import import_module
 
-from jausml_runtime.base.errors import JausError
+from jausml_runtime.base.api import JausError
 from jausml_runtime.conversions import Time
 
 _BACK = {"to_ros": "to_jaus", "to_jaus": "to_ros"}

@@ -18,35 +18,39 @@ them may move:
 """
 
 from .base.address import JausAddress
-from .base.api import API_VERSION, ApiVersionError, require_api
-from .base.errors import JausError
+from .base.api import API_VERSION, ApiVersionError, JausError, require_api
 from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
 from .bridge.calls.calls import CallTranslation
-from .bridge.calls.jaus_to_service import JausToRosService
-from .bridge.calls.service_to_jaus import RosServiceToJaus
-from .bridge.connections.command_answers import CommandAnswer
+from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.joins import Join
-from .bridge.connections.report_joins import ReportJoin
+from .bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
+from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
-from .bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
+from .bridge.connections.to_ros import MessageToTopics
 from .bridge.connections.transcoding import Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
-from .bridge.ends.ends import RosSide
+from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages
 from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
-from .bridge.ends.settings import BridgeSettings
+from .bridge.ends.ros_side import RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
 from .bridge.messages.compiled import Core
-from .bridge.messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
-from .bridge.messages.values import by_name, set_quaternion, set_time
+from .bridge.messages.limits import (
+    AbsentFieldError,
+    OutOfRangeError,
+    StaleJoinError,
+    by_name,
+    set_quaternion,
+    set_time,
+)
 from .bridge.process import run_bridge, run_node
 from .clients.command_client import PendingCommand
 from .clients.control_session import ControlSession
@@ -56,10 +60,9 @@ from .clients.event_subscription import EventSubscription
 from .clients.list_client import ListRequest
 from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
-from .component.component import JausComponent
+from .component.component import JausComponent, Simulation
 from .component.modelled import ModelledComponent
 from .component.process import ComponentProgram, run_component, running_transport
-from .component.simulation import Simulation
 from .component.state_machine import (
     Action,
     Condition,
@@ -72,8 +75,14 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
-from .services.completion import Completion
-from .services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
+from .services.definitions import (
+    Completion,
+    ComponentSettings,
+    Guard,
+    Scope,
+    ServiceIdentity,
+    Status,
+)
 from .services.element_list import ElementList, ListElement, chain
 from .transports.packets.packet import Priority
 from .transports.transport import Transport

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 
 import pytest
-from jausml.runtime.transports.packets.outgoing import Packetizer
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import ros
@@ -13,6 +12,7 @@ from jausml.language.model import library_root, read_models
 from jausml.live.messages import load_catalogue
 from jausml.live.messages.samples import example, sample
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.outgoing import Packetizer
 from jausml.runtime.transports.packets.packet import AckNak, Priority
 from jausml.views.analysis.sizes import jaus_size, ros_size
 from jausml.views.analysis.streams import on_wire, packet_count

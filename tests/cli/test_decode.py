@@ -13,10 +13,10 @@ import sys
 
 import pytest
 from click.testing import CliRunner
-from jausml.runtime.transports.ports import FRAME
 from ports import free_port
 
 from jausml.cli import main
+from jausml.runtime.transports.ports import FRAME
 
 pytestmark = pytest.mark.ports
 

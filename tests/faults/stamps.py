@@ -60,7 +60,7 @@ def say_connection(name: str, values: dict[str, str]) -> None:
 
 def say_accounts(component: JausComponent) -> None:
     """Tells the test again and again what a component says of what came from its peers."""
-    from jausml_runtime.component.accounts import accounts_of  # ROS nodes have no runtime
+    from jausml_runtime.transports.transport import accounts_of  # ROS nodes have no runtime
 
     component.loop.call_later(ACCOUNT_PERIOD, lambda: say_accounts(component))
     for each in accounts_of(component):

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypothesis import strategies as st
-from jausml_generators.bridge.light_module import LightModule
 
 from jausml.generation import render
 from jausml.generation.target import Target
@@ -20,6 +19,7 @@ from jausml.language.cdr import fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import read_models
 from jausml_generators.bridge import target as bridge_target
+from jausml_generators.bridge.light_module import LightModule
 from jausml_generators.common.ros import ros_type
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from codec_support import library
-from jausml.runtime.services.liveness_and_time import UNSOLICITED
 
 from jausml.generation import FileTask, Target, render
 from jausml.language.metamodel.classes import jaus
@@ -21,6 +20,7 @@ from jausml.language.model import read_models
 from jausml.language.semantics.jaus.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
 from jausml.runtime import messages as core_messages
 from jausml.runtime.component import state
+from jausml.runtime.services.liveness_and_time import UNSOLICITED
 from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule

@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
-from jausml.runtime.transports.ports import neighbour_ports
 
 from jausml.generation import GenerationError, generate, render, select
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.runtime.transports.ports import neighbour_ports
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.deployment.network import HIGHEST_SHARED_PORT, dds_ports
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT

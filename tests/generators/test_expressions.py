@@ -23,38 +23,34 @@ def python(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "code", "functions"),
+    ("text", "code"),
     [
-        ("x * 2 + y", "source.x * 2.0 + y", set()),
-        ("x * (2 + y)", "source.x * (2.0 + y)", set()),
-        ("x - (y - 1)", "source.x - (y - 1.0)", set()),
-        ("-x * -1", "-source.x * -1.0", set()),
-        ("-(x + y)", "-(source.x + y)", set()),
-        ("x / 2 ^ y", "arithmetic.divide(source.x, arithmetic.power(2.0, y))", {"divide", "power"}),
-        ("x < 1", "float(source.x < 1.0)", set()),
-        ("if(x < 1, y, -y)", "y if source.x < 1.0 else -y", set()),
-        ("1 + if(x, 1, 2)", "1.0 + (1.0 if source.x != 0 else 2.0)", set()),
+        ("x * 2 + y", "source.x * 2.0 + y"),
+        ("x * (2 + y)", "source.x * (2.0 + y)"),
+        ("x - (y - 1)", "source.x - (y - 1.0)"),
+        ("-x * -1", "-source.x * -1.0"),
+        ("-(x + y)", "-(source.x + y)"),
+        ("x / 2 ^ y", "arithmetic.divide(source.x, arithmetic.power(2.0, y))"),
+        ("x < 1", "float(source.x < 1.0)"),
+        ("if(x < 1, y, -y)", "y if source.x < 1.0 else -y"),
+        ("1 + if(x, 1, 2)", "1.0 + (1.0 if source.x != 0 else 2.0)"),
         (
             "not (x < 1 or y) and isfinite(x)",
             "float(not (source.x < 1.0 or y != 0) and arithmetic.is_finite(source.x))",
-            {"is_finite"},
         ),
         (
             "max(0, min(x, 1))",
             "arithmetic.greatest(0.0, arithmetic.least(source.x, 1.0))",
-            {"greatest", "least"},
         ),
         (
             "if(isfinite(x), 1, nan)",
             '1.0 if arithmetic.is_finite(source.x) else float("nan")',
-            {"is_finite"},
         ),
-        ("(x < y) < 1", "float(float(source.x < y) < 1.0)", set()),
+        ("(x < y) < 1", "float(float(source.x < y) < 1.0)"),
     ],
 )
-def test_code(text, code, functions):
-    found = python(text)
-    assert (found.code, found.functions) == (code, functions)
+def test_code(text, code):
+    assert python(text) == code
 
 
 def test_no_source():
@@ -98,7 +94,7 @@ def test_python_agrees_with_the_language(text, x, y):
         expected = evaluate(expression, {"x": x, "y": y})
     except EvaluationError:
         with pytest.raises(ConversionError):
-            eval(found.code, {**names, "x": x, "y": y})  # noqa: S307 - written here
+            eval(found, {**names, "x": x, "y": y})  # noqa: S307 - written here
         return
-    value = eval(found.code, {**names, "x": x, "y": y})  # noqa: S307 - written here
+    value = eval(found, {**names, "x": x, "y": y})  # noqa: S307 - written here
     assert value == expected or (math.isnan(value) and math.isnan(expected))

@@ -24,7 +24,7 @@ from types import SimpleNamespace
 
 sys.path[:0] = sys.argv[1:]
 from arm.arm import Arm
-from jausml_runtime.bridge.messages.errors import AbsentFieldError
+from jausml_runtime.bridge.messages.limits import AbsentFieldError
 from sensor_msgs.msg import JointState
 
 arm = Arm()

@@ -12,14 +12,13 @@ import ports
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from jausml.runtime.transports.jtcp import JtcpTransport
-from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.transports import jtcp
+from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,
@@ -28,6 +27,7 @@ from jausml.runtime.transports.packets.packet import (
     Priority,
     parse_datagram,
 )
+from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 
 import pytest
-from jausml.runtime.transports.packets.outgoing import Packetizer
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.transports.packets.outgoing import Packetizer
 
 SENDER, OTHER, HERE = JausAddress(2, 1, 1), JausAddress(3, 1, 1), JausAddress(9, 1, 1)
 

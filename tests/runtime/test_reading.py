@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from jausml.runtime.transports.ports import FRAME
 from ports import free_port
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
@@ -20,6 +19,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.ports import FRAME
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml.runtime.transports.udp.reading import KernelDrops
 

@@ -7,13 +7,13 @@ import threading
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from jausml.runtime.transports.ports import neighbour_ports
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.ports import neighbour_ports
 from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml_generators.wireshark.target import NEIGHBOUR_PORTS

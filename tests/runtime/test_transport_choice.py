@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import ports
 import pytest
-from jausml.runtime.transports.jtcp import JtcpTransport
 
 from jausml.runtime import ComponentSettings, ControlState, JausComponent
 from jausml.runtime.base.address import JausAddress
@@ -24,6 +23,7 @@ from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.component.process import create_transport
 from jausml.runtime.messages import QueryStatus, ReportStatus
 from jausml.runtime.transports import ports as port_holder
+from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
 

@@ -98,11 +98,11 @@ def python_function(conversion):
     names = {each: each for each in (*definition.parameters, *definition.steps)}
     lines = [f"def function({definition.takes}):"]
     if definition.refusal is not None:
-        condition = python_condition(definition.refusal, names).code
+        condition = python_condition(definition.refusal, names)
         lines += [f" if {condition}: raise Refused({definition.reason!r})"]
     for name, value in definition.steps.items():
-        lines += [f" {name} = {python_expression(value, names).code}"]
-    results = (python_expression(each, names).code for each in definition.results)
+        lines += [f" {name} = {python_expression(value, names)}"]
+    results = (python_expression(each, names) for each in definition.results)
     space = {"arithmetic": arithmetic, "Refused": runtime.ConversionError}
     exec("\n".join([*lines, f" return {', '.join(results)},"]), space)  # noqa: S102 - ours
     return space["function"]

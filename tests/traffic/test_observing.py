@@ -11,7 +11,6 @@ import pytest
 from capture_files import QUERY_STATUS
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from jausml.runtime.transports.ports import present_frame
 
 from jausml.live.messages import load_catalogue
 from jausml.live.traffic import text
@@ -19,6 +18,7 @@ from jausml.live.traffic.frames import Datagram, Endpoint
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import DataFlags, Packet
+from jausml.runtime.transports.ports import present_frame
 
 GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "judp_datagrams.jsonl"
 catalogue = cache(load_catalogue)

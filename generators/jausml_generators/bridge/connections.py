@@ -14,17 +14,19 @@ from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.connections.unanswered import told_command
 from jausml.language.semantics.jaus.answers import chosen_fields
 from jausml.language.semantics.jaus.commands import guard_of_receivers
-from jausml_generators.bridge.jaus_ends import (
+from jausml_generators.bridge.ends import (
+    JoinView,
+    ReportJoinView,
+    list_of,
     peers_of,
     priority_of,
     query_call,
     query_of,
+    query_of_join,
+    topic_call,
 )
-from jausml_generators.bridge.report_joins import ReportJoinView, query_of_join
-from jausml_generators.bridge.topics import JoinView, list_of, topic_call
 from jausml_generators.common.ros import RosType, ros_type
-from jausml_generators.python.guards import condition
-from jausml_generators.python.statements import call, tuple_of
+from jausml_generators.python.statements import call, condition, tuple_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.language.semantics.connections.topics import reliability, resolve_topic
-from jausml_generators.bridge.actions import ActionView
-from jausml_generators.bridge.topics import JoinView
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.ends import JoinView
+from jausml_generators.bridge.services_and_actions import ActionView
+from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.bridge.translation.values import AssignmentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.call_views import CallView
     from jausml_generators.bridge.connections import ConnectionView
+    from jausml_generators.bridge.services_and_actions import CallView
     from jausml_generators.bridge.views import BridgeView
 
 

@@ -10,13 +10,12 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import BridgeView, bridge_views
-from jausml_generators.cpp.support import CORE, support
-from jausml_generators.messages.views import SystemMessages
+from jausml_generators.cpp.types import CORE, support
+from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
     PACKAGE_TEMPLATES,
     module_path,
     package_tasks,
-    package_view,
     program_tasks,
 )
 
@@ -32,16 +31,11 @@ def tasks(model: Model) -> list[Task]:
     tests = [TestModule(bridge) for bridge in bridges]
     with_core = [each for each in bridges if each.has_core]
     packages = [
-        package_view(
+        bridge.package_view(
             system,
-            bridge.package,
-            element_id=bridge.element_id,
-            source=source,
-            description=bridge.documentation,
-            element=bridge.bridge,
+            bridge.documentation,
             dependencies=(*bridge.dependencies, *messages.needed_by(bridge)),
             test_dependencies=test.dependencies,
-            executables=((bridge.package, f"{bridge.package}.main"),),
             core=native.SOURCE.as_posix() if bridge.has_core else "",
         )
         for bridge, test in zip(bridges, tests, strict=True)

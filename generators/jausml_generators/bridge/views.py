@@ -16,22 +16,20 @@ from jausml.language.semantics.connections.report_joins import requested_fields
 from jausml.language.semantics.connections.unanswered import told_command
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.paths.directions import used_maps
-from jausml_generators.bridge.actions import (
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.bridge.ends import messages_of_joins, query_of
+from jausml_generators.bridge.light_module import LightModule
+from jausml_generators.bridge.services_and_actions import (
     ActionView,
+    CallView,
     answers_of_driver,
     carried,
     messages_of_driver,
 )
-from jausml_generators.bridge.base_module import BaseModule, names_of, stub
-from jausml_generators.bridge.call_views import CallView
-from jausml_generators.bridge.connections import ConnectionView
-from jausml_generators.bridge.jaus_ends import query_of
-from jausml_generators.bridge.light.module import LightModule
-from jausml_generators.bridge.report_joins import messages_of_joins
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.translation.places import PathError
+from jausml_generators.bridge.translation.surroundings import BaseModule, names_of, stub
 from jausml_generators.bridge.translation.translating import Translations, translate
 from jausml_generators.bridge.translation.values import AssignmentError
-from jausml_generators.common import runtime
 from jausml_generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
@@ -41,8 +39,7 @@ from jausml_generators.common.components import (
     transport_settings,
 )
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.names import class_name, package_name
-from jausml_generators.python.package import EntryPoint, laid_out
+from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid_out, runtime_names
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
@@ -57,42 +54,24 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class BridgeView:
+class BridgeView(ProgramView):
     """A modelled bridge."""
+
+    KIND = "bridge"
 
     bridge: Bridge
     system: System
     source: str
 
     @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-        return f"bridge:{self.bridge.name}"
-
-    @property
-    def name(self) -> str:
-        """Name of the bridge, of its node and of its JAUS identification."""
-        return str(self.bridge.name)
+    def element(self) -> Bridge:
+        """The model element."""
+        return self.bridge
 
     @property
     def title(self) -> str:
         """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
         return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
-
-    @property
-    def package(self) -> str:
-        """Package, module of the skeleton and executable."""
-        return package_name(self.name)
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return class_name("".join(word.capitalize() for word in self.package.split("_")))
-
-    @property
-    def base_name(self) -> str:
-        """Class that is generated anew each time."""
-        return f"{self.class_name}Base"
 
     @property
     def documentation(self) -> str:
@@ -101,24 +80,14 @@ class BridgeView:
 
     @functools.cached_property
     def translations(self) -> Translations:
-        """The translations of the connections.
-
-        Raises:
-            AssignmentError: A value does not fit its target.
-            PathError: A path leads nowhere.
-        """
+        """The translations of the connections."""
         classes = {view.class_name for view in self.messages}
-        taken = {*classes, *runtime.names(), self.class_name, self.base_name}
+        taken = {*classes, *runtime_names(), self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property
     def core(self) -> Core:
-        """The compiled form of the translations.
-
-        Raises:
-            AssignmentError: A value does not fit its target.
-            PathError: A path leads nowhere.
-        """
+        """The compiled form of the translations."""
         return self.translations.core
 
     @property
@@ -261,7 +230,7 @@ class BridgeView:
         """What the base may import."""
         return Imports(
             {
-                **runtime.names(),
+                **runtime_names(),
                 **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
                 **offered("typing", "Any"),
@@ -281,7 +250,7 @@ class BridgeView:
     @property
     def dependencies(self) -> tuple[str, ...]:
         """Packages that the package needs at run time, by their names for rosdep, sorted."""
-        packages = {"diagnostic_msgs", runtime.FACE, "python3-numpy", "rcl_interfaces", "rclpy"}
+        packages = {"diagnostic_msgs", FACE, "python3-numpy", "rcl_interfaces", "rclpy"}
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
@@ -328,11 +297,7 @@ class BridgeView:
 
 
 def bridge_views(model: Model) -> tuple[BridgeView, ...]:
-    """Returns the bridges of the system that is generated; `model.made` shares them.
-
-    Raises:
-        NoSystemError: It has no system, or several.
-    """
+    """Returns the bridges of the system that is generated; `model.made` shares them."""
     system, source = system_of(model), source_of(model)
     return tuple(BridgeView(each, system, source) for each in own_bridges(system))
 

@@ -2,20 +2,77 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
+from jausml.generation.docstrings import clean
+from jausml.generation.errors import GenerationError
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
-from jausml_generators.codec_cpp.views import HeaderView
-from jausml_generators.common.services import library_services, used_services
-from jausml_generators.cpp.support import JAUS, support
+from jausml_generators.common.components import library_services, used_services
+from jausml_generators.cpp.jaus_codec import JausCodec
+from jausml_generators.cpp.types import JAUS, UnprintableError, laid_out, support
+from jausml_generators.python.codec.message_builder import build_messages
+from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.model.model import Model
+    from jausml_generators.python.codec.messages import MessageView
+
+
+class HeaderView:
+    """The header of a system.
+
+    Args:
+        services: Those whose messages it has; of definitions of one code the first that fits is
+            what a visitor gets.
+    """
+
+    def __init__(self, system: object, source: str, services: Iterable[jaus.Service]) -> None:
+        self._system = str(system)
+        self.source = source
+        self.element_id = f"codec_cpp:{self._system}"
+        self.messages: Sequence[MessageView] = build_messages(
+            each for service in services for each in (*service.inputs, *service.outputs)
+        )
+        self.codec = JausCodec(is_bounded=True)
+        for message in self.messages:
+            try:
+                self.codec.add(message)
+            except UnprintableError as error:
+                reason = f"{message.jaus_name}: {error} has no form in C++"
+                raise GenerationError(reason) from None
+
+    @property
+    def path(self) -> str:
+        """Where the file stands."""
+        return f"codec_cpp/{snake_case(self._system)}_jaus.hpp"
+
+    @property
+    def title(self) -> str:
+        """The name of the system in one line."""
+        return clean(self._system)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The structs."""
+        return tuple(laid_out(self.codec.lines))
+
+    @property
+    def cases(self) -> tuple[str, ...]:
+        """What a visitor gets, by the codes of the messages."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for message in self.messages:
+            found[message.code_text].append(self.codec.structs[message.class_name].cpp)
+        lines = (
+            f"    case {code}: return jausml::visit<{', '.join(names)}>(data, size, visitor);"
+            for code, names in found.items()
+        )
+        return tuple(laid_out(lines))
 
 
 def tasks(model: Model) -> list[Task]:

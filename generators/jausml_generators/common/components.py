@@ -1,14 +1,21 @@
-"""JAUS components as targets see them: address, services, settings of their transport."""
+"""JAUS components as targets see them: address, services, messages, settings of transport."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
+from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.project.library import library
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of
-from jausml.language.semantics.jaus.core_services import CORE, answers_for_subsystem, with_standard
+from jausml.language.semantics.jaus.core_services import (
+    CORE,
+    NEWEST_SET,
+    answers_for_subsystem,
+    with_standard,
+)
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
     outputs_by_name,
@@ -21,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes.system import Host, System
+    from jausml.language.model.model import Model
 
 SUBSYSTEM_TYPES = {
     "vehicle": 10001,
@@ -255,3 +263,30 @@ def services_of(
 def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
     owners = (message.eContainer() for message in messages if message is not None)
     yield from (owner for owner in owners if owner is not None)
+
+
+def used_services(model: Model) -> list[jaus.Service]:
+    """Returns the services whose messages the components of a system send or receive.
+
+    The core services come last; every component has some of them from the runtime.
+    """
+    system = system_of(model)
+    found = list(dict.fromkeys(services_of((*system.components, *system.bridges), system.bridges)))
+    own = [service for service in with_inherited(found) if not _is_core(service)]
+    old = [service for service in with_inherited(found) if _is_core(service)]
+    return [*own, *library_services(NEWEST_SET), *old]
+
+
+def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
+    """Returns the services of the shipped library, by file and place in it.
+
+    Args:
+        pattern: Which of its JAUS models.
+    """
+    model = library("jaus")
+    meant = [each for each in model.documents if each.path.match(pattern)]
+    return [each for each in model.instances(jaus.Service) if model.document_of(each) in meant]
+
+
+def _is_core(service: jaus.Service) -> bool:
+    return str(service.urn).startswith(CORE)

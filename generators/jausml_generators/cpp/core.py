@@ -15,11 +15,9 @@ from jausml.generation.literals import printable
 from jausml.language.cdr import types_within
 from jausml_generators.common.ros import ros_type
 from jausml_generators.cpp.jaus_codec import JausCodec
-from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.printing import printed
 from jausml_generators.cpp.ros_codec import RosCodec
-from jausml_generators.cpp.support import CORE, support
-from jausml_generators.cpp.types import Struct, UnprintableError, cpp_name
+from jausml_generators.cpp.types import CORE, Struct, UnprintableError, cpp_name, laid_out, support
 from jausml_generators.cpp.values import Used
 from jausml_generators.python.codec.messages import MessageView
 
@@ -27,10 +25,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.light.module import LightModule
-    from jausml_generators.bridge.ros_classes import RosClasses
+    from jausml_generators.bridge.light_module import LightModule
     from jausml_generators.bridge.translation.steps import Step
     from jausml_generators.bridge.translation.surroundings import Surroundings
+    from jausml_generators.common.ros import RosClasses
     from jausml_generators.cpp.printing import Printed
 
 _PARAMETERS = (("const Source&", "source"), ("Target&", "target"), ("jausml::Check&", "check"))
@@ -130,11 +128,7 @@ class Core:
         )
 
     def printed_of(self, function: str, steps: Iterable[Step]) -> tuple[str, ...]:
-        """Returns some of the steps of a function, in its names.
-
-        Raises:
-            UnprintableError: A step has no form in C++.
-        """
+        """Returns some of the steps of a function, in its names."""
         return self._printed(steps, self.inputs[function][1]).lines
 
     def structs_of(self, function: str) -> tuple[Struct, Struct]:

@@ -19,8 +19,7 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
-from jausml_generators.cpp.layout import laid_out
-from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number
+from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number, laid_out
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -64,9 +63,6 @@ def number(expression: Expression, names: Mapping[str, str], binding: int = _CHO
     Args:
         names: C++ for each variable.
         binding: How tightly what stands around it binds; what binds less is put in parentheses.
-
-    Raises:
-        UnprintableError: An operation has no counterpart of the same bits.
     """
     match expression:
         case Number(value=value):
@@ -147,11 +143,7 @@ def _call(function: str, arguments: Sequence[str]) -> str:
 
 @functools.cache
 def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
-    """Returns the function of a conversion, whose arguments are those of its definition.
-
-    Raises:
-        UnprintableError: It has no arithmetic of its own.
-    """
+    """Returns the function of a conversion, whose arguments are those of its definition."""
     definition = conversion.definition
     if not isinstance(definition, Definition):
         raise UnprintableError(f"the conversion {conversion.name}")

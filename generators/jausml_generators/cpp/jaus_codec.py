@@ -41,7 +41,7 @@ from jausml_generators.python.codec.classes import (
     Enumeration,
     VariableFieldClass,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
@@ -72,11 +72,7 @@ class JausCodec:
     lines: list[str] = field(default_factory=list)
 
     def add(self, message: MessageView) -> None:
-        """Adds a message.
-
-        Raises:
-            UnprintableError: A field has no form in C++.
-        """
+        """Adds a message."""
         made = _Message(message, is_bounded=self.is_bounded)
         self.structs |= made.structs
         self.lines += ["", *made.lines] if self.lines else made.lines

@@ -60,11 +60,7 @@ def read_number(value: Fixed, target: str) -> str:
 
 
 def write_number(value: Fixed, text: str, kind: Type) -> str:
-    """Returns the statement that writes a number.
-
-    Raises:
-        UnprintableError: It is checked in a way that has no form in C++.
-    """
+    """Returns the statement that writes a number."""
     number = NUMBERS[value.format]
     match value.check:
         case "scaled" | "scaled_down" | "scaled_up":

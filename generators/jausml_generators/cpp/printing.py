@@ -24,7 +24,6 @@ from jausml_generators.bridge.translation.steps import (
 )
 from jausml_generators.bridge.translation.together import octet_limit
 from jausml_generators.cpp.jaus_numbers import NUMBERS
-from jausml_generators.cpp.places import Found
 from jausml_generators.cpp.types import (
     INTEGER,
     OCTETS,
@@ -33,6 +32,7 @@ from jausml_generators.cpp.types import (
     TRUTH,
     Choice,
     Elements,
+    Found,
     Plain,
     Struct,
     Type,
@@ -73,9 +73,6 @@ def printed(
 
     Args:
         joins: Structs of the joined messages, by parameter of the method.
-
-    Raises:
-        UnprintableError: A step has no form in C++.
     """
     printer = _Printer(used, {"source": source, "target": target}, joins)
     lines = printer.statements(steps)

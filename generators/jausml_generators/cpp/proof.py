@@ -15,9 +15,7 @@ from jausml.language.cdr import fields_of
 from jausml_generators.bridge.translation.places import Local, Place, There
 from jausml_generators.bridge.translation.steps import Choose, Let, Require, Write
 from jausml_generators.cpp.jaus_numbers import NUMBERS, read_number, write_number
-from jausml_generators.cpp.layout import laid_out
-from jausml_generators.cpp.places import Places
-from jausml_generators.cpp.types import Plain, UnprintableError, cpp_number
+from jausml_generators.cpp.types import Places, Plain, UnprintableError, cpp_number, laid_out
 from jausml_generators.python.codec.scalars import Bits, Fixed
 
 if TYPE_CHECKING:

@@ -13,13 +13,14 @@ from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
 from jausml_generators.cpp.formulas import conversion_lines, number
-from jausml_generators.cpp.places import Found, Places
 from jausml_generators.cpp.types import (
     INTEGER,
     REAL,
     TEXT,
     TRUTH,
     Elements,
+    Found,
+    Places,
     Plain,
     Struct,
     Type,
@@ -57,20 +58,12 @@ class Used:
     constants: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def conversion(self, name: str) -> None:
-        """Notes that a conversion is called.
-
-        Raises:
-            UnprintableError: It has no form in C++.
-        """
+        """Notes that a conversion is called."""
         if name not in self.conversions:
             self.conversions[name] = conversion_lines(CONVERSIONS[name])
 
     def names(self, name: str) -> str:
-        """Notes that a constant of names is used; returns its name.
-
-        Raises:
-            UnprintableError: It is no such constant.
-        """
+        """Notes that a constant of names is used; returns its name."""
         if name not in self.tables:
             raise UnprintableError(f"the constant {name}")
         texts = (cpp_string(ast.literal_eval(each)) for each in self.tables[name])
@@ -98,11 +91,7 @@ class Used:
 
 
 def literal(constant: Constant) -> str:
-    """Returns a constant of the model.
-
-    Raises:
-        UnprintableError: It has no form in C++.
-    """
+    """Returns a constant of the model."""
     value = constant.value
     if isinstance(value, str):
         return cpp_string(value)

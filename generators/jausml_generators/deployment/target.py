@@ -2,22 +2,298 @@
 
 from __future__ import annotations
 
+import ipaddress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Kind
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.connections.topics import resolve_topic
 from jausml_generators.bringup.target import bringup_view
-from jausml_generators.deployment.network import deployed_hosts
-from jausml_generators.deployment.views import DeploymentView
+from jausml_generators.deployment.network import dds_ports, deployed_hosts
+from jausml_generators.python.names import package_name
 from jausml_generators.ros_interfaces.target import declared_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
-    from jausml_generators.deployment.views import HostView, UnitView
+    from jausml_generators.bringup.views import ProcessView
+    from jausml_generators.deployment.network import Deployed
+
+USER = "jaus"
+"""The user that the processes run as; it is no person, and owns nothing."""
+
+USER_NUMBER = 3794
+"""Its number in containers; on hosts the system picks one."""
+
+
+@dataclass(frozen=True)
+class DeploymentView:
+    """A system and the computers that it runs on."""
+
+    system: System
+    source: str
+    deployed: tuple[Deployed, ...]
+    policies: tuple[tuple[str, str], ...]
+    packages_apart: tuple[str, ...] = ()
+    """Packages of messages that the workspace needs, and that nothing in it or in ROS provides."""
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"deployment:{self.system.name}"
+
+    @property
+    def name(self) -> str:
+        """Name of the system in paths, units and images."""
+        return package_name(self.system.name)
+
+    @property
+    def title(self) -> str:
+        """Name of the system."""
+        return str(self.system.name)
+
+    @property
+    def folder(self) -> str:
+        """Folder of the generated files."""
+        return f"{self.name}_deployment"
+
+    @property
+    def bringup(self) -> str:
+        """The bring-up package."""
+        return package_name(f"{self.system.name}_bringup")
+
+    @property
+    def image(self) -> str:
+        """Name of its container image."""
+        return f"{self.name}:{self.system.version}"
+
+    @property
+    def ros_domain(self) -> int:
+        """ROS domain of the system."""
+        return int(self.system.rosDomain)
+
+    @property
+    def workspace(self) -> str:
+        """Where the packages are installed."""
+        return f"/opt/jaus/{self.name}"
+
+    @property
+    def settings(self) -> str:
+        """Where the settings of a host are installed."""
+        return f"/etc/jaus/{self.name}"
+
+    @property
+    def start(self) -> str:
+        """What starts a process."""
+        return f"/usr/local/lib/jaus/{self.name}/start.sh"
+
+    @property
+    def user(self) -> str:
+        """The user that the processes run as."""
+        return USER
+
+    @property
+    def user_number(self) -> int:
+        """Number of that user in containers."""
+        return USER_NUMBER
+
+    @property
+    def hosts(self) -> tuple[HostView, ...]:
+        """Its hosts."""
+        return tuple(HostView(self, each) for each in self.deployed)
+
+    @property
+    def units(self) -> tuple[UnitView, ...]:
+        """The processes of all hosts."""
+        return tuple(unit for host in self.hosts for unit in host.units)
+
+
+@dataclass(frozen=True)
+class HostView:
+    """A computer of the system."""
+
+    deployment: DeploymentView
+    deployed: Deployed
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"host:{self.name}"
+
+    @property
+    def source(self) -> str:
+        """Model file."""
+        return self.deployment.source
+
+    @property
+    def name(self) -> str:
+        """Name of the host."""
+        return str(self.deployed.host.name)
+
+    @property
+    def folder(self) -> str:
+        """Folder of its files."""
+        return f"{self.deployment.folder}/hosts/{self.name}"
+
+    @property
+    def interface(self) -> str:
+        """IPv4 address of its network interface."""
+        return str(self.deployed.host.interface)
+
+    @property
+    def group(self) -> str:
+        """Multicast group of JAUS."""
+        return str(self.deployed.host.multicastGroup)
+
+    @property
+    def port(self) -> int:
+        """Port of JAUS."""
+        return int(self.deployed.host.port)
+
+    @property
+    def transport(self) -> str:
+        """How JAUS travels: `judp`, `jtcp` or `nodeManager`."""
+        return self.deployed.transport
+
+    @property
+    def protocol(self) -> str:
+        """Protocol of its JAUS port."""
+        return "tcp" if self.transport == "jtcp" else "udp"
+
+    @property
+    def jaus_ports(self) -> str:
+        """Ports of JAUS, with commas between them."""
+        return ", ".join(self.deployed.jaus_ports)
+
+    @property
+    def ros_ports(self) -> str:
+        """Ports at which its ROS 2 nodes are reached."""
+        return dds_ports(self.deployment.ros_domain)
+
+    @property
+    def target(self) -> str:
+        """The systemd target that starts all of its processes."""
+        return f"jaus-{self.deployment.name}.target"
+
+    @property
+    def units(self) -> tuple[UnitView, ...]:
+        """Its processes."""
+        return tuple(UnitView(self, each) for each in self.deployed.processes)
+
+    @property
+    def enclaves(self) -> tuple[str, ...]:
+        """SROS 2 enclaves of its processes."""
+        known = [enclave for enclave, _ in self.deployment.policies]
+        return tuple(each.enclave for each in self.units if each.enclave in known)
+
+    @property
+    def speaks_jaus(self) -> bool:
+        """Whether some process of it is a JAUS component."""
+        return self.deployed.speaks_jaus
+
+    @property
+    def speaks_ros(self) -> bool:
+        """Whether some process of it is a ROS 2 node."""
+        return self.deployed.speaks_ros
+
+    @property
+    def is_local(self) -> bool:
+        """Whether its interface is that of the computer itself, which no other one reaches."""
+        return ipaddress.IPv4Address(self.interface).is_loopback
+
+    @property
+    def peer_options(self) -> str:
+        """Options that name the components of the other hosts, for networks without multicast."""
+        return " ".join(
+            f"--jaus-peer {each.address}={each.endpoint}" for each in self.deployed.peers
+        )
+
+    @property
+    def needs_peers(self) -> bool:
+        """Whether processes are to be told of peers: TCP knows those of the model by itself."""
+        return self.transport == "judp" and not self.deployed.finds_by_multicast
+
+    @property
+    def has_node_manager(self) -> bool:
+        """Whether a node manager, which is no part of the model, carries its messages."""
+        return self.transport == "nodeManager"
+
+
+@dataclass(frozen=True)
+class UnitView:
+    """A process of a host, as systemd or a container runs it."""
+
+    host: HostView
+    process: ProcessView
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"unit:{self.name}"
+
+    @property
+    def source(self) -> str:
+        """Model file."""
+        return self.host.source
+
+    @property
+    def deployment(self) -> DeploymentView:
+        """The system."""
+        return self.host.deployment
+
+    @property
+    def name(self) -> str:
+        """Name of the process in paths and units."""
+        return self.process.package
+
+    @property
+    def file(self) -> str:
+        """Name of its unit."""
+        return f"jaus-{self.deployment.name}-{self.name}.service"
+
+    @property
+    def title(self) -> str:
+        """What it is, e.g. `bridge watcher`."""
+        return f"{self.process.kind} {self.process.name}"
+
+    @property
+    def speaks_jaus(self) -> bool:
+        """Whether it is a JAUS component."""
+        return self.process.speaks_jaus
+
+    @property
+    def speaks_ros(self) -> bool:
+        """Whether it is a ROS 2 node."""
+        return self.process.speaks_ros
+
+    @property
+    def enclave(self) -> str:
+        """Enclave that has its keys: the full name of the node."""
+        return resolve_topic(self.process.name, self.process.namespace, self.process.name)
+
+    @property
+    def parameters(self) -> str:
+        """Where its parameter file is installed."""
+        return f"{self.deployment.settings}/{self.name}.yaml"
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """Module and options that it is started with."""
+        if not self.speaks_ros:
+            return (self.process.module,)
+        ros = ("--ros-args", "--params-file", self.parameters, "--enclave", self.enclave)
+        return (self.process.module, *ros)
+
+    @property
+    def environment_files(self) -> tuple[str, ...]:
+        """Files of environment variables of the model that it reads."""
+        files = (("jaus.env", self.speaks_jaus), ("ros.env", self.speaks_ros))
+        return tuple(name for name, is_read in files if is_read)
 
 
 def tasks(model: Model) -> list[Task]:

@@ -33,8 +33,7 @@ from jausml_generators.jaus_component.machine_views import (
     walks,
 )
 from jausml_generators.python import names
-from jausml_generators.python.guards import condition
-from jausml_generators.python.statements import call, tuple_of
+from jausml_generators.python.statements import call, condition, tuple_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

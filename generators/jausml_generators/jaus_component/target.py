@@ -8,13 +8,12 @@ from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml_generators.common.components import plain_components
-from jausml_generators.common.runtime import FACE
 from jausml_generators.jaus_component.views import ComponentView
-from jausml_generators.messages.views import SystemMessages
+from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
+    FACE,
     PACKAGE_TEMPLATES,
     package_tasks,
-    package_view,
     program_tasks,
 )
 
@@ -28,15 +27,8 @@ def tasks(model: Model) -> list[Task]:
     views = [ComponentView(component, system, source) for component in plain_components(system)]
     messages = SystemMessages(system, source)
     packages = [
-        package_view(
-            system,
-            view.package,
-            element_id=view.element_id,
-            source=source,
-            description=view.documentation,
-            element=view.component,
-            dependencies=(FACE, *messages.needed_by(view)),
-            executables=((view.package, f"{view.package}.main"),),
+        view.package_view(
+            system, view.documentation, dependencies=(FACE, *messages.needed_by(view))
         )
         for view in views
     ]

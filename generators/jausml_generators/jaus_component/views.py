@@ -15,8 +15,8 @@ from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
-from jausml_generators.common import components, runtime
-from jausml_generators.jaus_component import machines, simulation
+from jausml_generators.common import components
+from jausml_generators.jaus_component import machines
 from jausml_generators.jaus_component.handlers import (
     GUARD_TEXTS,
     Answer,
@@ -25,13 +25,13 @@ from jausml_generators.jaus_component.handlers import (
     Peer,
     Received,
     documented,
+    simulated,
 )
 from jausml_generators.python import names
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.message_examples import example_bytes, example_numbers
-from jausml_generators.python.guards import condition, may_set_limits
-from jausml_generators.python.package import EntryPoint
-from jausml_generators.python.statements import long_string
+from jausml_generators.python.codec.messages import example_bytes, example_numbers
+from jausml_generators.python.package import MESSAGES, EntryPoint, ProgramView, runtime_names
+from jausml_generators.python.statements import condition, long_string, may_set_limits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -64,37 +64,24 @@ _TAKEN = (
 
 
 @dataclass(frozen=True)
-class ComponentView:
+class ComponentView(ProgramView):
     """A modelled component."""
+
+    KIND = "component"
 
     component: jaus.Component
     system: System
     source: str
 
     @property
-    def element_id(self) -> str:
-        """Identity of the model element."""
-        return f"component:{self.component.name}"
+    def element(self) -> jaus.Component:
+        """The model element."""
+        return self.component
 
     @property
     def name(self) -> str:
         """Name of the component in the model, clean."""
         return clean(self.component.name)
-
-    @property
-    def package(self) -> str:
-        """Package, module of the skeleton and executable."""
-        return names.package_name(str(self.component.name))
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return names.class_name("".join(word.capitalize() for word in self.package.split("_")))
-
-    @property
-    def base_name(self) -> str:
-        """Class that is generated anew each time."""
-        return f"{self.class_name}Base"
 
     @property
     def documentation(self) -> str:
@@ -188,7 +175,7 @@ class ComponentView:
                     answers[view.code] = self._answer(message, report)
         received = tuple(self._received(each) for each in self.component.connections)
         if self.component.simulated:
-            return *simulation.simulated(handlers.values(), answers.values()), received
+            return *simulated(handlers.values(), answers.values()), received
         return tuple(handlers.values()), tuple(answers.values()), received
 
     @functools.cached_property
@@ -392,8 +379,8 @@ class ComponentView:
         core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
         return Imports(
             {
-                **runtime.names(),
-                **offered(runtime.MESSAGES, *core),
+                **runtime_names(),
+                **offered(MESSAGES, *core),
                 **offered(".messages", *(view.class_name for view in self.messages)),
             }
         )
@@ -413,7 +400,7 @@ class ComponentView:
         """What the tests may import."""
         return Imports(
             {
-                **runtime.names(),
+                **runtime_names(),
                 "messages": Origin(self.package, "messages"),
                 **offered(f"{self.package}.{self.package}", self.class_name),
             },

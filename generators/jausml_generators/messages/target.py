@@ -2,17 +2,142 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.generation.docstrings import clean
+from jausml.generation.languages.python import Origin, statements
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task
-from jausml_generators.common.runtime import FACE
-from jausml_generators.messages.views import SystemMessages
-from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml_generators.bridge.views import BridgeView
+from jausml_generators.common.components import own_bridges, plain_components
+from jausml_generators.jaus_component.views import ComponentView
+from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.codec.messages import MessagesModule
+from jausml_generators.python.names import Scope, package_name, snake_case
+from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
+    from jausml_generators.python.codec.messages import MessageView
+
+
+@dataclass(frozen=True)
+class UsedMessages:
+    """The module `messages` of a package: class names from the package of messages."""
+
+    user: BridgeView | ComponentView
+    names: Mapping[str, Origin]
+
+    @property
+    def exports(self) -> tuple[str, ...]:
+        """Names of the classes."""
+        return tuple(sorted(self.names))
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return self.user.element_id
+
+    @property
+    def source(self) -> str:
+        """Model file."""
+        return self.user.source
+
+    @property
+    def path(self) -> str:
+        """Where the module stands."""
+        return f"{self.user.package}/{self.user.package}/messages.py"
+
+    @property
+    def import_lines(self) -> tuple[str, ...]:
+        """Import statements of the module."""
+        return tuple(statements(self.names))
+
+
+class SystemMessages:
+    """The package of the messages of a system.
+
+    A message that several services define in the same way is one class.
+    """
+
+    def __init__(self, system: System, source: str) -> None:
+        self.system = system
+        self.source = source
+        self.name = package_name(f"{system.name}_messages")
+        self.element_id = f"messages:{system.name}"
+        self.users: tuple[BridgeView | ComponentView, ...] = (
+            *(ComponentView(each, system, source) for each in plain_components(system)),
+            *(BridgeView(each, system, source) for each in own_bridges(system)),
+        )
+        self._views = build_message_map(
+            element for user in self.users for element in user.message_map
+        )
+        self._homes = _homes(self._views)
+
+    @property
+    def description(self) -> str:
+        """What the package is for."""
+        return f"The JAUS messages of the system {clean(self.system.name)}."
+
+    @property
+    def modules(self) -> tuple[MessagesModule, ...]:
+        """The modules of the package, one for each service that has messages."""
+        found: dict[str, list[MessageView]] = defaultdict(list)
+        services: dict[str, jaus.Service] = {}
+        for view, (module, service) in self._homes.items():
+            found[module].append(view)
+            services[module] = service
+        return tuple(
+            MessagesModule(
+                summary=f"Messages of the service {clean(services[module].name)} and their codecs.",
+                runtime=FACE,
+                messages=tuple(views),
+                source=self.source,
+                element_id=f"{self.element_id}/{module}",
+            )
+            for module, views in sorted(found.items())
+        )
+
+    def path(self, module: MessagesModule) -> str:
+        """Returns where a module of the package stands."""
+        return f"{self.name}/{self.name}/{module.element_id.partition('/')[2]}.py"
+
+    def used_by(self, user: BridgeView | ComponentView) -> UsedMessages:
+        """Returns the messages of a component or bridge."""
+        names: dict[str, Origin] = {}
+        for element, view in user.message_map.items():
+            home = self._views[element]
+            module, _ = self._homes[home]
+            names[view.class_name] = Origin(f"{self.name}.{module}", home.class_name)
+        return UsedMessages(user, names)
+
+    def needed_by(self, user: BridgeView | ComponentView) -> tuple[str, ...]:
+        """Returns the packages that the messages of a component or bridge are in."""
+        return (self.name,) if user.message_map else ()
+
+
+def _homes(
+    views: Mapping[jaus.MessageDef, MessageView],
+) -> dict[MessageView, tuple[str, jaus.Service]]:
+    """Returns the module of each class, and its service: the first that defines the message."""
+    owners: dict[MessageView, jaus.Service] = {}
+    for element, view in views.items():
+        service = element.eContainer()
+        if service is not None:
+            owners.setdefault(view, service)
+    scope = Scope()
+    services: Sequence[jaus.Service] = sorted(
+        dict.fromkeys(owners.values()), key=lambda each: (str(each.urn), str(each.version))
+    )
+    modules = {service: scope.claim(snake_case(service.name)) for service in services}
+    return {view: (modules[service], service) for view, service in owners.items()}
 
 
 def tasks(model: Model) -> list[Task]:

@@ -6,7 +6,7 @@ Python is written from the tree of an expression, never from its text.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
@@ -18,10 +18,15 @@ from jausml.language.attributes.expressions import (
     Number,
     Operation,
     Variable,
+    operands_of,
 )
+from jausml_generators.python.statements import Assign, If
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from jausml_generators.python.names import Scope
+    from jausml_generators.python.statements import Statement
 
 _FUNCTIONS = {
     "sin": "sine",
@@ -51,57 +56,23 @@ _ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _NOT, _AND, _OR, _CHOICE = range(9)
 _BINDING = {"*": _PRODUCT, "+": _SUM, "-": _SUM, "and": _AND, "or": _OR}
 
 
-@dataclass(frozen=True)
-class PythonExpression:
-    """An expression in Python.
-
-    Attributes:
-        code: The expression, in one line.
-        functions: Functions of the module `arithmetic` of the runtime that it calls.
-    """
-
-    code: str
-    functions: frozenset[str]
-
-
-def python_expression(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
-    """Returns the Python expression that computes an expression, as a `float`.
+def python_expression(expression: Expression, sources: Mapping[str, str]) -> str:
+    """Returns the Python expression, in one line, that computes an expression as a `float`.
 
     Args:
-        expression: The expression.
         sources: Python for each variable, by name: a name, an attribute, an item or a call.
-
-    Raises:
-        KeyError: A variable has no source.
     """
-    writer = _Writer(sources)
-    code = writer.number(expression, _CHOICE)
-    return PythonExpression(code, frozenset(writer.functions))
+    return _Writer(sources).number(expression, _CHOICE)
+
+
+def python_condition(expression: Expression, sources: Mapping[str, str]) -> str:
+    """Returns the Python expression that tells whether an expression differs from 0."""
+    return _Writer(sources).truth(expression, _CHOICE)
 
 
 def column_expression(expression: Expression, sources: Mapping[str, str]) -> str:
-    """Returns the Python expression that computes an expression of columns.
-
-    Args:
-        expression: The expression, without functions, quotients and powers.
-        sources: Python for each variable, by name.
-    """
+    """Returns the Python expression of columns; the expression has no quotients and powers."""
     return _ColumnWriter(sources).number(expression, _CHOICE)
-
-
-def python_condition(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
-    """Returns the Python expression that tells whether an expression differs from 0.
-
-    Args:
-        expression: The expression.
-        sources: Python for each variable, by name: a name, an attribute, an item or a call.
-
-    Raises:
-        KeyError: A variable has no source.
-    """
-    writer = _Writer(sources)
-    code = writer.truth(expression, _CHOICE)
-    return PythonExpression(code, frozenset(writer.functions))
 
 
 class _Writer:
@@ -109,7 +80,6 @@ class _Writer:
 
     def __init__(self, sources: Mapping[str, str]) -> None:
         self._sources = sources
-        self.functions: set[str] = set()
 
     def number(self, expression: Expression, binding: int) -> str:
         """Python for a number, in parentheses when it binds more loosely than asked for."""
@@ -157,10 +127,8 @@ class _Writer:
         return _within(f"{left} {sign} {right}", own, binding)
 
     def _call(self, function: str, arguments: Sequence[Expression]) -> str:
-        self.functions.add(function)
-        return (
-            f"arithmetic.{function}({', '.join(self.number(each, _CHOICE) for each in arguments)})"
-        )
+        given = ", ".join(self.number(each, _CHOICE) for each in arguments)
+        return f"arithmetic.{function}({given})"
 
     def _literal(self, value: float, binding: int) -> str:
         if not math.isfinite(value):
@@ -193,3 +161,67 @@ class _ColumnWriter(_Writer):
 
 def _within(code: str, own: int, binding: int) -> str:
     return f"({code})" if own > binding else code
+
+
+# Characters of an expression that is read at a glance.
+_LONG = 72
+# Characters of a part that needs no name of its own.
+_SHORT = 48
+
+
+@dataclass(frozen=True)
+class FormulaPrinter:
+    """Writes one expression."""
+
+    statements: list[Statement]
+    names: Scope
+    sources: dict[str, str]
+
+    def code(self, expression: Expression) -> str:
+        """Returns the Python text of the expression; its steps become local variables."""
+        if isinstance(expression, Conditional) and len(self._text(expression)) > _LONG:
+            return self._chosen(expression)
+        return self._text(self._shortened(expression))
+
+    def _chosen(self, expression: Conditional) -> str:
+        """One of two values as statements, under a name."""
+        name = self.names.claim("term")
+        condition = self._shortened(expression.condition)
+        test = python_condition(condition, self.sources)
+        branches = []
+        for value in (expression.then, expression.otherwise):
+            branch = replace(self, statements=[])
+            branch.statements.append(Assign(name, branch.code(value)))
+            branches.append(tuple(branch.statements))
+        self.statements.append(If(test, *branches))
+        return name
+
+    def _shortened(self, expression: Expression) -> Expression:
+        operands = operands_of(expression)
+        if not operands or len(self._text(expression)) <= _LONG:
+            return expression
+        # What stands behind a condition may have no value where the condition does not hold.
+        first_only = isinstance(expression, Operation) and expression.sign in {"and", "or"}
+        shorter = tuple(
+            self._step(operand, is_certain=not first_only or position == 0)
+            for position, operand in enumerate(operands)
+        )
+        if isinstance(expression, Operation):
+            return replace(expression, operands=shorter)
+        if isinstance(expression, Call):
+            return replace(expression, arguments=shorter)
+        return expression
+
+    def _step(self, operand: Expression, *, is_certain: bool) -> Expression:
+        """An operand under a name of its own, if it can be computed before."""
+        if not operands_of(operand) or len(self._text(operand)) <= _SHORT:
+            return operand
+        if not is_certain and "arithmetic." in self._text(operand):
+            return operand
+        name = self.names.claim("term")
+        self.statements.append(Assign(name, self.code(operand)))
+        self.sources[name] = name
+        return Variable(name)
+
+    def _text(self, expression: Expression) -> str:
+        return python_expression(expression, self.sources)

@@ -1,23 +1,70 @@
-"""Package files: what makes a folder an ament_python package, shared by all targets."""
+"""Package files of an ament_python package, and what its code may import of the runtime."""
 
 from __future__ import annotations
 
+import ast
+import functools
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+import jausml
 from jausml.generation import native
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, layout
+from jausml.generation.languages.python import Imports, Origin, layout, offered
 from jausml.generation.literals import python_string
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
-from jausml_generators.common import runtime
+from jausml_generators.python.names import class_name, package_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from jausml.generation.artifact import SkeletonContract
     from jausml.language.metamodel.classes import jaus, ros
     from jausml.language.metamodel.classes.system import System
+
+API_VERSION = (1, 0)
+"""API of the runtime that generated code is written for."""
+
+FACE = "jausml_runtime"
+"""Components, bridges, and what they are made and told of."""
+MESSAGES = f"{FACE}.messages"
+"""Messages of the core services."""
+CONVERSIONS = f"{FACE}.conversions"
+"""Conversions of values, and the values that they know."""
+ARITHMETIC = f"{CONVERSIONS}.arithmetic"
+"""Functions of expressions."""
+COLUMNS = f"{CONVERSIONS}.columns"
+"""Columns of numbers, by numpy."""
+LIGHT = f"{FACE}.bridge.light_message"
+"""What light classes of ROS messages are made of."""
+OCTETS = f"{FACE}.bridge.messages.octets"
+"""Lists of single octets."""
+WIRE = f"{FACE}.wire"
+"""What classes of messages are made of."""
+
+
+@functools.cache
+def runtime_names() -> Mapping[str, Origin]:
+    """Returns what generated modules may import of the runtime besides messages and codecs.
+
+    The face is read from the file that is copied: nothing that generates imports the runtime.
+    """
+    face = Path(jausml.__file__).parent / "runtime" / "__init__.py"
+    lists = [
+        node.value
+        for node in ast.parse(face.read_text("utf-8")).body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    ]
+    return {
+        **offered(FACE, *ast.literal_eval(lists[0])),
+        "conversions": Origin(FACE, "conversions"),
+        "arithmetic": Origin(CONVERSIONS, "arithmetic"),
+        "columns": Origin(CONVERSIONS, "columns"),
+        "octets": Origin(f"{FACE}.bridge.messages", "octets"),
+    }
+
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -51,12 +98,12 @@ class PackageView:
     @property
     def asks_for_api(self) -> bool:
         """Whether it imports the runtime, and what is run in it does not ask for its API."""
-        return runtime.FACE in self.dependencies and not self.executables
+        return FACE in self.dependencies and not self.executables
 
     @property
     def runtime_api(self) -> tuple[int, int]:
         """API of the runtime that its code is written for."""
-        return runtime.API_VERSION
+        return API_VERSION
 
     @property
     def core_flags(self) -> str:
@@ -120,42 +167,81 @@ class EntryPoint:
     @property
     def runtime_api(self) -> tuple[int, int]:
         """API of the runtime that the generated code is written for."""
-        return runtime.API_VERSION
+        return API_VERSION
 
 
-class ProgramView(Protocol):
-    """A component, bridge or node whose package holds a base, a skeleton and an entry point."""
+class ProgramView(ABC):
+    """A component, bridge or node whose package holds a base, a skeleton and an entry point.
+
+    Attributes:
+        KIND: What its identity begins with.
+        source: Model file.
+    """
+
+    KIND: ClassVar[str]
+    source: str
+
+    @property
+    @abstractmethod
+    def element(self) -> jaus.Component | ros.Node:
+        """The model element."""
 
     @property
     def element_id(self) -> str:
         """Identity of the model element."""
+        return f"{self.KIND}:{self.element.name}"
 
     @property
-    def source(self) -> str:
-        """Model file."""
+    def name(self) -> str:
+        """Its name in the model."""
+        return str(self.element.name)
 
     @property
     def package(self) -> str:
-        """Package name, which is also the name of the skeleton's module."""
+        """Package, module of the skeleton and executable."""
+        return package_name(str(self.element.name))
 
     @property
     def class_name(self) -> str:
-        """The user's class."""
+        """Class of the user's skeleton."""
+        return class_name("".join(word.capitalize() for word in self.package.split("_")))
 
     @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    @abstractmethod
     def entry_point(self) -> EntryPoint:
         """How its process runs."""
 
+    @abstractmethod
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
 
     @property
+    @abstractmethod
     def base_imports(self) -> Imports:
         """What the base may import."""
 
     @property
+    @abstractmethod
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
+
+    def package_view(self, system: System, description: str, **attributes: Any) -> PackageView:
+        """Returns its package, whose other attributes are as `package_view` takes them."""
+        return package_view(
+            system,
+            self.package,
+            element_id=self.element_id,
+            source=self.source,
+            description=description,
+            element=self.element,
+            executables=((self.package, f"{self.package}.main"),),
+            **attributes,
+        )
 
 
 ViewT = TypeVar("ViewT", bound=ProgramView)

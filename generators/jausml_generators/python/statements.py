@@ -14,6 +14,8 @@ from jausml.generation.literals import printable, python_string
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from jausml.language.metamodel.classes import jaus
+
 _STEP = " " * 4
 # Characters of a string that stands on a line of its own, wherever that begins.
 _PIECE = 70
@@ -188,3 +190,25 @@ def _line(statement: Assign | Do | Raise | Return) -> str:
     if isinstance(statement, Assign):
         return f"{statement.place} = {statement.value}{comment}"
     return statement.expression + comment
+
+
+_VELOCITY_DRIVER = "urn:jaus:jss:mobility:VelocityStateDriver"
+
+CURRENT_COMMAND = 0
+"""CommandType of a SetVelocityCommand that moves; the others set limits and the default."""
+
+
+def condition(message: jaus.MessageDef, guard: str) -> str:
+    """Returns the expression that says whom to obey: a guard, or a function of the message."""
+    # Limits may be set in Standby, the current command in Ready alone (AS6009, 0415h).
+    if guard == "READY" and may_set_limits(message):
+        current = f"message.command_type == {CURRENT_COMMAND}"
+        return f"lambda message: Guard.READY if {current} else Guard.CONTROLLED"
+    return f"Guard.{guard}"
+
+
+def may_set_limits(message: jaus.MessageDef) -> bool:
+    """Tells whether a message moves the component or sets limits, as its CommandType says."""
+    owner = message.eContainer()
+    is_of_driver = owner is not None and owner.urn == _VELOCITY_DRIVER
+    return is_of_driver and message.name == "SetVelocityCommand"

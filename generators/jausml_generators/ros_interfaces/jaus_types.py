@@ -44,11 +44,7 @@ class MessagesPackage:
         self.files: list[DefinitionFile] = []
 
     def add(self, message: jaus.MessageDef) -> None:
-        """Adds a message.
-
-        Raises:
-            GenerationError: The message cannot be encoded; validation tells users before.
-        """
+        """Adds a message."""
         try:
             layout = wire.resolve(message)
         except wire.LayoutError as error:

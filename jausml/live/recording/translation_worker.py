@@ -13,7 +13,7 @@ import typing
 from importlib import import_module
 
 from jausml_runtime.bridge.connections.transcoding import transcoder
-from jausml_runtime.bridge.messages.errors import StaleJoinError
+from jausml_runtime.bridge.messages.limits import StaleJoinError
 from jausml_runtime.conversions import Time
 
 _NANO = 10**9

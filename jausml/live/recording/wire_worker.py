@@ -17,7 +17,7 @@ from importlib import import_module
 from random import Random
 
 from jausml_runtime import Qos
-from jausml_runtime.bridge.messages.errors import RosTypeError
+from jausml_runtime.bridge.messages.limits import RosTypeError
 from jausml_runtime.component.process import running_transport
 from jausml_runtime.virtual import Link, RosGraph, VirtualRosNode
 

@@ -1,4 +1,4 @@
-"""Version of what the runtime exports, and what generated code asks for."""
+"""Version of what the runtime exports, what generated code asks for, and the root of its errors."""
 
 from __future__ import annotations
 
@@ -34,3 +34,10 @@ def require_api(version: tuple[int, int], file: str) -> None:
         f"{file} needs API {version[0]}.{version[1]} of jausml_runtime, and {folder} has"
         f" {API_VERSION[0]}.{API_VERSION[1]}: {remedy}"
     )
+
+
+class JausError(ValueError):
+    """A value or message that cannot be taken, carried or translated.
+
+    What the operating system refuses stays an ``OSError``.
+    """

@@ -17,7 +17,6 @@ from .standstill import Standstill
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
-    from types import TracebackType
 
     Poll = Callable[[float | None, int], list[tuple[int, int]]]
 
@@ -103,12 +102,7 @@ class Loop:
         """Return the loop; it is stopped when the block ends."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop the loop."""
         self.stop()
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import ipaddress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .address import JausAddress
 
@@ -159,113 +159,93 @@ class TransportSettings:
                 raise ValueError(f"allowed host {each!r}: {error}") from error
 
 
+def _peer(text: str) -> tuple[JausAddress, Endpoint]:
+    """Read ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
+    address, _, endpoint = text.partition("=")
+    host, _, port = endpoint.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not ID=HOST:PORT")
+    try:
+        return JausAddress.parse(address), (host, int(port))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
+_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "JAUS transport": {
+        "interface": {"metavar": "ADDRESS", "help": "IPv4 address of the network interface"},
+        "transport": {
+            "choices": [kind.value for kind in TransportKind],
+            "help": "UDP, TCP, or through the node manager of this host",
+        },
+        "port": {"metavar": "PORT", "help": "UDP or TCP port shared with every peer"},
+        "multicast_group": {"metavar": "ADDRESS", "help": "multicast group"},
+        "multicast_ttl": {"metavar": "HOPS", "help": "routers that a multicast may pass"},
+        "fragment_size": {
+            "metavar": "BYTES",
+            "help": "payload of one packet; 1400 suits lossy networks",
+        },
+        "peer": {
+            "metavar": "ID=HOST:PORT",
+            "action": "append",
+            "type": _peer,
+            "help": "where a component is, e.g. 100.1.2=192.168.0.7:3794; may be repeated",
+        },
+        "node_manager_directory": {
+            "metavar": "FOLDER",
+            "help": "where the node manager has its local sockets (default: that for temporary"
+            " files)",
+        },
+        "allowed_hosts": {
+            "metavar": "NETWORKS",
+            "help": "IPv4 addresses and networks that packets are taken from, with commas between"
+            " them, e.g. 10.0.0.0/24,10.0.1.7; empty for any (default: %(default)r)",
+        },
+        "fixed_sources": {
+            "action": argparse.BooleanOptionalAction,
+            "help": "refuse a component that is suddenly heard from elsewhere",
+        },
+    },
+    "what strangers get": {
+        "amplification_limit": {
+            "metavar": "FACTOR",
+            "help": "bytes to a UDP endpoint on another host for each byte from it, until it has"
+            " acknowledged; 0 for no limit",
+        },
+        "max_peers": {
+            "metavar": "NUMBER",
+            "help": "components that are remembered besides stated ones",
+        },
+        "max_connections": {"metavar": "NUMBER", "help": "TCP connections at a time"},
+        "idle_timeout": {
+            "metavar": "SECONDS",
+            "help": "time in which a message must come over a TCP connection",
+        },
+    },
+}
+"""Options of a command line by groups and fields, as argparse takes them."""
+
+
 def add_arguments(
     parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
 ) -> None:
     """Add the ``--jaus-...`` options that ``from_arguments`` reads."""
     known = TransportSettings() if defaults is None else defaults
-    group = parser.add_argument_group("JAUS transport")
-    group.add_argument(
-        "--jaus-interface",
-        default=known.interface,
-        metavar="ADDRESS",
-        help="IPv4 address of the network interface (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-transport",
-        choices=[kind.value for kind in TransportKind],
-        default=known.transport.value,
-        help="UDP, TCP, or through the node manager of this host (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-port",
-        type=int,
-        default=known.port,
-        metavar="PORT",
-        help="UDP or TCP port shared with every peer (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-multicast-group",
-        default=known.multicast_group,
-        metavar="ADDRESS",
-        help="multicast group (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-multicast-ttl",
-        type=int,
-        default=known.multicast_ttl,
-        metavar="HOPS",
-        help="routers that a multicast may pass (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-fragment-size",
-        type=int,
-        default=known.fragment_size,
-        metavar="BYTES",
-        help="payload of one packet; 1400 suits lossy networks (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-peer",
-        type=_peer,
-        action="append",
-        default=[],
-        metavar="ID=HOST:PORT",
-        help="where a component is, e.g. 100.1.2=192.168.0.7:3794; may be repeated",
-    )
-    group.add_argument(
-        "--jaus-node-manager-directory",
-        default=known.node_manager_directory,
-        metavar="FOLDER",
-        help="where the node manager has its local sockets (default: that for temporary files)",
-    )
-    group.add_argument(
-        "--jaus-allowed-hosts",
-        default=",".join(known.allowed_hosts),
-        metavar="NETWORKS",
-        help="IPv4 addresses and networks that packets are taken from, with commas between them,"
-        " e.g. 10.0.0.0/24,10.0.1.7; empty for any (default: %(default)r)",
-    )
-    group.add_argument(
-        "--jaus-fixed-sources",
-        action=argparse.BooleanOptionalAction,
-        default=known.fixed_sources,
-        help="refuse a component that is suddenly heard from elsewhere (default %(default)s)",
-    )
-    _add_budgets(parser, known)
-
-
-def _add_budgets(parser: argparse.ArgumentParser, known: TransportSettings) -> None:
-    """Add the options for what strangers get."""
-    group = parser.add_argument_group("what strangers get")
-    group.add_argument(
-        "--jaus-amplification-limit",
-        type=int,
-        default=known.amplification_limit,
-        metavar="FACTOR",
-        help="bytes to a UDP endpoint on another host for each byte from it, until it has"
-        " acknowledged; 0 for no limit (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-max-peers",
-        type=int,
-        default=known.max_peers,
-        metavar="NUMBER",
-        help="components that are remembered besides stated ones (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-max-connections",
-        type=int,
-        default=known.max_connections,
-        metavar="NUMBER",
-        help="TCP connections at a time (default %(default)s)",
-    )
-    group.add_argument(
-        "--jaus-idle-timeout",
-        type=float,
-        default=known.idle_timeout,
-        metavar="SECONDS",
-        help="time in which a message must come over a TCP connection (default %(default)s)",
-    )
+    unlike: dict[str, Any] = {
+        "transport": known.transport.value,
+        "peer": [],
+        "allowed_hosts": ",".join(known.allowed_hosts),
+    }
+    reads = {each.name: {"int": int, "float": float}.get(str(each.type)) for each in fields(known)}
+    for title, options in _OPTIONS.items():
+        group = parser.add_argument_group(title)
+        for name, option in options.items():
+            given = {"default": unlike[name] if name in unlike else getattr(known, name), **option}
+            if "default" not in option["help"] and name != "peer":
+                given["help"] += " (default %(default)s)"
+            if reads.get(name) is not None:
+                given["type"] = reads[name]
+            group.add_argument(f"--jaus-{name.replace('_', '-')}", **given)
 
 
 def from_arguments(
@@ -280,25 +260,15 @@ def from_arguments(
         ValueError: A value is out of its range.
     """
     known = TransportSettings() if defaults is None else defaults
-    return replace(
-        known,
-        interface=arguments.jaus_interface,
-        port=arguments.jaus_port,
-        transport=TransportKind(arguments.jaus_transport),
-        node_manager_directory=arguments.jaus_node_manager_directory,
-        multicast_group=arguments.jaus_multicast_group,
-        multicast_ttl=arguments.jaus_multicast_ttl,
-        fragment_size=arguments.jaus_fragment_size,
-        address_book={**known.address_book, **dict(arguments.jaus_peer)},
-        allowed_hosts=tuple(
-            each.strip() for each in arguments.jaus_allowed_hosts.split(",") if each
-        ),
-        fixed_sources=arguments.jaus_fixed_sources,
-        amplification_limit=arguments.jaus_amplification_limit,
-        max_peers=arguments.jaus_max_peers,
-        max_connections=arguments.jaus_max_connections,
-        idle_timeout=arguments.jaus_idle_timeout,
+    given = {
+        name: getattr(arguments, f"jaus_{name}") for each in _OPTIONS.values() for name in each
+    }
+    given["address_book"] = {**known.address_book, **dict(given.pop("peer"))}
+    given["transport"] = TransportKind(given["transport"])
+    given["allowed_hosts"] = tuple(
+        each.strip() for each in given["allowed_hosts"].split(",") if each
     )
+    return replace(known, **given)
 
 
 def peers(*texts: str) -> dict[JausAddress, Endpoint]:
@@ -311,18 +281,6 @@ def peers(*texts: str) -> dict[JausAddress, Endpoint]:
         argparse.ArgumentTypeError: A text is no entry.
     """
     return dict(map(_peer, texts))
-
-
-def _peer(text: str) -> tuple[JausAddress, Endpoint]:
-    """Read ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
-    address, _, endpoint = text.partition("=")
-    host, _, port = endpoint.rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r} is not ID=HOST:PORT")
-    try:
-        return JausAddress.parse(address), (host, int(port))
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def _ipv4(name: str, text: str) -> ipaddress.IPv4Address:

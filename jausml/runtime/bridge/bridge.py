@@ -15,17 +15,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base.address import JausAddress
+from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..base.errors import JausError
 from ..clients.exchanges import Exchanges
 from ..component.component import JausComponent
 from ..conversions import Time
-from ..services.definitions import Guard, Status
+from ..services.definitions import Status
 from ..services.management import PASSIVE
-from .connections.sharing import SharedMessages, SharedTopics
 from .connections.transcoding import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
+from .ends.ends import SharedMessages, SharedTopics
 from .ends.list_driver import ListDriver
 from .ends.mission_driver import MissionDriver, MissionMessages
 from .ends.simulation import Simulation
@@ -41,18 +41,14 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
-    from ..clients.peer_search import PeerBinding
     from ..guardian.ward import Ward
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
-    from ..wire.message import Message
     from .diagnosing import Carried
-    from .ends.by_sender import Taker
-    from .ends.ends import FastSubscriber, Feed, ReportHolder, RosPublisher, RosSide
+    from .ends.ends import BridgeSettings
     from .ends.list_driver import ListMessages
     from .ends.parameters import AttributeParameter
-    from .ends.settings import BridgeSettings
-    from .ends.topics import Topic
+    from .ends.ros_side import FastSubscriber, RosSide
     from .messages.compiled import Compiled, Core, Function, Translation
 
 
@@ -91,8 +87,8 @@ class Bridge:
         self._list_drivers: dict[ListMessages, ListDriver] = {}
         self._library: tuple[Core, CDLL] | None = None
         self._fast: FastSide | None = None
-        self._topics: SharedTopics
-        self._messages: SharedMessages
+        self.shared_topics: SharedTopics
+        self.shared_messages: SharedMessages
 
     # ------------------------------------------------------------------ life
 
@@ -110,8 +106,8 @@ class Bridge:
         ros.attach(transport.loop)
         self.clock = self._chosen_clock()
         self.component.event_clock = self.clock
-        self._topics = SharedTopics(ros)
-        self._messages = SharedMessages(self.component)
+        self.shared_topics = SharedTopics(ros)
+        self.shared_messages = SharedMessages(self.component)
         self._list_drivers.clear()
         self.exchanges = Exchanges(self.component)
         self._load_core(ros.parameter(parameters.compiled()))
@@ -167,8 +163,8 @@ class Bridge:
     def _open_connections(self) -> None:
         for connection in self.connections:
             connection.open(self)
-        self._topics.subscribe()
-        self._messages.handle()
+        self.shared_topics.subscribe()
+        self.shared_messages.handle()
         self._log_forms()
 
     def _log_forms(self) -> None:
@@ -298,40 +294,6 @@ class Bridge:
     def loop(self) -> Loop:
         """The loop of the JAUS side."""
         return self.component.loop
-
-    def publisher(
-        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> RosPublisher:
-        """Returns what publishes on a topic; connections that name it alike share it."""
-        return self._topics.publisher(message_type, topic, greet)
-
-    def subscribe(
-        self, message_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
-    ) -> Feed:
-        """Subscribes to a topic; connections that name it alike share its subscription."""
-        return self._topics.feed(message_type, topic, take)
-
-    def accept(
-        self,
-        message: type[Message],
-        taker: Taker,
-        when: Guard | Callable[[Any], Guard],
-    ) -> None:
-        """Takes messages that other components send to the bridge."""
-        self._messages.accept(message, taker, when)
-
-    def note_unasked(
-        self,
-        message: type[Message],
-        note: Callable[[bytes, JausAddress], None],
-        peers: PeerBinding,
-    ) -> None:
-        """Tells of reports of peers that nobody takes, as they are asked for in another way."""
-        self._messages.note_unasked(message, note, peers)
-
-    def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
-        """Offers a report; connections that feed one report share its value."""
-        return self._messages.report(query, report)
 
     def list_driver(self, messages: ListMessages) -> ListDriver:
         """Returns the list driver of the bridge; connections that name its messages share it."""

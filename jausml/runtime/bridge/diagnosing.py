@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from ..component.accounts import accounts_of
+from ..transports.transport import accounts_of
+from .calls.calls import Calls
+from .connections.connection import Connection
 from .ends.ends import Ends
 from .reports.diagnostics import (
     ConnectionStatus,
@@ -26,51 +28,15 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
-    from ..component.accounts import Accountable
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
-    from .connections.transcoding import Form
+    from ..transports.transport import Accountable
     from .ends.simulation import Simulation
-    from .reports.diagnostics import Statistics
-    from .reports.states import Standing, StopReason
+    from .reports.states import Standing
 
 
-class Carried(Protocol):
-    """A connection as its bridge sees it. All of it runs on the loop, or with its lock."""
-
-    name: str
-    statistics: Statistics
-    is_command: bool
-    form: Form
-
-    @property
-    def when_lost(self) -> str:
-        """What happens when the source of a command is lost."""
-
-    def open(self, ends: Ends) -> None:
-        """Opens both ends, before the first message."""
-
-    def watch(self) -> None:
-        """Starts to mind the source."""
-
-    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Stops what must not go on; whether something was stopped."""
-
-    def lose(self, reason: StopReason) -> bool:
-        """Stops what is watched for silence; whether something was stopped."""
-
-    def end(self) -> bool:
-        """Stops for good; whether something was stopped."""
-
-    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
-        """Measures the latency from now on, or no more."""
-
-    def status(self) -> ConnectionStatus:
-        """Returns the state since the last call."""
-
-    def close_account(self) -> list[tuple[str, int]]:
-        """Counts what was lost since the last status; returns what became of all messages."""
-
+Carried: TypeAlias = Connection[Any, Any] | Calls[Any, Any]
+"""What a bridge carries. All of it runs on the loop, or with its lock."""
 
 TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 """The type in ROS."""

@@ -6,12 +6,12 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..base.errors import JausError
+from ..base.api import JausError
 from ..wire.message import EncodeError
 from .connections.transcoding import uses_ros_classes
 from .light_message import LightMessage
 from .messages.compiled import NoCoreError, compiled_of
-from .messages.errors import RosTypeError
+from .messages.limits import RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -169,7 +169,7 @@ def _differing_from_rclpy(message: Any) -> list[str]:
     if not isinstance(message, LightMessage):
         return []
     try:
-        from .ros.codec import Codec  # noqa: PLC0415 - there are tests without ROS
+        from .ros.internals import Codec  # noqa: PLC0415 - there are tests without ROS
 
         codec = Codec(type(message))
     except (ImportError, RosTypeError):

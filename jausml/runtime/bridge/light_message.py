@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 from ..wire.message import DecodeError, EncodeError
 from ..wire.records import FEWEST, Records
 from .messages import cdr
-from .messages.errors import RosTypeError
+from .messages.limits import RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, MutableSequence, Sequence

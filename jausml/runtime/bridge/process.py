@@ -28,7 +28,7 @@ from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
 from .ends.parameters import ParameterError
-from .messages.errors import RosLostError, RosTypeError
+from .messages.limits import RosLostError, RosTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from ..base.settings import TransportSettings
     from ..transports.transport import Transport
     from .bridge import Bridge
-    from .ends.ends import RosSide
-    from .ends.settings import BridgeSettings
+    from .ends.ends import BridgeSettings
+    from .ends.ros_side import RosSide
     from .ros.node import RosNode
 
 
@@ -179,8 +179,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
     # Components that are no bridges, and their computers, need no ROS.
+    from .ros.lifecycle import without_ros_arguments  # noqa: PLC0415
     from .ros.node import RosNode  # noqa: PLC0415
-    from .ros.spin import without_ros_arguments  # noqa: PLC0415
 
     line = sys.argv[1:] if arguments is None else list(arguments)
     try:
@@ -230,7 +230,7 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     Returns:
         The exit code: 0, or 2 when a parameter has a value with which the node cannot be made.
     """
-    from .ros.spin import spin  # noqa: PLC0415
+    from .ros.lifecycle import spin  # noqa: PLC0415
 
     try:
         spin(factory, arguments)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
+from .control_state import Releases
 from .controlled_target import ControlledTarget
-from .releases import Releases
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..services.definitions import Status
     from ..services.host import Host
     from .control_state import ControlState
+    from .discovery_client import Presence
     from .event_client import EventClient
-    from .presence import Presence
 
 
 class ControlSession:

@@ -17,10 +17,9 @@ from ..messages import (
     Resume,
 )
 from ..services.definitions import Status
-from ..services.ordering import Ordering
-from .control_state import ControlState, Session
-from .presence import QUICK_TRIES, Pace
-from .target_watch import Questions, TargetWatch
+from ..transports.delivery import Ordering
+from .control_state import ControlState, Questions, Session, TargetWatch
+from .discovery_client import QUICK_TRIES, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,9 +27,9 @@ if TYPE_CHECKING:
     from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
+    from .control_state import Releases
+    from .discovery_client import Presence
     from .event_client import EventClient
-    from .presence import Presence
-    from .releases import Releases
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of

@@ -1,4 +1,4 @@
-"""Use of the Discovery service of others: registration and search (AS5710, Discovery)."""
+"""Who is there: registration, search (AS5710, Discovery), and when each was last heard."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST
+from ..base.counters import LOGGER
 from ..base.quirks import Quirk
 from ..messages import QueryIdentification, ReportIdentification, ReportServiceList, ReportServices
 from ..services.definitions import CORE, Scope
@@ -23,10 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
-    from ..services.definitions import ServiceIdentity
+    from ..base.loop import Loop, Timer
+    from ..services.definitions import ComponentSettings, ServiceIdentity
     from ..services.host import Host
-
 
 INTERVAL = 5.0
 """Seconds after which a component that reports nothing is asked again."""
@@ -205,3 +205,162 @@ class DiscoveryClient:
         else:
             search.found.add(found.address)
             self._component.call(search.on_found, found)
+
+
+QUICK_TRIES = 8
+"""Requests without an answer after which the pauses between them grow."""
+
+SILENCE = 2.0
+"""Seconds without a message after which a component that speaks again has come back."""
+
+_NEVER = float("-inf")
+
+
+class Presence:
+    """When each component that is waited for has sent its last message, of whatever kind.
+
+    Attributes:
+        heard: By component when that was; kept by who takes the messages.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self._loop = loop
+        self.heard: dict[JausAddress, float] = {}
+        self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
+
+    def watch(self, address: JausAddress, on_return: Callable[[], None]) -> None:
+        """Wait for a component.
+
+        Args:
+            on_return: Called when it speaks for the first time, or after a silence.
+        """
+        self.heard.setdefault(address, _NEVER)
+        self._on_return.setdefault(address, []).append(on_return)
+
+    def note(self, address: JausAddress, at: float) -> None:
+        """Note a message of a component, which did not pass those who take messages."""
+        last = self.heard.get(address)
+        if last is not None:
+            self.heard[address] = at
+            if at - last > SILENCE:
+                self.returned(address)
+
+    def forget(self, address: JausAddress, on_return: Callable[[], None]) -> None:
+        """Undo ``watch``."""
+        actions = self._on_return.get(address, [])
+        if on_return in actions:
+            actions.remove(on_return)
+        if not actions:
+            self._on_return.pop(address, None)
+            self.heard.pop(address, None)
+
+    def returned(self, address: JausAddress) -> None:
+        """Tell who waits for a component that it speaks again, after what its message says."""
+        for action in self._on_return[address]:
+            self._loop.call_soon(action)
+
+    def heard_since(self, address: JausAddress, when: float) -> bool:
+        """Tell whether a component that is waited for has sent a message since a time."""
+        return self.heard.get(address, _NEVER) >= when
+
+    def heard_lately(self, address: JausAddress) -> bool:
+        """Tell whether a component that is waited for is audible now."""
+        return self.heard_since(address, self._loop.now() - SILENCE)
+
+
+class Pace:
+    """Pauses between requests that stay unanswered: short ones first, then growing ones.
+
+    They grow up to ``retry_max`` while the other side is silent. While it is heard the link is
+    there and only loses datagrams: then no pause is longer than ``watch_interval``.
+    """
+
+    def __init__(
+        self, settings: ComponentSettings, presence: Presence, address: JausAddress
+    ) -> None:
+        self._settings = settings
+        self._presence = presence
+        self._address = address
+        self._tries = 0
+        self._pause = settings.retry_min
+
+    def answered(self) -> None:
+        """Begin anew: an answer has come."""
+        self._tries = 0
+        self._pause = self._settings.retry_min
+
+    def next_pause(self) -> float:
+        """Return the seconds to wait for the answer to a request that is sent now."""
+        self._tries += 1
+        if self._tries < QUICK_TRIES:
+            return self._pause
+        is_heard = self._presence.heard_lately(self._address)
+        longest = self._settings.watch_interval if is_heard else self._settings.retry_max
+        pause = min(self._pause, longest)
+        self._pause = min(2 * pause, self._settings.retry_max)
+        return pause
+
+
+PATIENCE = 3
+"""Greetings without an answer after which somebody is told, once in each silence."""
+
+
+class Greeter:
+    """Asks peers for their identification until they speak, and again when they fall silent.
+
+    Operator units of competitions, and components behind a router without multicast, learn of
+    this component by that alone. Each peer gets one small query in ``EAGER_INTERVAL`` seconds at
+    most, which is not repeated otherwise, and none while it was heard, with whatever message,
+    within ``discovery_timeout`` of the settings: it may have been restarted after such a silence.
+
+    Attributes:
+        unanswered: How often each peer was greeted since it spoke last.
+    """
+
+    def __init__(self, component: Host, presence: Presence) -> None:
+        self._component = component
+        self._presence = presence
+        self.unanswered = dict.fromkeys(component.settings.greeted, 0)
+        self._timer: Timer | None = None
+
+    def start(self) -> None:
+        """Greet now, and whoever is silent again and again."""
+        for peer in self.unanswered:
+            self._presence.watch(peer, self._heard)
+        if self.unanswered:
+            self._look()
+
+    def stop(self) -> None:
+        """Greet no more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+            for peer in self.unanswered:
+                self._presence.forget(peer, self._heard)
+
+    def _look(self) -> None:
+        """Greet whoever was not heard for long."""
+        component = self._component
+        since = component.loop.now() - component.settings.discovery_timeout
+        for peer in self.unanswered:
+            if not self._presence.heard_since(peer, since):
+                self._greet(peer)
+        self._timer = component.loop.call_later(EAGER_INTERVAL, self._look)
+
+    def _greet(self, peer: JausAddress) -> None:
+        self.unanswered[peer] += 1
+        scope = self._component.settings.greeted[peer]
+        self._component.counters.add("greeter.sent")
+        self._component.send(QueryIdentification(query_type=scope), peer)
+        if self.unanswered[peer] == PATIENCE:
+            self._component.counters.count(
+                "greeter.unanswered", f"{peer} has answered none of {PATIENCE} greetings"
+            )
+
+    def _heard(self) -> None:
+        """Tell once of each peer that speaks after it was greeted."""
+        since = self._component.loop.now() - self._component.settings.discovery_timeout
+        for peer, tries in self.unanswered.items():
+            if tries and self._presence.heard_since(peer, since):
+                LOGGER.info("%s speaks, and is greeted no more", peer)
+                self.unanswered[peer] = 0

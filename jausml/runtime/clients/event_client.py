@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..services.host import Host
     from ..wire.message import Message
-    from .presence import Presence
+    from .discovery_client import Presence
     from .query import QueryClient
 
 EVENT_REQUESTS = range(224)

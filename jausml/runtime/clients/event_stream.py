@@ -11,7 +11,7 @@ from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..wire.message import DecodeError, Message
-from .presence import SILENCE, Pace
+from .discovery_client import SILENCE, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..base.loop import Timer
     from ..services.host import Host
+    from .discovery_client import Presence
     from .event_subscription import EventSubscription
-    from .presence import Presence
 
 SILENT_PERIODS = 3
 """Periods of a periodic event without a report after which it is created again."""

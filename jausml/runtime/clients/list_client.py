@@ -17,7 +17,7 @@ from ..messages import (
 from ..services.element_list import ALL_UIDS, NO_UID, ListElement
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
@@ -130,32 +130,6 @@ class ListClient:
         component.on_message(ConfirmElementRequest, self._confirmed)
         component.on_message(RejectElementRequest, self._rejected)
 
-    def set_list(
-        self,
-        target: JausAddress,
-        elements: Iterable[ListElement],
-        on_done: Callable[[], None] | None,
-        on_refused: Callable[[int | None], None] | None,
-        timeout: float,
-        retries: int,
-    ) -> ListRequest:
-        """Delete the target's list and set another one."""
-        requests: list[SetElement | DeleteElement] = [_deletion([ALL_UIDS])]
-        requests += _settings(list(elements))
-        return self._start(target, requests, on_done, on_refused, timeout, retries)
-
-    def delete(
-        self,
-        target: JausAddress,
-        uids: Sequence[int],
-        on_done: Callable[[], None] | None,
-        on_refused: Callable[[int | None], None] | None,
-        timeout: float,
-        retries: int,
-    ) -> ListRequest:
-        """Delete elements of the target's list, at most 255."""
-        return self._start(target, [_deletion(uids)], on_done, on_refused, timeout, retries)
-
     def read(
         self,
         target: JausAddress,
@@ -209,7 +183,7 @@ class ListClient:
         for request in pending:
             request.stop_waiting()
 
-    def _start(
+    def change(
         self,
         target: JausAddress,
         requests: Sequence[SetElement | DeleteElement],
@@ -218,6 +192,7 @@ class ListClient:
         timeout: float,
         retries: int,
     ) -> ListRequest:
+        """Send requests to a target one after the other, each when the one before is confirmed."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         for each in requests:
@@ -244,19 +219,20 @@ class ListClient:
                 request.rejected(message.request_id, message.response_code)
 
 
-def _deletion(uids: Sequence[int]) -> DeleteElement:
+def deletion(uids: Sequence[int]) -> DeleteElement:
+    """Return the request that deletes elements, at most 255."""
     return DeleteElement(
         delete_element_list=[DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids]
     )
 
 
-def _settings(elements: list[ListElement]) -> list[SetElement]:
-    """Return the requests that append the elements piece by piece.
+def replacement(elements: list[ListElement]) -> list[SetElement | DeleteElement]:
+    """Return the requests that delete the list and append the elements piece by piece.
 
     The list must be valid after each: the last element of a piece has no next one until the next
     piece appends to it, and the circle is closed by the last piece.
     """
-    requests: list[SetElement] = []
+    requests: list[SetElement | DeleteElement] = [deletion([ALL_UIDS])]
     while elements:
         size, count = 0, 0
         while count < min(len(elements), MAX_ELEMENTS):

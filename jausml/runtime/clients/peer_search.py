@@ -1,16 +1,27 @@
-"""Peers that are named, or found by the services that they provide."""
+"""Peers that are named, or found by the services that they provide, and kept while they live.
+
+Who provides a service is told by Discovery, also by that of somebody who does not know that a
+component is gone. A component is taken for a peer when its own transport acknowledges a message,
+and let go when it acknowledges no more: that needs no service of it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from ..messages import QueryHeartbeatPulse, QueryIdentification
 from ..services.definitions import Scope
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
+
+    from ..base.loop import Timer
+    from ..services.host import Host
+    from .discovery_client import DiscoveryClient, FoundComponent
 
     OnChange = Callable[[Sequence[JausAddress]], None]
 
@@ -155,3 +166,212 @@ class PeerBinding:
             return []
         bound = ", ".join(map(str, self.present))
         return [("search", f"bound to {bound}" if bound else f"searching {self.search}")]
+
+
+CHECK_INTERVAL = 1.0
+"""Seconds between two checks of a peer, and between two looks around at the fastest."""
+
+MISSED_CHECKS = 3
+"""Checks without acknowledgement after which a peer is taken for gone."""
+
+COLLECTING_TIME = 0.3
+"""Seconds from the first answer to the choice, in which further components may answer."""
+
+SLOWEST_SEARCH = 5.0
+"""Longest time in seconds between two looks around while a search has found nobody."""
+
+STEADY_SEARCH = 15.0
+"""Seconds between two looks around of a search that takes all and has some."""
+
+MAX_PROVIDERS = 1024
+"""Components that are remembered; inventions of a peer must not fill the memory."""
+
+
+@dataclass
+class _Provider:
+    """A component of which Discovery says that it provides what somebody searches for."""
+
+    address: JausAddress
+    urns: frozenset[str]
+    lives: bool = False
+    missed: int = 0
+
+
+class _Finder:
+    """One search, whoever of the component's connections share it."""
+
+    def __init__(self, component: Host, search: PeerSearch) -> None:
+        self.search = search
+        self.bound: tuple[JausAddress, ...] = ()
+        self._component = component
+        self._listeners: list[OnChange] = []
+
+    def add(self, listener: OnChange) -> None:
+        self._listeners.append(listener)
+        if self.bound:
+            self._component.loop.call_soon(partial(self._tell, listener))
+
+    def matches(self, provider: _Provider) -> bool:
+        return self.search.matches(self._component.address, provider.address, provider.urns)
+
+    def choose(self, living: Sequence[_Provider]) -> None:
+        """Keep the peers that live, and take others when they are wanted."""
+        found = [provider.address for provider in living if self.matches(provider)]
+        if self.search.choice is PeerChoice.ALL:
+            chosen = tuple(sorted(found))
+        else:
+            kept = [address for address in self.bound if address in found]
+            chosen = tuple(kept or self._best(found))
+        if chosen != self.bound:
+            self.bound = chosen
+            for listener in self._listeners:
+                self._tell(listener)
+
+    def _best(self, found: list[JausAddress]) -> list[JausAddress]:
+        if self.search.choice is PeerChoice.FIRST:
+            return found[:1]
+        own = self._component.address
+        return sorted(found, key=lambda address: (distance(own, address), address))[:1]
+
+    def _tell(self, listener: OnChange) -> None:
+        self._component.call(listener, self.bound)
+
+
+class PeerClient:
+    """The searches of one component, and the peers that they have found."""
+
+    def __init__(self, component: Host, discovery: DiscoveryClient) -> None:
+        """Listen to what Discovery tells; nothing is asked before there is a search."""
+        self._component = component
+        self._discovery = discovery
+        self._finders: dict[PeerSearch, _Finder] = {}
+        # In the order in which they were found to live.
+        self._providers: dict[JausAddress, _Provider] = {}
+        self._timer: Timer | None = None
+        self._choice: Timer | None = None
+        self._next_search = 0.0
+        self._interval = CHECK_INTERVAL
+        component.on_message(QueryIdentification, self._newcomer)
+
+    def find(self, search: PeerSearch, on_change: OnChange) -> None:
+        """Look for peers until the component stops.
+
+        Args:
+            on_change: Told all peers whenever they change; none when they are gone.
+        """
+        if not self._finders:
+            self._discovery.watch(self._sighted)
+            self._component.when_started(self._check)
+        if search not in self._finders:
+            self._finders[search] = _Finder(self._component, search)
+            self._interval, self._next_search = CHECK_INTERVAL, 0.0
+        self._finders[search].add(on_change)
+
+    def stop(self) -> None:
+        """Look for nobody any more."""
+        for timer in (self._timer, self._choice):
+            if timer is not None:
+                timer.cancel()
+        self._timer = self._choice = None
+
+    # ---- looking around ---------------------------------------------------------------------
+
+    def _check(self) -> None:
+        """Look after the peers, and look around when somebody is missing."""
+        loop = self._component.loop
+        self._timer = loop.call_later(CHECK_INTERVAL, self._check)
+        for address in self._bound():
+            self._probe(self._providers[address])
+        searching = [each for each in self._finders.values() if self._is_open(each)]
+        if searching and loop.now() >= self._next_search:
+            self._look_around(searching)
+
+    def _look_around(self, searching: Sequence[_Finder]) -> None:
+        own = self._component.address
+        for place in {finder.search.where_to_ask(own) for finder in searching}:
+            self._discovery.ask_for_services(place)
+        if all(finder.bound for finder in searching):
+            self._interval = STEADY_SEARCH
+        else:
+            self._interval = min(self._interval * 2, SLOWEST_SEARCH)
+        self._next_search = self._component.loop.now() + self._interval
+
+    def _bound(self) -> set[JausAddress]:
+        return {address for finder in self._finders.values() for address in finder.bound}
+
+    @staticmethod
+    def _is_open(finder: _Finder) -> bool:
+        return not finder.bound or finder.search.choice is PeerChoice.ALL
+
+    def _newcomer(self, _query: QueryIdentification, sender: JausAddress) -> None:
+        """Ask a component that speaks at its start at once, not at the next look around."""
+        if sender not in self._providers and any(map(self._is_open, self._finders.values())):
+            self._discovery.ask_for_services(sender)
+
+    # ---- providers --------------------------------------------------------------------------
+
+    def _sighted(self, found: FoundComponent) -> None:
+        urns = frozenset(service.urn for service in found.services)
+        provider = _Provider(found.address, urns)
+        known = self._providers.get(found.address)
+        if known is not None:
+            known.urns = urns
+            if known.lives:
+                self._choose_soon()
+        elif not any(finder.matches(provider) for finder in self._finders.values()):
+            return
+        elif len(self._providers) >= MAX_PROVIDERS:
+            self._component.counters.count("peer_client.too_many_found", str(found.address))
+        else:
+            self._providers[found.address] = provider
+            self._probe(provider)
+
+    def _probe(self, provider: _Provider) -> None:
+        """Send something that the provider's transport acknowledges, whatever it provides."""
+        self._component.transport.send(
+            self._component.address,
+            provider.address,
+            QueryHeartbeatPulse().encode(),
+            acknowledge=True,
+            on_result=partial(self._probed, provider),
+        )
+
+    def _probed(self, provider: _Provider, acknowledged: bool) -> None:  # noqa: FBT001 - OnResult
+        if self._providers.get(provider.address) is not provider or not self._component.running:
+            return
+        provider.missed = 0 if acknowledged else provider.missed + 1
+        if acknowledged and not provider.lives:
+            provider.lives = True
+            del self._providers[provider.address]
+            self._providers[provider.address] = provider
+            self._choose_soon()
+        elif not acknowledged and (provider.missed >= MISSED_CHECKS or not provider.lives):
+            self._forget(provider)
+
+    def _forget(self, provider: _Provider) -> None:
+        """Let a provider go that is gone; whoever needs another looks around at once."""
+        del self._providers[provider.address]
+        if not provider.lives:
+            return
+        self._component.counters.count("peer_client.lost", str(provider.address))
+        bound = self._bound()
+        for other in list(self._providers.values()):
+            if other.lives and other.address not in bound:  # that was a while ago
+                other.lives = False
+                self._probe(other)
+        self._interval, self._next_search = CHECK_INTERVAL, 0.0
+        self._choose()
+
+    # ---- choice -----------------------------------------------------------------------------
+
+    def _choose_soon(self) -> None:
+        if self._choice is None:
+            self._choice = self._component.loop.call_later(COLLECTING_TIME, self._choose)
+
+    def _choose(self) -> None:
+        if self._choice is not None:
+            self._choice.cancel()
+            self._choice = None
+        living = [provider for provider in self._providers.values() if provider.lives]
+        for finder in self._finders.values():
+            finder.choose(living)

@@ -5,23 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base.clocks import HostClock
-from ..clients.clients import Clients
-from ..clients.presence import SILENCE
+from ..clients.discovery_client import SILENCE
 from ..messages import Event
-from ..services.core import CoreServices
-from ..services.definitions import (
-    CORE,
-    ComponentSettings,
-    Guard,
-    ServiceIdentity,
-)
+from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity
 from ..services.dispatch import Provision, Router
-from ..services.ordering import Ordering
-from ..transports.delivery import MESSAGE_CODE_SIZE
+from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
 from ..transports.packets.packet import Priority
+from ..transports.transport import log_accounts
 from ..wire.message import Message
-from .accounts import log_accounts
-from .state import ComponentState
+from .state import Clients, ComponentState, CoreServices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -30,7 +22,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..services.completion import Completion
+    from ..services.definitions import Completion
     from ..services.element_list import ListElement
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport

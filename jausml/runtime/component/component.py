@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..clients.list_client import deletion, replacement
 from ..clients.peer_search import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
@@ -37,7 +39,9 @@ class JausComponent(ComponentBase):
     Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run on
     the loop's thread, or on the thread that calls ``start``, ``stop``, ``fail`` or
     ``report_changed``. When one raises, the error is logged and counted as
-    ``component.handler_failed``.
+    ``component.handler_failed``. A value that does not fit its field is an EncodeError; an address
+    that is not one component, or a number out of its range, a ValueError. What is returned can be
+    cancelled.
 
     A generated component derives from this class, calls ``handle``, ``provide``, ``subscribe``
     and ``control`` in its constructor, and overrides the ``on_...`` hooks.
@@ -70,13 +74,6 @@ class JausComponent(ComponentBase):
             on_silence: Called once each time the provider falls silent.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
-
-        Returns:
-            A handle to cancel the subscription with.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The rate is out of range or the provider is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.events.subscribe(
@@ -109,9 +106,6 @@ class JausComponent(ComponentBase):
 
         Returns:
             A handle to read the state from and to release control with.
-
-        Raises:
-            ValueError: The authority is out of range or the target is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.control.control(target, authority, resume, on_change)
@@ -135,13 +129,6 @@ class JausComponent(ComponentBase):
             timeout: Seconds to wait for the report before the query is repeated.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
-
-        Returns:
-            A handle to cancel the query with.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
             return self._jaus_clients.queries.ask(
@@ -177,13 +164,6 @@ class JausComponent(ComponentBase):
                 the target did not answer.
             max_duration: Seconds that the command may take.
             timeout: Seconds to wait for the confirmation.
-
-        Returns:
-            A handle to cancel the wait with.
-
-        Raises:
-            EncodeError: A value of the command does not fit its field.
-            ValueError: The target is not one component, or the duration is out of range.
         """
         with self.loop.lock:
             return self._jaus_clients.commands.command(
@@ -208,17 +188,10 @@ class JausComponent(ComponentBase):
             on_refused: Told the code of RejectElementRequest, or None when the target did not
                 answer; the list may then be set in part.
             timeout: Seconds to wait for each answer before the request is repeated.
-
-        Returns:
-            A handle to cancel with.
-
-        Raises:
-            EncodeError: An element does not fit its field.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_clients.lists.set_list(
-                target, elements, on_done, on_refused, timeout, retries
+            return self._jaus_clients.lists.change(
+                target, replacement(list(elements)), on_done, on_refused, timeout, retries
             )
 
     def delete_elements(
@@ -237,17 +210,10 @@ class JausComponent(ComponentBase):
             uids: The elements, at most 255; 65535 means all.
             on_refused: Told the code of RejectElementRequest, or None without an answer.
             timeout: Seconds to wait for each answer before the request is repeated.
-
-        Returns:
-            A handle to cancel with.
-
-        Raises:
-            EncodeError: There are too many elements, or a UID is out of range.
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_clients.lists.delete(
-                target, uids, on_done, on_refused, timeout, retries
+            return self._jaus_clients.lists.change(
+                target, [deletion(uids)], on_done, on_refused, timeout, retries
             )
 
     def read_list(
@@ -265,9 +231,6 @@ class JausComponent(ComponentBase):
             on_failure: Called when a query stayed unanswered, for example because the list was
                 changed meanwhile.
             timeout: Seconds to wait for each report before the query is repeated.
-
-        Raises:
-            ValueError: The target is not one component.
         """
         with self.loop.lock:
             self._jaus_clients.lists.read(target, on_list, on_failure, timeout, retries)
@@ -321,10 +284,6 @@ class JausComponent(ComponentBase):
             rate: Reports each second of each provider; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Told a provider each time that it falls silent.
-
-        Raises:
-            EncodeError: A value of the query does not fit its field.
-            ValueError: The rate is out of range.
         """
         subscriptions: dict[JausAddress, EventSubscription] = {}
 
@@ -362,3 +321,51 @@ class JausComponent(ComponentBase):
     def discovery_server(self) -> JausAddress | None:
         """Where the component is registered: the Discovery service of its subsystem, if known."""
         return self._jaus_clients.discovery.server
+
+
+LOGGER = logging.getLogger(__name__)
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Simulation:
+    """Keeps what a component is told, and makes its reports of it.
+
+    Components that the model calls ``simulated`` have one: nothing is behind them yet, and each
+    Report says what the Set of the same quantity asked for (AS6009). Nothing has measured that:
+    every report is counted as ``component.simulated``, and a component says so when it begins.
+    """
+
+    def __init__(self, component: JausComponent) -> None:
+        """Has been told nothing yet."""
+        self._component = component
+        self._kept: dict[type[Message], dict[str, Any]] = {}
+        component.when_started(self._warn)
+
+    def keep(self, report_class: type[Message], **values: Any) -> None:
+        """Have reports say these values from now on, and send events on them.
+
+        Args:
+            values: By their attributes in the report. None is what a command left out: of that, the
+                value before stays.
+        """
+        told = {name: value for name, value in values.items() if value is not None}
+        self._kept.setdefault(report_class, {}).update(told)
+        self._component.report_changed(report_class)
+
+    def report(self, at_rest: MessageT) -> MessageT:
+        """Return a report that says what was kept, and of all else what it says at rest.
+
+        Args:
+            at_rest: The report of a component that was told nothing; it is changed.
+        """
+        for name, value in self._kept.get(type(at_rest), {}).items():
+            setattr(at_rest, name, value)
+        self._component.counters.add("component.simulated")
+        return at_rest
+
+    def _warn(self) -> None:
+        LOGGER.warning(
+            "%s is simulated: its reports say what it was told, and nothing of a machine",
+            self._component.address,
+        )

@@ -87,9 +87,6 @@ class ModelledComponent(JausComponent):
         Args:
             when: Whom to obey, before any guard of the machine; a function tells it from the
                 message.
-
-        Raises:
-            ValueError: The message is handled already.
         """
         self.handle(message_class, self._jaus_take, when=when)
 
@@ -106,9 +103,6 @@ class ModelledComponent(JausComponent):
 
         Args:
             *makers: The actions that make the report.
-
-        Raises:
-            ValueError: The query is handled already.
         """
         provider = partial(self._jaus_report, makers)
         provision = Provision(query_class, report_class, provider)

@@ -1,13 +1,24 @@
-"""What is known of a component, and what its services and clients ask of it."""
+"""What a component is made of: hooks, core services, clients, and what these ask of it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
+from ..clients.command_client import CommandClient
+from ..clients.control_session import ControlClient
+from ..clients.discovery_client import DiscoveryClient, Greeter, Presence
+from ..clients.event_client import EventClient
+from ..clients.list_client import ListClient
+from ..clients.peer_search import PeerClient
+from ..clients.query import QueryClient
+from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
-from ..wire.message import DecodeError, EncodeError, Message
-from ..wire.selection import asked_for, asked_for_in
-from .hooks import ComponentHooks
+from ..services.discovery import DiscoveryService
+from ..services.events import EventsService
+from ..services.list_manager import ListManagerService
+from ..services.liveness_and_time import LivenessService, TimeService
+from ..services.management import ManagementService
+from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,11 +27,128 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..clients.clients import Clients
-    from ..services.core import CoreServices
     from ..services.dispatch import Handler, Provision, Router
     from ..services.element_list import ElementList
+    from ..services.host import Host
     from ..transports.transport import Transport
+
+
+class Clients:
+    """The clients of one component."""
+
+    def __init__(self, host: Host) -> None:
+        self.presence = Presence(host.loop)
+        self.queries = QueryClient(host)
+        self.events = EventClient(host, self.presence, self.queries)
+        self.control = ControlClient(host, self.presence, self.events)
+        self.discovery = DiscoveryClient(host)
+        self.greeter = Greeter(host, self.presence)
+        self.peers = PeerClient(host, self.discovery)
+        self.commands = CommandClient(host)
+        self.lists = ListClient(host, self.queries)
+
+    def start(self) -> None:
+        """Look around for others, and speak to those that wait for it."""
+        self.discovery.start()
+        self.greeter.start()
+
+    def stop(self) -> None:
+        """Wait for nothing any more, release control and cancel subscriptions."""
+        self.queries.stop()
+        self.commands.stop()
+        self.lists.stop()
+        self.peers.stop()
+        self.greeter.stop()
+        self.discovery.stop()
+        self.control.stop()
+        self.events.stop()
+
+
+class CoreService(Protocol):
+    """One core service."""
+
+    @property
+    def urns(self) -> frozenset[str]:
+        """Identifiers of the service; some had several over the years."""
+
+    def attach(self) -> None:
+        """Take the messages of the service, for a component that provides it."""
+
+
+class CoreServices:
+    """The part of a component's state that core services keep.
+
+    It is there whatever the component provides: one without Management is ready for nobody, one
+    without AccessControl is never controlled. Only services that are provided take messages.
+    """
+
+    def __init__(self, host: Host) -> None:
+        self.events = EventsService(host)
+        self.access_control = AccessControlService(host)
+        self.management = ManagementService(host, self.access_control)
+        self.time = TimeService(host)
+        self.list_manager = ListManagerService(host)
+        self.liveness = LivenessService(host)
+        self.discovery = DiscoveryService(host)
+        every: tuple[CoreService, ...] = (
+            self.events,
+            self.access_control,
+            self.management,
+            self.time,
+            self.list_manager,
+            self.liveness,
+            self.discovery,
+        )
+        provided = {service.urn for service in host.services}
+        for service in every:
+            if not provided.isdisjoint(service.urns):
+                service.attach()
+
+
+class ComponentHooks:
+    """Hooks of a component; they do nothing unless they are overridden, and must not block."""
+
+    def on_initialize(self) -> None:
+        """Prepare or reset the component: at the start and after Reset; Standby follows."""
+
+    def on_ready(self) -> None:
+        """The controller resumed the component: commands are obeyed from now on."""
+
+    def on_not_ready(self) -> None:
+        """The component left Ready, for whatever reason: stop all motion."""
+
+    def on_control_lost(self) -> None:
+        """The controller is the controller no more: what it commanded must not stand.
+
+        It released control or let it lapse, a higher authority took over, or the component gave
+        control up. The component may still be in Ready, for its new controller; where it was left,
+        ``on_not_ready`` ran before. ``on_controller_changed`` follows.
+        """
+
+    def on_controller_changed(self, controller: JausAddress | None) -> None:
+        """Another component controls this one, or none does (None)."""
+
+    def on_emergency(self, active: bool) -> None:  # noqa: FBT001
+        """An emergency was set, or the last one was cleared."""
+
+    def on_shutdown(self) -> None:
+        """The component entered Shutdown, by its controller's command or by ``stop``."""
+
+    def on_set_time(self, time: datetime) -> None:
+        """The controller has set the component's clock (AS5710, Time, SetTime).
+
+        Args:
+            time: What it was set to, in UTC. The host's clock is left as it is.
+        """
+
+    def on_list_changed(self) -> None:
+        """The controller has changed ``elements`` (AS5710, ListManager)."""
+
+    def core_state_changed(self) -> None:
+        """The status changed, who controls the component, or whether control is to be had."""
+
+    def core_event(self, name: str) -> None:
+        """An internal event of a core service happened; for modelled state machines."""
 
 
 class ComponentState(ComponentHooks):

@@ -6,11 +6,9 @@ writes. The positional parameters are the inputs and then the arguments of the c
 """
 
 # ruff: noqa: F403 - each module names what it offers in its own __all__
-from . import grids, numbers, orientations, times, types
-from .grids import *
+from . import numbers, orientations, types
 from .numbers import *
 from .orientations import *
-from .times import *
 from .types import *
 
-__all__ = grids.__all__ + numbers.__all__ + orientations.__all__ + times.__all__ + types.__all__
+__all__ = numbers.__all__ + orientations.__all__ + types.__all__

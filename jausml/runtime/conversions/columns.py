@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy
 
-from . import numbers, orientations, times
+from . import numbers, orientations
 from .types import Angles, Quaternion, Time, UnevenError
 
 if TYPE_CHECKING:
@@ -59,11 +59,7 @@ def not_numbers(values: NDArray[Any]) -> bool:
 
 
 def rounded(values: Any) -> Any:
-    """Returns the nearest integers, the even one of two.
-
-    Raises:
-        UnevenError: A value is not finite.
-    """
+    """Returns the nearest integers, the even one of two."""
     if values.dtype.kind != "f":
         return values
     if not numpy.isfinite(values).all():
@@ -72,11 +68,7 @@ def rounded(values: Any) -> Any:
 
 
 def listed_in(values: Any, ranges: Sequence[tuple[int, int]]) -> Any:
-    """Returns the nearest integers, each of which is within one of several ranges.
-
-    Raises:
-        UnevenError: One is not.
-    """
+    """Returns the nearest integers, each of which is within one of several ranges."""
     whole = rounded(values)
     found = [(whole >= low) & (whole <= high) for low, high in ranges]
     if not numpy.logical_or.reduce(found).all():
@@ -85,11 +77,7 @@ def listed_in(values: Any, ranges: Sequence[tuple[int, int]]) -> Any:
 
 
 def as_column(values: NDArray[Any]) -> NDArray[Any]:
-    """Returns numbers as those that conversions take: real ones of 64 bits, or such integers.
-
-    Raises:
-        UnevenError: They are integers of 64 bits without a sign.
-    """
+    """Returns numbers as those that conversions take: real ones of 64 bits, or such integers."""
     if values.dtype.kind == "f":
         return values.astype("f8")
     if values.dtype.kind == "u" and values.itemsize == 8:
@@ -98,11 +86,7 @@ def as_column(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def in_range(values: NDArray[Any], code: str) -> NDArray[Any]:
-    """Returns numbers in the type of a format character of `struct`, little-endian.
-
-    Raises:
-        UnevenError: One of them does not fit.
-    """
+    """Returns numbers in the type of a format character of `struct`, little-endian."""
     kind = _TYPES[code]
     if kind.kind in "iu":
         info = numpy.iinfo(kind)
@@ -268,17 +252,17 @@ def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Any:
     """Time stamps of JAUS to the instants nearest to `near`."""
     parts = stamp.milliseconds, stamp.seconds, stamp.minutes, stamp.hour, stamp.day
     if not any(map(is_column, parts)):
-        return times.timestamp_to_time(stamp, near=near)
+        return numbers.timestamp_to_time(stamp, near=near)
     rows = _rows(*parts)
-    return Time(*_each(rows, lambda row: times.timestamp_to_time(_Parts(*row), near=near)))
+    return Time(*_each(rows, lambda row: numbers.timestamp_to_time(_Parts(*row), near=near)))
 
 
 def time_to_timestamp(instant: TimeLike) -> Any:
     """Instants to time stamps of JAUS."""
     if not (is_column(instant.sec) or is_column(instant.nanosec)):
-        return times.time_to_timestamp(instant)
+        return numbers.time_to_timestamp(instant)
     rows = _rows(instant.sec, instant.nanosec)
-    return _Parts(*_each(rows, lambda row: times.time_to_timestamp(Time(*row))))
+    return _Parts(*_each(rows, lambda row: numbers.time_to_timestamp(Time(*row))))
 
 
 def _rows(*parts: Any) -> list[tuple[Any, ...]]:

@@ -1,17 +1,23 @@
-"""Conversions of numbers."""
+"""Conversions of numbers, times and the cells of grids."""
 
 from __future__ import annotations
 
 import math
+import time
+from datetime import date
+from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
-from .types import ConversionError
+from .types import ConversionError, Time, TimeStamp
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Mapping
+    from collections.abc import Hashable, Mapping, Sequence
+
+    from .types import TimeLike, TimeStampLike
 
 __all__ = [
     "clamp",
+    "cost_to_occupancy",
     "covariance_to_rms",
     "deadband",
     "degrees_to_radians",
@@ -19,11 +25,15 @@ __all__ = [
     "linear",
     "look_up",
     "negate",
+    "occupancy_to_cost",
     "percent_to_value",
     "radians_to_degrees",
+    "reverse_rows",
     "scale",
     "square",
     "square_root",
+    "time_to_timestamp",
+    "timestamp_to_time",
     "value_to_percent",
 ]
 
@@ -125,3 +135,132 @@ def look_up(value: Key, table: Mapping[Key, Value]) -> Value:
         return table[value]
     except KeyError:
         raise ConversionError(f"{value!r} is not in the table") from None
+
+
+_DAY = 86_400
+_DAY_NS = _DAY * 10**9
+_EPOCH = date(1970, 1, 1).toordinal()
+
+
+def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
+    """A JAUS TimeStamp (day of month, UTC) to the instant nearest to `near`.
+
+    The TimeStamp names neither month nor year. Only a clock tells them, and only nearness makes a
+    stamp from just before midnight of the last of the month right when it arrives on the first.
+
+    Raises:
+        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
+    """
+    return instant_near(
+        stamp.day, stamp.hour, stamp.minutes, stamp.seconds, stamp.milliseconds, near
+    )
+
+
+def time_to_timestamp(instant: TimeLike) -> TimeStamp:
+    """An instant to a JAUS TimeStamp (day of month, UTC); parts of a millisecond are cut off."""
+    utc = time.gmtime(instant.sec)
+    milliseconds = instant.nanosec // 1_000_000
+    return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
+
+
+def instant_near(
+    day: int, hour: int, minutes: int, seconds: int, milliseconds: int, near: TimeLike
+) -> Time:
+    """The instant nearest to `near` that has a day of the month and a time of day, UTC.
+
+    Raises:
+        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
+    """
+    if not (
+        0 <= hour < 24 and 0 <= minutes < 60 and 0 <= seconds < 60 and 0 <= milliseconds < 1000
+    ):
+        raise ConversionError("TimeStamp is no time of day")
+    of_day = (((hour * 60 + minutes) * 60 + seconds) * 1000 + milliseconds) * 10**6
+    reference = near.sec * 10**9 + near.nanosec
+    first, *others = _days_near(day, near.sec // _DAY)
+    nearest = first * _DAY_NS + of_day
+    for each in others:
+        instant = each * _DAY_NS + of_day
+        if abs(instant - reference) < abs(nearest - reference):
+            nearest = instant
+    return Time(*divmod(nearest, 10**9))
+
+
+@lru_cache(maxsize=64)
+def day_of_month(days: int) -> int:
+    """The day of the month, UTC, of a number of days since 1970."""
+    return time.gmtime(days * _DAY).tm_mday
+
+
+@lru_cache(maxsize=64)
+def _days_near(day_of_month: int, today: int) -> tuple[int, ...]:
+    """Days since 1970 around one of them that are the given day of their month."""
+    if not 1 <= day_of_month <= 31:
+        # JAUS-DEVIATION: AS6009 has days 1..31, but known peers leave the day at 0. The nearest
+        # day serves them better than the loss of every report.
+        return today - 1, today, today + 1
+    utc = time.gmtime(today * _DAY)
+    days = []
+    for offset in (-1, 0, 1):
+        year, month = divmod(utc.tm_year * 12 + utc.tm_mon - 1 + offset, 12)
+        try:
+            days.append(date(year, month + 1, day_of_month).toordinal() - _EPOCH)
+        except ValueError:  # this month is shorter
+            continue
+    return tuple(days)
+
+
+Cell = TypeVar("Cell")
+
+_UNKNOWN_OCCUPANCY = -1.0
+_UNKNOWN_COST = 255.0
+_COST_PER_OCCUPANCY = 254.0 / 100.0
+
+
+def occupancy_to_cost(value: float) -> float:
+    """Occupancy 0..100, -1 for unknown (nav_msgs/OccupancyGrid), to cost 0..254, 255 for unknown.
+
+    Raises:
+        ConversionError: The value is no occupancy.
+    """
+    if value == _UNKNOWN_OCCUPANCY:
+        return _UNKNOWN_COST
+    if not 0.0 <= value <= 100.0:
+        raise ConversionError(f"{value} is no occupancy")
+    return float(round(value * _COST_PER_OCCUPANCY))
+
+
+def cost_to_occupancy(value: float) -> float:
+    """Cost 0..254, 255 for unknown, to occupancy 0..100, -1 for unknown (nav_msgs/OccupancyGrid).
+
+    Raises:
+        ConversionError: The value is no cost.
+    """
+    if value == _UNKNOWN_COST:
+        return _UNKNOWN_OCCUPANCY
+    if not 0.0 <= value < _UNKNOWN_COST:
+        raise ConversionError(f"{value} is no cost")
+    return float(round(value / _COST_PER_OCCUPANCY))
+
+
+def reverse_rows(cells: Sequence[Cell], columns: float) -> list[Cell]:
+    """The cells of a grid, row by row, with the rows in the opposite order.
+
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
+    """
+    starts = row_starts(len(cells), columns)
+    return [cell for start in starts for cell in cells[start : start + int(columns)]]
+
+
+def row_starts(count: int, columns: float) -> range:
+    """Returns where the rows of a grid begin, the last row first.
+
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
+    """
+    if not count:
+        return range(0)
+    if not (columns >= 1.0 and columns % 1.0 == 0.0 and count % columns == 0.0):
+        raise ConversionError(f"{count} cells do not fill rows of {columns}")
+    return range(count - int(columns), -1, -int(columns))

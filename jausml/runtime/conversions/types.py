@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from ..base.errors import JausError
+from ..base.api import JausError
 
 __all__ = [
     "Angles",

@@ -2,7 +2,8 @@
 
 rclpy would cost the guardian three times the memory. Options are handed on in buffers larger than
 they are, as the library fills them; only the quality of service, which is public and stable within
-a distribution, is written into them, and read back from the first publisher to prove it.
+a distribution, is written into them, and read back from the first publisher to prove it. What the
+library refuses is an RclError.
 """
 
 from __future__ import annotations
@@ -68,9 +69,6 @@ class Rcl:
         Args:
             name: Name of the node; one that begins with `_` is hidden from most tools.
             arguments: What concerns security, as on the command line of the bridge.
-
-        Raises:
-            RclError: ROS cannot be joined.
         """
         try:
             self._rcl = ctypes.CDLL(rcl, ctypes.RTLD_GLOBAL)
@@ -103,11 +101,7 @@ class Rcl:
         self._call("rcl_context_fini", ctypes.byref(self._context))
 
     def type(self, library: str, package: str, kind: str, name: str) -> Any:
-        """Returns the type support of a message or service, whose library it loads.
-
-        Raises:
-            RclError: The library has no such type.
-        """
+        """Returns the type support of a message or service, whose library it loads."""
         word = "service" if kind == "srv" else "message"
         symbol = f"rosidl_typesupport_c__get_{word}_type_support_handle__{package}__{kind}__{name}"
         try:
@@ -122,9 +116,6 @@ class Rcl:
 
         Args:
             qos: Quality of service by the words of the model; durations in seconds, 0 for none.
-
-        Raises:
-            RclError: The library refuses.
         """
         options = self._default("rcl_publisher_get_default_options")
         quality = _Quality.from_address(ctypes.addressof(options))
@@ -147,11 +138,7 @@ class Rcl:
         return Publisher(handle, topic)
 
     def check(self, support: Any) -> None:
-        """Proves that the library is as it was known: a publisher has the quality asked for.
-
-        Raises:
-            RclError: It is not.
-        """
+        """Proves that the library is as it was known: a publisher has the quality asked for."""
         asked = {
             "history": "keep_last",
             "depth": 7,

@@ -57,20 +57,18 @@ from .list_manager import (
     ReportElementList,
     SetElement,
 )
-from .liveness_and_time import (
-    QueryHeartbeatPulse,
-    QueryTime,
-    ReportHeartbeatPulse,
-    ReportTime,
-    SetTime,
-)
 from .management import (
     ClearEmergency,
+    QueryHeartbeatPulse,
     QueryStatus,
+    QueryTime,
+    ReportHeartbeatPulse,
     ReportStatus,
+    ReportTime,
     Reset,
     Resume,
     SetEmergency,
+    SetTime,
     Shutdown,
     Standby,
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated
 
-from ..wire.kinds import U8, U16, unsigned
+from ..wire.codec import U8, U16, unsigned
 from ..wire.layout import Bodiless, message
 from ..wire.message import Message
 

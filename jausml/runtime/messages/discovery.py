@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.codec import one_of
-from ..wire.kinds import U8, U16, LongList, Scalar, ShortList, Text
+from ..wire.codec import U8, U16, LongList, Scalar, ShortList, Text, one_of
 from ..wire.layout import Bodiless, message, record
 from ..wire.message import Message
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, ClassVar
 
-from ..wire.kinds import (
+from ..wire.codec import (
     U8,
     U16,
     U32,

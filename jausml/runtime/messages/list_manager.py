@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.kinds import U8, U16, Counted, LongList, ShortList, unsigned
+from ..wire.codec import U8, U16, Counted, LongList, ShortList, unsigned
 from ..wire.layout import Bodiless, message, record
 from ..wire.message import Message
 

@@ -1,13 +1,17 @@
-"""Messages of Management: the state of a component, and emergencies (SAE AS5710A)."""
+"""Messages of Management, Liveness and Time: the state of a component, its pulse and its clock.
 
-# Annotations are read when the classes are made: no `from __future__ import annotations`.
+SAE AS5710A.
+"""
+
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
-from ..wire.kinds import U32, unsigned
+from ..wire.codec import U8, U32, StampedMessage, TimeStamp, bits, integer, unsigned
 from ..wire.layout import Bodiless, message
 from ..wire.message import Message
+
+# Annotations are read when the classes are made: no `from __future__ import annotations`.
 
 
 @message(0x0002)
@@ -71,3 +75,70 @@ class ReportStatus(Message):
 
     status: Annotated[int, unsigned(1, upper=5)] = 0
     reserved: U32 = 0
+
+
+# Annotations are read when the classes are made: no `from __future__ import annotations`.
+
+
+@dataclass(slots=True)
+class _DateStamp:
+    """A day as a bit field of 16 bits; years count from 2000."""
+
+    day: int = 1
+    month: int = 1
+    year: int = 0
+
+    def to_integer(self) -> int:
+        """Return the integer that holds the bits."""
+        found = integer(self.day, 1, 31, "day")
+        found |= integer(self.month, 1, 12, "month") << 5
+        found |= integer(self.year, 0, 127, "year") << 9
+        return found
+
+    @classmethod
+    def from_integer(cls, found: int) -> "_DateStamp":
+        """Return what the bits of an integer say, legal or not."""
+        return cls(found & 0x1F, found >> 5 & 0xF, found >> 9 & 0x7F)
+
+
+# A dataclass would take an alias in its own body for a field: hence this base.
+class _Dated(StampedMessage):
+    __slots__ = ()
+
+    DateStamp: TypeAlias = _DateStamp
+
+
+@message(0x0011)
+@dataclass(slots=True, repr=False, eq=False)
+class SetTime(_Dated):
+    """Sets the clock of the component."""
+
+    time_stamp: Annotated[TimeStamp, bits(4, TimeStamp)] | None = None
+    date_stamp: Annotated[_DateStamp, bits(2, _DateStamp)] | None = None
+
+
+@message(0x2011)
+@dataclass(slots=True, repr=False, eq=False)
+class QueryTime(Message):
+    """The presence vector says which fields are asked for."""
+
+    presence_vector: U8 = 0
+
+
+@message(0x2202)
+class QueryHeartbeatPulse(Bodiless):
+    __slots__ = ()
+
+
+@message(0x4011)
+@dataclass(slots=True, repr=False, eq=False)
+class ReportTime(_Dated):
+    """Tells the time of the component."""
+
+    time_stamp: Annotated[TimeStamp, bits(4, TimeStamp)] | None = None
+    date_stamp: Annotated[_DateStamp, bits(2, _DateStamp)] | None = None
+
+
+@message(0x4202)
+class ReportHeartbeatPulse(Bodiless):
+    __slots__ = ()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Clock, Counters
     from ..base.fast_path import FastPath
-    from .ordering import Ordering
+    from ..transports.delivery import Ordering
 
 _MOST_DROPS = 1024
 

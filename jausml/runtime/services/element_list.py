@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..base.errors import JausError
+from ..base.api import JausError
 from ..messages import RejectElementRequest
 
 if TYPE_CHECKING:

@@ -18,11 +18,9 @@ from ..messages import (
     ReportEventTimeout,
     UpdateEvent,
 )
-from ..wire.message import DecodeError, Message
-from ..wire.selection import asks_for_all
-from .command_events import CommandEvents
+from ..wire.message import DecodeError, Message, asks_for_all
+from .command_events import CommandEvents, EventIds, RejectCode, RequestError, reject
 from .definitions import CORE, VERSION_1_1
-from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

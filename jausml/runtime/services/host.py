@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
-    from .completion import Completion
-    from .definitions import ComponentSettings, ServiceIdentity
+    from .definitions import Completion, ComponentSettings, ServiceIdentity
     from .dispatch import Handler, Provision
     from .element_list import ListElement
 

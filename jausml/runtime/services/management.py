@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..base.errors import JausError
 from ..messages import (
     ClearEmergency,
     QueryStatus,

@@ -11,10 +11,10 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .packets.carrier import Carrier
+from .delivery import Carrier
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
-from .port_holder import MANAGER, is_alive
+from .ports import MANAGER, is_alive
 from .transport import Transport
 
 if TYPE_CHECKING:
@@ -90,11 +90,7 @@ class NodeManagerClient(Carrier[str]):
         return self._state is _State.ATTACHED
 
     def open(self) -> None:
-        """Create the socket and ask the manager for acceptance.
-
-        Raises:
-            OSError: The socket cannot be created, or another process has it.
-        """
+        """Create the socket and ask the manager for acceptance."""
         if is_alive(self._path):
             raise OSError(f"{self._path}: another process runs component {self.address}")
         self._path.unlink(missing_ok=True)

@@ -4,8 +4,7 @@ Nothing of it is imported by what runs on a robot.
 """
 
 from .graph import GraphSubscription, RosGraph
-from .link import Link
-from .network import VirtualTransport
+from .network import Link, VirtualTransport
 from .node import VirtualRosNode
 from .world import VirtualWorld
 

@@ -11,13 +11,13 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from ..bridge.ends.actions import Outcome
-from ..bridge.ends.quality import TopicFault
+from ..bridge.ends.topics import TopicFault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..bridge.ends.actions import GoalTaker, GoalWatcher
-    from .link import Way
+    from .network import Way
 
 NO_SERVER = "no_action_server"
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..bridge.ends.quality import EndpointHealth, conflicts
-from ..bridge.ends.topics import Published, Qos, Topic, TopicCounts
-from ..bridge.messages.errors import RosTypeError
+from ..bridge.ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts, conflicts
+from ..bridge.messages.limits import RosTypeError
 from .actions import VirtualAction, VirtualActionClient
-from .link import Link, Way
+from .network import Link, Way
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -230,9 +229,6 @@ class RosGraph:
 
         Args:
             qos: Quality of service; that of a plain publisher by default.
-
-        Raises:
-            RosTypeError: The topic has another type.
         """
         offered = Qos() if qos is None else qos
         publisher = self._own.get((topic, offered))
@@ -256,9 +252,6 @@ class RosGraph:
 
         Returns:
             The subscription, whose link may be changed, and which may be closed.
-
-        Raises:
-            RosTypeError: The topic has another type.
         """
         wanted = Topic(topic, UNDEMANDING if qos is None else qos)
 
@@ -296,11 +289,7 @@ class RosGraph:
         topic: Topic,
         greet: Callable[[], None] | None = None,
     ) -> GraphPublisher:
-        """Makes a publisher of a node.
-
-        Raises:
-            RosTypeError: The topic has another type.
-        """
+        """Makes a publisher of a node."""
         joint = self._topic(topic.name, ros_type)
         qos = topic.qos
         health = self._health(joint, qos, publishes=True)
@@ -320,9 +309,6 @@ class RosGraph:
 
         Args:
             take: Is given each serialized message, and when it was published, in nanoseconds.
-
-        Raises:
-            RosTypeError: The topic has another type.
         """
         joint = self._topic(topic.name, ros_type)
         qos = topic.qos

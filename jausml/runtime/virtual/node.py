@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..bridge.ends.parameters import ParameterError, nearest
 from ..bridge.ends.topics import Topic
-from ..bridge.messages.errors import RosTypeError
+from ..bridge.messages.limits import RosTypeError
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
 
@@ -17,11 +17,17 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
-    from ..bridge.ends.ends import RosCodec, RosPublisher
-    from ..bridge.ends.quality import EndpointHealth, TopicFault
-    from ..bridge.ends.topics import Parameter, RosService, ServiceClient, TopicCounts
+    from ..bridge.ends.ros_side import RosCodec, RosPublisher
+    from ..bridge.ends.topics import (
+        EndpointHealth,
+        Parameter,
+        RosService,
+        ServiceClient,
+        TopicCounts,
+        TopicFault,
+    )
     from .graph import GraphPublisher, RosGraph
-    from .link import Link
+    from .network import Link
 
 _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 
@@ -133,7 +139,7 @@ class VirtualRosNode:
             RosTypeError: rclpy or the type is not installed: light classes do without.
         """
         try:
-            from ..bridge.ros.codec import Codec  # noqa: PLC0415 - light classes do without
+            from ..bridge.ros.internals import Codec  # noqa: PLC0415 - light classes do without
 
             return Codec(ros_type)
         except ImportError as error:
@@ -143,11 +149,7 @@ class VirtualRosNode:
     def publisher(
         self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher; see `RosSide`.
-
-        Raises:
-            RosTypeError: The topic has another type.
-        """
+        """Makes a publisher; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.advertise(self.name, ros_type, resolved, greet)
         end.encode = partial(self._encoded, ros_type)
@@ -158,11 +160,7 @@ class VirtualRosNode:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; see `RosSide`.
-
-        Raises:
-            RosTypeError: The topic has another type.
-        """
+        """Makes a subscription; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.attach(self.name, ros_type, resolved, take, self._link)
         self._health[topic, False] = end.health

@@ -11,13 +11,11 @@ from ..base.clocks import HostClock
 from ..base.loop import Loop
 from ..base.settings import TransportSettings
 from .graph import RosGraph
-from .link import Link
-from .network import Network
+from .network import Link, Network
 from .node import VirtualRosNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from types import TracebackType
 
     from ..base.counters import Counters
     from ..base.loop import Timer
@@ -73,12 +71,7 @@ class VirtualWorld:
         """Return the world; it is closed when the block ends."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close the world."""
         self.close()
 

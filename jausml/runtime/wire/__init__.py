@@ -1,6 +1,8 @@
 """Messages as bytes: what the generated classes of messages are made of."""
 
 from .codec import (
+    StampedMessage,
+    TimeStamp,
     check_count,
     check_presence,
     exactly,
@@ -21,8 +23,6 @@ from .codec import (
 )
 from .message import DecodeError, EncodeError, Message
 from .records import Number, RowLayout, Stamp, read_records, write_records
-from .stamped_message import StampedMessage
-from .time_stamp import TimeStamp
 
 __all__ = [
     "DecodeError",

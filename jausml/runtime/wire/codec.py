@@ -1,21 +1,21 @@
-"""Checks that generated messages call for a value on its way to and from the wire.
+"""Kinds of fields, and what they check of values on their way to and from the wire.
 
-Encoding is strict: a value outside its range, or one that a value set does not list, raises
-EncodeError and names the attribute. Decoding is as lenient as the layout allows: an integer that a
-value set does not list is carried on, because peers send such values (the emergency code 0 for
-example, where AS5710 lists 1 alone) and only the receiver can say what they are worth. For the same
-reason a byte string may be shorter than its definition demands, and a list in both directions.
+The annotation of a field is `Annotated` with its kind: a `Scalar`, or what is `Counted`, `Listed`
+or `Tagged`. A field whose type is a record needs no kind. Generated messages make the checks alone.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
-from .message import DecodeError, EncodeError
+from .message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence, Sized
+    from collections.abc import Callable, Sequence, Sized
+    from datetime import datetime
 
 T = TypeVar("T")
 
@@ -180,3 +180,181 @@ def check_count(size: int, upper: int, room: int, element: int, field: str) -> N
         raise DecodeError(field, f"count {size} is more than {upper}")
     if size * element > room:
         raise DecodeError(field, f"count {size} needs more than the {room} bytes that follow")
+
+
+ElementT = TypeVar("ElementT")
+
+
+def greatest(letter: str) -> int:
+    """Returns the greatest unsigned integer of a format of `struct`."""
+    return (1 << 8 * struct.calcsize(f"<{letter}")) - 1
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A field of a fixed size.
+
+    Attributes:
+        format: Its format for `struct`.
+        put: Returns what is packed of a value; it is also given the attribute that an error names.
+        get: Returns the value of what was unpacked; None for that itself.
+        limits: Least and greatest value of an integer that is packed as it is; None for others.
+        is_narrow: Whether its bytes can hold more than these, which packing does not find.
+    """
+
+    format: str
+    put: Callable[[Any, str], Any]
+    get: Callable[[Any], Any] | None = None
+    limits: tuple[int, int] | None = None
+    is_narrow: bool = False
+
+
+def unsigned(size: int, lower: int = 0, upper: int | None = None) -> Scalar:
+    """Returns the kind of an integer of some bytes, 1, 2 or 4, which fills them by default."""
+    letter = {1: "B", 2: "H", 4: "I"}[size]
+    most = greatest(letter)
+    end = most if upper is None else upper
+
+    def put(value: int, field: str) -> int:
+        return integer(value, lower, end, field)
+
+    is_narrow = (lower, end) != (0, most)
+    return Scalar(letter, put, limits=(lower, end), is_narrow=is_narrow)
+
+
+def scaled_unsigned(upper: float) -> Scalar:
+    """Returns the kind of a number from 0, as a scaled integer of two bytes."""
+    step = upper / 0xFFFF
+    return Scalar("H", lambda value, field: scaled(value, 0.0, step, 0xFFFF, field), step.__mul__)
+
+
+def fixed_text(length: int) -> Scalar:
+    """Returns the kind of a string of a fixed number of bytes."""
+    return Scalar(f"{length}s", lambda value, field: padded(value, length, field), unpadded)
+
+
+def bits(size: int, bit_field: Any) -> Scalar:
+    """Returns the kind of a bit field of some bytes, 2 or 4, which has a class."""
+
+    def put(value: Any, _: str) -> Any:
+        return value.to_integer()
+
+    return Scalar({2: "H", 4: "I"}[size], put, bit_field.from_integer)
+
+
+@dataclass(frozen=True)
+class Counted:
+    """Bytes, or a string of Latin-1, behind their number.
+
+    Attributes:
+        format: Format of the number for `struct`.
+        least: Fewest bytes that may be sent.
+    """
+
+    format: str
+    least: int = 0
+    is_text: bool = False
+
+    @property
+    def most(self) -> int:
+        """Most bytes."""
+        return greatest(self.format)
+
+    @property
+    def take(self) -> Callable[..., Any]:
+        """What takes them, as the type of the field."""
+        return take_text if self.is_text else take
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Records behind their number, which has a format for `struct`."""
+
+    format: str
+
+    @property
+    def most(self) -> int:
+        """Most records."""
+        return greatest(self.format)
+
+
+@dataclass(frozen=True)
+class Tagged:
+    """One of several records, behind a byte that says which one: its `TAG`.
+
+    Attributes:
+        name: What an error calls the field.
+    """
+
+    name: str
+
+
+U8 = Annotated[int, unsigned(1)]
+U16 = Annotated[int, unsigned(2)]
+U32 = Annotated[int, unsigned(4)]
+Text = Annotated[str, Counted("B", is_text=True)]
+ShortList = Annotated[list[ElementT], Listed("B")]
+LongList = Annotated[list[ElementT], Listed("H")]
+
+
+@dataclass(slots=True)
+class TimeStamp:
+    """A time stamp as a bit field of 32 bits (SAE AS5684 bit_field; AS5710, SetTime).
+
+    Neither month nor year is named: only a clock tells which day of that number is meant.
+
+    Attributes:
+        milliseconds: Milliseconds. 0 .. 999.
+        seconds: Seconds. 0 .. 59.
+        minutes: Minutes. 0 .. 59.
+        hour: Hour. 0 .. 23.
+        day: Day of the month. 1 .. 31.
+    """
+
+    milliseconds: int = 0
+    seconds: int = 0
+    minutes: int = 0
+    hour: int = 0
+    day: int = 1
+
+    def to_integer(self) -> int:
+        """Returns the integer that holds the bits."""
+        bits = integer(self.milliseconds, 0, 999, "milliseconds")
+        bits |= integer(self.seconds, 0, 59, "seconds") << 10
+        bits |= integer(self.minutes, 0, 59, "minutes") << 16
+        bits |= integer(self.hour, 0, 23, "hour") << 22
+        bits |= integer(self.day, 1, 31, "day") << 27
+        return bits
+
+    @classmethod
+    def of(cls, moment: datetime) -> TimeStamp:
+        """Returns the stamp of a moment in UTC; parts of a millisecond are cut off."""
+        return cls(
+            moment.microsecond // 1000, moment.second, moment.minute, moment.hour, moment.day
+        )
+
+    @classmethod
+    def from_integer(cls, bits: int) -> TimeStamp:
+        """Returns what the bits of an integer say, legal or not.
+
+        Args:
+            bits: The integer, 0 .. 2**32 - 1.
+        """
+        return cls(
+            bits & 0x3FF,
+            bits >> 10 & 0x3F,
+            bits >> 16 & 0x3F,
+            bits >> 22 & 0x1F,
+            bits >> 27 & 0x1F,
+        )
+
+
+class StampedMessage(Message):
+    """A message with the time stamp of AS5710, whose class it offers as `TimeStamp`.
+
+    The class stands here since a dataclass would take an alias in its own body for a field.
+    """
+
+    __slots__ = ()
+
+    TimeStamp: TypeAlias = TimeStamp

@@ -18,8 +18,7 @@ import types
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from .codec import check_count, check_presence, latin1, sized
-from .kinds import Counted, Listed, Scalar, Tagged
+from .codec import Counted, Listed, Scalar, Tagged, check_count, check_presence, latin1, sized
 from .message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:

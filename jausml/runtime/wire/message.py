@@ -7,10 +7,12 @@ numbers are little endian (SAE AS5684, encoding of JSIDL messages; codes: AS5710
 from __future__ import annotations
 
 import struct
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from reprlib import recursive_repr
 from typing import Any, ClassVar, TypeVar
 
-from ..base.errors import JausError
+from ..base.api import JausError
 
 _CODE = struct.Struct("<H")
 # What values raise that are not even of the type of their field.
@@ -38,11 +40,7 @@ class EncodeError(JausError):
 
 
 def read_code(payload: bytes) -> int:
-    """Returns the message code that a payload begins with.
-
-    Raises:
-        DecodeError: The payload is too short for a code.
-    """
+    """Returns the message code that a payload begins with."""
     try:
         code: int = _CODE.unpack_from(payload)[0]
     except struct.error:
@@ -113,11 +111,7 @@ class Message:
 
     @classmethod
     def check_code(cls, payload: bytes) -> None:
-        """Refuses a payload of another message.
-
-        Raises:
-            DecodeError: The code is missing, or that of another message.
-        """
+        """Refuses a payload of another message."""
         code = read_code(payload)
         if code != cls.CODE:
             raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
@@ -144,3 +138,67 @@ def _names(message: Message) -> tuple[str, ...]:
 
 def _values(message: Message) -> tuple[Any, ...]:
     return tuple(getattr(message, each) for each in _names(message))
+
+
+def asked_for(query: Message, report: MessageT) -> MessageT:
+    """Returns the report without the optional fields that its query does not ask for.
+
+    The field PresenceVector of a query names the optional fields of the report, by the bits of the
+    report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
+
+    Args:
+        report: What the component has to report; it is not changed.
+    """
+    wanted = _wanted(query)
+    if wanted is None:
+        return report
+    message_class: type = type(report)
+    names = optional_fields(message_class)
+    if not ~wanted & (1 << len(names)) - 1:
+        return report
+    left_out = {
+        name: None
+        for bit, name in enumerate(names)
+        if not wanted >> bit & 1 and getattr(report, name) is not None
+    }
+    return replace(report, **left_out) if left_out else report  # type: ignore[type-var]
+
+
+def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> bytes:
+    """Returns an encoded report without the optional fields that its query does not ask for.
+
+    Args:
+        report: Message code and body. It is read only where the query may leave something out.
+    """
+    report_class.check_code(report)
+    if asks_for_all(query, report_class):
+        return report
+    whole = report_class.decode(report)
+    part = asked_for(query, whole)
+    return report if part is whole else part.encode()
+
+
+def asks_for_all(query: Message, report_class: type[Message]) -> bool:
+    """Returns whether a query asks for every field that its report can have."""
+    wanted = _wanted(query)
+    message_class: type = report_class
+    every = (1 << len(optional_fields(message_class))) - 1
+    return wanted is None or wanted & every == every
+
+
+def _wanted(query: Message) -> int | None:
+    """Returns the presence vector of the report that a query asks for, or None for all."""
+    wanted = getattr(query, "presence_vector", None)
+    return wanted if isinstance(wanted, int) else None
+
+
+@cache
+def optional_fields(message_class: type) -> tuple[str, ...]:
+    """Returns the attributes of a message's optional fields in the order of their presence bits.
+
+    Args:
+        message_class: Generated codec; its optional fields, and they alone, default to None.
+    """
+    if not is_dataclass(message_class):
+        return ()
+    return tuple(field.name for field in fields(message_class) if field.default is None)

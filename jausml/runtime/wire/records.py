@@ -235,11 +235,7 @@ def read_records(
 
 
 def write_records(records: Sequence[Any], out: bytearray) -> None:
-    """Appends the elements of a list, each a `Record`.
-
-    Raises:
-        EncodeError: A value does not fit its field.
-    """
+    """Appends the elements of a list, each a `Record`."""
     rows = records.alike if type(records) is Records else None
     if isinstance(rows, Rows):
         out += rows.data

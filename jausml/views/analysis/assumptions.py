@@ -101,7 +101,7 @@ def runtime_constants() -> RuntimeConstants:
     return RuntimeConstants(
         empty_message=int(_File(f"{packets}/packet.py").value("EMPTY_MESSAGE_SIZE")),
         largest_fragment=int(settings.value("MAX_FRAGMENT_SIZE")),
-        most_small_fragments=int(_File(f"{packets}/packetizer.py").value("MOST_SMALL_FRAGMENTS")),
+        most_small_fragments=int(_File(f"{packets}/outgoing.py").value("MOST_SMALL_FRAGMENTS")),
         at_once=int(_File(f"{packets}/messenger.py").value("AT_ONCE")),
         held_by_peers=int(_File(f"{packets}/messenger.py").value("HELD_BY_PEERS")),
         largest_message=int(settings.default("TransportSettings", "reassembly_limit")),
@@ -114,7 +114,7 @@ def runtime_constants() -> RuntimeConstants:
         watch_interval=definitions.default("ComponentSettings", "watch_interval"),
         renewals=int(_File("clients/controlled_target.py").value("RENEWALS")),
         queue_age_limit=_File("bridge/ends/parameters.py").value("QUEUE_AGE_LIMIT"),
-        least_depth=int(_File("bridge/ros/profiles.py").value("LEAST_DEPTH")),
+        least_depth=int(_File("bridge/ros/parameters.py").value("LEAST_DEPTH")),
     )
 
 

@@ -27,7 +27,7 @@ def near(*values: float, tolerance: float = 1e-6) -> object:
 
 def absent_error() -> type[Exception]:
     found: type[Exception] = importlib.import_module(
-        "jausml_runtime.bridge.messages.errors"
+        "jausml_runtime.bridge.messages.limits"
     ).AbsentFieldError
     return found
 

@@ -23,7 +23,7 @@ def near(*values: float, tolerance: float = 1e-3) -> object:
 
 
 def error(name: str) -> type[Exception]:
-    module = importlib.import_module("jausml_runtime.bridge.messages.errors")
+    module = importlib.import_module("jausml_runtime.bridge.messages.limits")
     found: type[Exception] = getattr(module, name)
     return found
 

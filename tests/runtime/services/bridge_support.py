@@ -9,8 +9,9 @@ from typing import ClassVar
 from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
-from jausml.runtime.bridge.connections.to_ros import EventToTopics, MessageToTopics
+from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic, TopicCounts
 from jausml.runtime.bridge.light_message import LightMessage

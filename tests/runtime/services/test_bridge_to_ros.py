@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard, JausComponent, Status
-from jausml.runtime.bridge.connections.to_ros import EventToTopics, MessageToTopics, QueryToTopics
+from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
+from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import (

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
-from jausml.runtime.bridge.calls.services import JausToRosService, RosServiceToJaus
 
 from jausml.runtime import Guard
 from jausml.runtime.bridge.calls.calls import MOST_CALLS
+from jausml.runtime.bridge.calls.services import JausToRosService, RosServiceToJaus
 from jausml.runtime.bridge.ends.topics import RosService
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.messages import (

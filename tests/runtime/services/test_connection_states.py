@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
-from jausml.runtime.bridge.connections.to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import (

@@ -47,7 +47,7 @@ def angle_join(**options):
 
 
 def present(setting):
-    report = setting.bridge.report(QueryTime, ReportTime).value
+    report = setting.bridge.shared_messages.report(QueryTime, ReportTime).value
     stamp = ReportTime.decode(report).time_stamp
     return stamp.minutes, stamp.hour
 
@@ -95,7 +95,7 @@ def test_nothing_yet_is_nothing_fresh(setting):
 def test_what_needs_a_fresh_message_is_dropped_and_counted(world, setting):
     connection = setting.open(report(angle_join(drop=True)))
     setting.ros.deliver["numbers"](Number(1.0))
-    assert setting.bridge.report(QueryTime, ReportTime).value is None
+    assert setting.bridge.shared_messages.report(QueryTime, ReportTime).value is None
     setting.ros.deliver["angles"](Angle(9.0))
     setting.ros.deliver["numbers"](Number(2.0))
     world.run(0.6)

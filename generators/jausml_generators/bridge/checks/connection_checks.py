@@ -9,7 +9,6 @@ from jausml.generation.literals import python_literal
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.paths.scopes import target_paths
-from jausml_generators.bridge.actions import ActionView
 from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.filling import (
     SINGLE,
@@ -21,15 +20,16 @@ from jausml_generators.bridge.checks.filling import (
     is_absent,
     short_name,
 )
-from jausml_generators.bridge.translation.ros_fields import PathError
+from jausml_generators.bridge.services_and_actions import ActionView
+from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.ends import Ends
-    from jausml_generators.bridge.checks.figures import Chain
     from jausml_generators.bridge.checks.filling import Message, Place, Scalar
     from jausml_generators.bridge.checks.samples import Sample
     from jausml_generators.bridge.connections import ConnectionView

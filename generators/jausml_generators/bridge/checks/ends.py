@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.paths.directions import used_maps
 from jausml.language.semantics.paths.scopes import source_paths
-from jausml_generators.bridge.checks.check import store
-from jausml_generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
+from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
-from jausml_generators.bridge.report_joins import ReportJoinView
+from jausml_generators.bridge.ends import ReportJoinView
 from jausml_generators.bridge.translation.expressions import TEXT
 from jausml_generators.python.statements import call
 
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 
     from jausml_generators.bridge.checks.filling import Code, Message, Place, Scalar
     from jausml_generators.bridge.connections import ConnectionView
-    from jausml_generators.bridge.topics import JoinView
+    from jausml_generators.bridge.ends import JoinView
     from jausml_generators.bridge.translation.surroundings import Surroundings
 
     AnyJoin: TypeAlias = JoinView | ReportJoinView

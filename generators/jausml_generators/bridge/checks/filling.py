@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml_generators.bridge.translation.places import INTEGER_RANGES, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,
     place_text,
 )
-from jausml_generators.bridge.translation.ros_fields import INTEGER_RANGES, RosStart, ros_field
+from jausml_generators.bridge.translation.steps import conditions
 from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml_generators.python.names import snake_case
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus, ros
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
@@ -110,20 +110,6 @@ class Place:
         if self.kind == TEXT:
             return text
         raise ValueTextError(f"{self.path} takes no value in a test vector")
-
-
-class Message(Protocol):
-    """A message of either side under a name of the generated test."""
-
-    def place(self, path: str) -> Place:
-        """Returns the attribute at the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
-
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
 
 
 @dataclass(frozen=True)
@@ -292,3 +278,7 @@ def is_absent(place: Place) -> list[str]:
 def is_there(place: Place) -> list[str]:
     """Returns the assertions that an attribute is there."""
     return [holds(each) for each in place.conditions]
+
+
+Message: TypeAlias = JausMessage | RosMessage
+"""A message of either side under a name of the generated test."""

@@ -26,26 +26,25 @@ from jausml_generators.bridge.checks.connection_checks import (
 )
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
-from jausml_generators.bridge.checks.limits import chain_gain, limits
-from jausml_generators.bridge.checks.samples import sample_of
+from jausml_generators.bridge.checks.samples import chain_gain, limits, sample_of
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
-from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
+from jausml_generators.bridge.translation.places import PathError, ros_field
 from jausml_generators.bridge.translation.translation import frames_of
 from jausml_generators.bridge.translation.values import AssignmentError
-from jausml_generators.common import runtime
 from jausml_generators.python.names import Scope
+from jausml_generators.python.package import runtime_names
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.checks.figures import Chain
+    from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.filling import Place
     from jausml_generators.bridge.checks.samples import Sample
     from jausml_generators.bridge.connections import ConnectionView
-    from jausml_generators.bridge.ros_classes import RosClasses
     from jausml_generators.bridge.views import BridgeView
+    from jausml_generators.common.ros import RosClasses
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ class TestModule:
         messages = (view.class_name for view in self.bridge.messages)
         return Imports(
             {
-                **runtime.names(),
+                **runtime_names(),
                 **self.bridge.light.origins(self._ros_classes, f"{self.package}.ros_types"),
                 **offered("hypothesis", "given", "settings"),
                 "st": Origin("hypothesis", "strategies"),

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.translation.body import Body
+    from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.bridge.translation.targets import Target
 
@@ -86,9 +86,6 @@ class Chain:
         Args:
             conversions: The `bridge.Conversion` elements.
             source_paths: Their paths, by which expressions name them.
-
-        Raises:
-            AssignmentError: A conversion does not take what it gets.
         """
         current, paths = list(values), list(source_paths)
         if not self._keeps_integers(conversions):
@@ -296,9 +293,6 @@ def look_up(
     Args:
         value: What is looked up; its kind is that of the keys.
         listed: Names and values of what is found, as its field names them.
-
-    Raises:
-        AssignmentError: An entry is no value of its side.
     """
     pairs: dict[str, Constant] = {}
     for entry in table.entries:

@@ -40,10 +40,6 @@ def add_list(translation: Translation, assignment: bridge.ListAssignment) -> Non
 
     Args:
         assignment: The `bridge.ListAssignment`.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
     """
     _ListSteps(translation, assignment).add()
 

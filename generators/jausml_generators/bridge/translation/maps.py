@@ -8,7 +8,6 @@ from jausml.generation.literals import printable
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
-from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     OCTETS,
@@ -19,18 +18,17 @@ from jausml_generators.bridge.translation.expressions import (
     Translate,
 )
 from jausml_generators.bridge.translation.lists import add_list
-from jausml_generators.bridge.translation.places import Equal, Place
+from jausml_generators.bridge.translation.places import Equal, Place, RosStart
 from jausml_generators.bridge.translation.printing import printed
-from jausml_generators.bridge.translation.ros_fields import RosStart
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
-from jausml_generators.bridge.translation.steps import Require, Write
+from jausml_generators.bridge.translation.steps import Body, Require, Write
 from jausml_generators.bridge.translation.surroundings import NestedTranslation
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.translation import Translation, paths_of
 from jausml_generators.bridge.translation.values import NO_POLICY
 from jausml_generators.python.codec.jaus_fields import JausStart
-from jausml_generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import CURRENT_COMMAND, may_set_limits
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -57,10 +55,6 @@ def to_ros(
 
     Args:
         joins: Parameter and class of each joined report, by name of the join.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
     """
     body = Body(owner, connection.outOfRange.name)
     _map_to_ros(body, connection.map, message, class_name, joins, around)
@@ -78,10 +72,6 @@ def to_jaus(
 
     Args:
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
     """
     body = Body(owner, connection.outOfRange.name)
     _map_to_jaus(body, connection.map, message, joins, around)
@@ -95,12 +85,7 @@ def stop(
     class_name: str,
     around: Surroundings,
 ) -> Body:
-    """Returns the steps that make `target`, of either side, without a source.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Returns the steps that make `target`, of either side, without a source."""
     body = Body(owner, connection.outOfRange.name)
     used = connection.map
     if connection.direction.name == "jausToRos":
@@ -223,12 +208,7 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
 
 
 def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
-    """Adds the statements that translate a message which a JAUS field carries.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Adds the statements that translate a message which a JAUS field carries."""
     (_to_ros if translation.to_ros else _to_jaus)(translation, assignment)
 
 

@@ -1,9 +1,14 @@
-"""Places in messages, and what must hold for something to stand there: typed, in no language."""
+"""Places in messages, typed and in no language, and the paths that lead to them in ROS."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
+
+from jausml.language.cdr import full_name
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.paths.ros_paths import fields_by_name, is_sequence, named_constants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -122,3 +127,106 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
         for each in unique
     )
     return tuple(dict.fromkeys(kept))
+
+
+_STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
+
+INTEGER_RANGES = {
+    f"{sign}int{bits}": ((0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+} | {"byte": (0, 255), "char": (0, 255)}
+
+
+class PathError(ValueError):
+    """A path that leads nowhere."""
+
+
+@dataclass(frozen=True)
+class RosStart:
+    """Where paths start.
+
+    Attributes:
+        type: The `ros.MessageType` of the message or element; None for an element without fields.
+        field: The `ros.Field` of which an element without fields is one.
+    """
+
+    root: str | Local
+    type: ros.MessageType | None
+    field: ros.Field | None = None
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class RosField:
+    """The end of a path.
+
+    Attributes:
+        path: The path as counters and errors name it, e.g. `pose.covariance[7]`.
+        type: Primitive type (`float64`) or full name of a message type
+            (`geometry_msgs/Quaternion`).
+        bound: Most characters of a string; 0 when nothing limits it.
+        counts: Fewest and most elements of a whole array; None when nothing limits them.
+        message_type: The `ros.MessageType` of the end or of the elements of the array; None for
+            primitive types.
+        field: The `ros.Field` at the end; None for a whole message.
+        elements: The elements of sequences on the way, which may not be there.
+    """
+
+    path: str
+    type: str
+    is_array: bool
+    place: Place
+    bound: int = 0
+    counts: tuple[int, int] | None = None
+    message_type: ros.MessageType | None = None
+    field: ros.Field | None = None
+    constants: tuple[tuple[str, str], ...] = ()
+    elements: tuple[tuple[Longer, ros.Field], ...] = ()
+
+
+def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None = None) -> RosField:
+    """Follows a path through the fields of a modelled message type.
+
+    Args:
+        message_type: The `ros.MessageType` of the message.
+        path: Field names joined by dots; `name[i]` is an element of an array, `.` the start.
+        start: Where the path starts; the message `source` when it is not given.
+    """
+    begin = start or RosStart("source", message_type)
+    current, field, is_array = begin.type, begin.field, False
+    holder, place = message_type, Place(begin.root)
+    elements: list[tuple[Longer, ros.Field]] = []
+    for step in [] if path == "." else path.split("."):
+        found = _STEP.fullmatch(step)
+        if current is None or is_array or found is None:
+            raise PathError(f"'{path}' does not lead to a field of {full_name(message_type)}")
+        field = fields_by_name(current).get(found["name"])
+        if field is None:
+            raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
+        holder, place = current, place.at(found["name"])
+        if found["index"] is not None:
+            if is_sequence(field):
+                elements.append((Longer(place, int(found["index"])), field))
+            place = place.at(int(found["index"]))
+        is_array = field.arrayKind.name != "single" and found["index"] is None
+        current = field.messageType if isinstance(field, ros.MessageField) else None
+    primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
+    return RosField(
+        ".".join(each for each in (begin.label, path) if each not in ("", ".")),
+        primitive.type.name if primitive is not None else full_name(current or message_type),
+        is_array,
+        place,
+        primitive.stringBound if primitive is not None else 0,
+        _counts(field) if is_array and field is not None else None,
+        current,
+        field,
+        named_constants(holder),
+        tuple(elements),
+    )
+
+
+def _counts(field: ros.Field) -> tuple[int, int] | None:
+    size = field.arraySize
+    kinds = {"fixedArray": (size, size), "boundedSequence": (0, size)}
+    return kinds.get(field.arrayKind.name)

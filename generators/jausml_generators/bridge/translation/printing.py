@@ -14,7 +14,6 @@ from jausml.language.semantics.conversions.grids import ReverseRows
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation import places
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
-from jausml_generators.bridge.translation.formulas import FormulaPrinter
 from jausml_generators.bridge.translation.places import Condition, Local, Place
 from jausml_generators.bridge.translation.steps import (
     Alike,
@@ -29,7 +28,7 @@ from jausml_generators.bridge.translation.steps import (
     Write,
 )
 from jausml_generators.bridge.translation.together import COLUMNS, is_together, octet_limit
-from jausml_generators.python.expressions import column_expression
+from jausml_generators.python.expressions import FormulaPrinter, column_expression
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import (
     Assign,

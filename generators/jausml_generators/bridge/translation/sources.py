@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
@@ -14,11 +14,12 @@ from jausml_generators.bridge.translation.expressions import (
     Expression,
     Read,
 )
-from jausml_generators.bridge.translation.places import Place, There
-from jausml_generators.bridge.translation.ros_fields import (
+from jausml_generators.bridge.translation.places import (
     INTEGER_RANGES,
     PathError,
+    Place,
     RosStart,
+    There,
     ros_field,
 )
 from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
@@ -28,31 +29,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Local, Longer, Way
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import Local, Longer, RosField, Way
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
 INDEX, COUNT = "index", "count"
 MANY = 2**32 - 1
-
-
-class Source(Protocol):
-    """Where the source paths of some assignments start."""
-
-    def value(self, path: str, policy: Policy) -> Value:
-        """Returns the value at the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
-
-    def many(self, path: str) -> Many:
-        """Returns the list at the end of a path.
-
-        Raises:
-            PathError: The path leads to no list.
-        """
 
 
 @dataclass(frozen=True)
@@ -110,11 +92,7 @@ class JausSource:
         return replace(self, start=replace(self.start, names=None))
 
     def field(self, path: str) -> JausField:
-        """Returns the end of a path; one that begins with `/` starts at the message.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path; one that begins with `/` starts at the message."""
         if path.startswith("/"):
             return (self.top or self).field(path[1:])
         name, _, rest = path.partition(".")
@@ -160,11 +138,7 @@ class JausSource:
         return JausSource(self.message, start, self.top or self, counters, conditions)
 
     def carried(self, path: str) -> JausField:
-        """Returns the field that carries a message.
-
-        Raises:
-            PathError: The field carries none.
-        """
+        """Returns the field that carries a message."""
         found = self.field(path)
         if found.kind not in {FORMAT, OCTETS}:
             raise PathError(f"'{found.path}' carries no message")
@@ -235,3 +209,7 @@ class RosSource:
 def _lengths(found: RosField) -> tuple[Longer, ...]:
     """What must hold for the elements of sequences on the way to be there."""
     return tuple(length for length, _ in found.elements)
+
+
+Source: TypeAlias = JausSource | RosSource
+"""Where the source paths of some assignments start."""

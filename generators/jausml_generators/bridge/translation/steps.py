@@ -1,13 +1,22 @@
-"""Typed steps of translations: a closed set, in order, which printers print in a language."""
+"""Typed steps of translations, a closed set that printers print, and how they are made."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml_generators.bridge.translation.expressions import Read
+from jausml_generators.bridge.translation.places import Condition, Local, Named, Place
+from jausml_generators.bridge.translation.values import Policy
+from jausml_generators.python.names import snake_case
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.places import Condition, Local, Place
+    from jausml_generators.bridge.translation.places import Way
 
 
 @dataclass(frozen=True)
@@ -113,3 +122,117 @@ Step: TypeAlias = Let | Write | Keep | Append | Require | Choose | WhereKept | E
 def gives(steps: tuple[Step, ...], place: Place) -> bool:
     """Tells whether steps give a place a value whatever holds."""
     return any(isinstance(each, Write) and each.place == place for each in steps)
+
+
+@dataclass
+class Body:
+    """Steps of a translation.
+
+    Attributes:
+        owner: Attribute of the bridge that is the connection, e.g. `speed`.
+        policy: Out-of-range policy of the connection, as a literal of the metamodel.
+    """
+
+    owner: str = ""
+    policy: str = "clamp"
+    steps: list[Step] = field(default_factory=list)
+    _required: list[Way] = field(default_factory=list)
+    _locals: dict[Place, Local] = field(default_factory=dict)
+
+    def deeper(self) -> Body:
+        """Returns the body of a block in this one, whose steps are added when complete."""
+        return replace(self, steps=[], _required=list(self._required))
+
+    def policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
+        """Returns what becomes of the value of an assignment that does not fit its target."""
+        own = assignment.outOfRange.name
+        if own != "asConnection":
+            return self.named_policy(own)
+        identifiers = "drop_message" if self.policy == "clamp" else ""
+        return replace(self.named_policy(self.policy), identifiers=identifiers)
+
+    def named_policy(self, name: str) -> Policy:
+        """Returns a policy by its literal of the metamodel."""
+        return Policy(self.owner, snake_case(name))
+
+    @property
+    def whole_policy(self) -> Policy:
+        """The policy of what is no field that could be dropped alone."""
+        return self.named_policy("dropMessage" if self.policy == "dropField" else self.policy)
+
+    # -- steps -----------------------------------------------------------------------------------
+
+    def add(self, *steps: Step) -> None:
+        """Adds steps."""
+        self.steps += steps
+
+    def local(self, hint: str, value: Expression) -> Local:
+        """Gives a value a variable, which is returned."""
+        local = Local(hint)
+        self.add(Let((local,), value))
+        return local
+
+    def local_of(self, place: Place) -> Local:
+        """Returns the variable for an element of a list, always the same."""
+        if place not in self._locals:
+            self._locals[place] = Local(place.last)
+        return self._locals[place]
+
+    # -- blocks ----------------------------------------------------------------------------------
+
+    @contextmanager
+    def where(self, *alternatives: tuple[Condition, ...]) -> Iterator[None]:
+        """Puts what is added meanwhile under conditions.
+
+        Conditions that the step before has too are not said again.
+        """
+        outer, known = self.steps, len(self._required)
+        last = outer[-1] if outer else None
+        again = isinstance(last, Choose) and last.conditions == alternatives
+        self.steps = list(last.steps) if isinstance(last, Choose) and again else []
+        yield
+        block = Choose(alternatives, tuple(self.steps))
+        self.steps = outer
+        if again:
+            outer.pop()
+        outer.append(block)
+        del self._required[known:]
+
+    @contextmanager
+    def given(self, ways: Sequence[Way]) -> Iterator[None]:
+        """Puts what is added meanwhile under the condition that values are there."""
+        wanted = [each for each in ways if each not in self._required]
+        first = next((at for at, each in enumerate(wanted) if isinstance(each, Named)), None)
+        if first is not None:
+            with self.given(wanted[:first]):
+                self._name(wanted[first])
+                with self.given(wanted[first + 1 :]):
+                    yield
+        elif wanted:
+            with self.where(conditions(wanted)):
+                yield
+        else:
+            yield
+
+    def _name(self, way: Way) -> None:
+        """Gives what was found a variable in the present block, once."""
+        if isinstance(way, Named):
+            step = Let((way.local,), Read(way.place))
+            if step not in self.steps:
+                self.add(step)
+
+    def require(self, ways: Sequence[Way], path: str) -> None:
+        """Adds the refusal of messages that lack a field."""
+        for each in ways:
+            if each in self._required:
+                continue
+            self._required.append(each)
+            if isinstance(each, Named):
+                self._name(each)
+            else:
+                self.add(Require(each, "AbsentFieldError", path))
+
+
+def conditions(ways: Sequence[Way]) -> tuple[Condition, ...]:
+    """Returns the conditions alone."""
+    return tuple(each for each in ways if not isinstance(each, Named))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation.expressions import (
@@ -25,8 +25,7 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     Scalar,
 )
-from jausml_generators.bridge.translation.places import Local, Place
-from jausml_generators.bridge.translation.ros_fields import RosStart, ros_field
+from jausml_generators.bridge.translation.places import Local, Place, RosStart, ros_field
 from jausml_generators.bridge.translation.steps import Append, Let, Write
 from jausml_generators.bridge.translation.values import (
     PYTHON_TYPES,
@@ -40,15 +39,15 @@ from jausml_generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
-from jausml_generators.python.codec.compounds import PartValue, VariantValue
 from jausml_generators.python.codec.jaus_fields import JausStart, default_of, jaus_field
+from jausml_generators.python.codec.members import PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml_generators.bridge.translation.body import Body
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField
+    from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
@@ -74,31 +73,6 @@ class ManyTarget:
     start: Any
 
 
-class Target(Protocol):
-    """Where the target paths of some assignments start."""
-
-    def kind(self, path: str) -> str:
-        """Returns the kind of value that a path takes."""
-
-    def value_type(self, path: str) -> str:
-        """Returns the Python type of the value that a path takes."""
-
-    def listed(self, path: str) -> tuple[tuple[str, str], ...]:
-        """Returns the names and values that the end of a path names."""
-
-    def prepare(self, body: Body, path: str) -> None:
-        """Adds the statements that make what a message lacks on the way to the end of a path."""
-
-    def fitted(self, path: str, value: Value) -> Expression:
-        """Returns a value as the end of a path takes it."""
-
-    def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
-        """Adds the statement that stores a value that fits."""
-
-    def constant(self, path: str, text: str) -> Value:
-        """Returns a text of the model as a value for the end of a path."""
-
-
 @dataclass(frozen=True)
 class RosTarget:
     """A ROS message, or an element of an array in it.
@@ -115,11 +89,7 @@ class RosTarget:
     made: set[Place] = field(default_factory=set)
 
     def field(self, path: str) -> RosField:
-        """Returns the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path."""
         return ros_field(self.type, path, self.start)
 
     def kind(self, path: str) -> str:
@@ -203,11 +173,7 @@ class JausTarget:
     made: dict[Place, Local | None] = field(default_factory=dict)
 
     def field(self, path: str) -> JausField:
-        """Returns the end of a path.
-
-        Raises:
-            PathError: The path leads nowhere.
-        """
+        """Returns the end of a path."""
         found = jaus_field(self.message, path, self.start)
         return replace(found, place=self._named(found.place))
 
@@ -313,14 +279,14 @@ class JausTarget:
         return JausTarget(self.message, replace(many.start, root=root))
 
     def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
-        """Returns an encoded message as the field that carries it takes it.
-
-        Raises:
-            AssignmentError: The field carries no message.
-        """
+        """Returns an encoded message as the field that carries it takes it."""
         found = self.field(path)
         if found.kind == FORMAT:
             return New(found.class_name, (number(0), payload))
         if found.kind == OCTETS:
             return policy.limit("octets", payload, found.path, found.limits)
         raise AssignmentError(f"{found.path} carries no message")
+
+
+Target: TypeAlias = JausTarget | RosTarget
+"""Where the target paths of some assignments start."""

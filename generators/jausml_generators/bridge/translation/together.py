@@ -28,12 +28,11 @@ from jausml.language.semantics.conversions.orientations import (
 )
 from jausml.language.semantics.conversions.times import TimestampToTime, TimeToTimestamp
 from jausml_generators.bridge.translation import expressions as values
-from jausml_generators.bridge.translation.places import Local, Place, There
-from jausml_generators.bridge.translation.ros_fields import RosStart
+from jausml_generators.bridge.translation.places import Local, Place, RosStart, There
 from jausml_generators.bridge.translation.steps import Alike, Choose, Each, Let, Require, Write
 from jausml_generators.python.codec.classes import ContainerClass
-from jausml_generators.python.codec.compounds import PartValue
 from jausml_generators.python.codec.jaus_fields import JausStart
+from jausml_generators.python.codec.members import PartValue
 from jausml_generators.python.codec.scalars import Fixed
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from jausml.language.metamodel.classes import bridge, ecore
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.stops import has_stop
 from jausml.language.semantics.paths.directions import used_maps
-from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
 from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.bridge.translation.translation import frame_assignments, frames_of
+from jausml_generators.common.ros import RosClasses
 from jausml_generators.cpp.core import Core, Ends
 from jausml_generators.python.names import Scope, names_in, snake_case
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml_generators.bridge.light.module import LightModule
+    from jausml_generators.bridge.light_module import LightModule
     from jausml_generators.bridge.translation.translation import Frames
     from jausml_generators.cpp.core import Compiled
     from jausml_generators.python.codec.messages import MessageView
@@ -154,13 +154,13 @@ class AlikeMaps:
         return value
 
 
-# Attributes that the base class has anyway.
+# Attributes that the base class has anyway, or had: names in the code of users stay.
 _TAKEN_ATTRIBUTES = names_in(
     """
     accept at clock close compiled component connections core exchanges fast_subscriber
     fast_translation follow is_active list_driver list_drivers loop note_guardian note_unasked now
-    on_control_lost on_not_ready open parameters publisher report ros set_active settings simulation
-    standing subscribe ward
+    on_control_lost on_not_ready open parameters publisher report ros set_active settings
+    shared_messages shared_topics simulation standing subscribe ward
     """
 )
 
@@ -241,12 +241,7 @@ def translate(
     taken: Iterable[str],
     light: LightModule,
 ) -> Translations:
-    """Translates the connections of a bridge.
-
-    Raises:
-        AssignmentError: A value does not fit its target.
-        PathError: A path leads nowhere.
-    """
+    """Translates the connections of a bridge."""
     ros_classes = RosClasses(taken)
     overrides = {str(each.name): each for each in element.quantities}
     attributes = Scope(_TAKEN_ATTRIBUTES)

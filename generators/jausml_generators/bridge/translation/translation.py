@@ -11,7 +11,6 @@ from jausml.language.semantics.assignments.units import attribute_measure, resul
 from jausml.language.semantics.conversions import UnitEffect, conversion_of
 from jausml.language.semantics.conversions.times import TimeToTimestamp
 from jausml.language.semantics.paths.scopes import place
-from jausml_generators.bridge.translation.body import conditions
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (
     BITS,
@@ -24,9 +23,8 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     Setting,
 )
-from jausml_generators.bridge.translation.places import Place, joined
-from jausml_generators.bridge.translation.ros_fields import PathError, ros_field
-from jausml_generators.bridge.translation.steps import Keep, WhereKept
+from jausml_generators.bridge.translation.places import PathError, Place, joined, ros_field
+from jausml_generators.bridge.translation.steps import Keep, WhereKept, conditions
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
     UNLIMITED,
@@ -41,9 +39,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.body import Body
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import JausSource, RosSource
+    from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 

@@ -27,13 +27,12 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Ranges,
 )
-from jausml_generators.bridge.translation.ros_fields import INTEGER_RANGES
+from jausml_generators.bridge.translation.places import INTEGER_RANGES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml_generators.bridge.translation.places import Way
-    from jausml_generators.bridge.translation.ros_fields import RosField
+    from jausml_generators.bridge.translation.places import RosField, Way
     from jausml_generators.python.codec.jaus_fields import JausField, Limits
 
 NUMBERS = {REAL, INTEGER, BOOLEAN}
@@ -151,11 +150,7 @@ def ros_kind(target: RosField) -> str:
 
 
 def fitted_to_ros(value: Value, target: RosField) -> Expression:
-    """Returns a value as one of a ROS field.
-
-    Raises:
-        AssignmentError: The kinds do not go together.
-    """
+    """Returns a value as one of a ROS field."""
     wanted = ros_kind(target)
     if wanted == INTEGER and value.kind in NUMBERS:
         # What measures is a real, has a unit, or is converted.
@@ -176,11 +171,7 @@ def fitted_to_ros(value: Value, target: RosField) -> Expression:
 
 
 def fitted_to_jaus(value: Value, target: JausField) -> Expression:
-    """Returns a value as one of a JAUS field.
-
-    Raises:
-        AssignmentError: The kinds do not go together.
-    """
+    """Returns a value as one of a JAUS field."""
     if target.kind == INTEGER and value.kind in NUMBERS:
         if target.values:
             return _listed(value, target)
@@ -255,9 +246,6 @@ def constant(
 
     Args:
         text: The constant, or the name of one.
-
-    Raises:
-        AssignmentError: The text is no such value.
     """
     # Of several values of one name the first counts.
     text = dict(reversed(listed)).get(text, text)
@@ -278,11 +266,7 @@ def constant(
 
 
 def ros_constant(target: RosField, text: str) -> Value:
-    """Returns a constant as the type of a ROS field needs it.
-
-    Raises:
-        AssignmentError: The text is no such value.
-    """
+    """Returns a constant as the type of a ROS field needs it."""
     kind = ros_kind(target)
     limits = INTEGER_RANGES.get(target.type, UNLIMITED)
     found = constant(kind, text, limits, target.path, target.constants)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import docstrings as docs
 from jausml.generation.literals import python_literal, python_string
-from jausml_generators.python.codec.compounds import (
+from jausml_generators.python.codec.members import (
     MAXIMUM_COMPLEXITY,
     ListValue,
     VariantValue,

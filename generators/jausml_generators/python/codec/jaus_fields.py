@@ -33,10 +33,10 @@ from jausml_generators.bridge.translation.places import (
     Local,
     Longer,
     Named,
+    PathError,
     Place,
     There,
 )
-from jausml_generators.bridge.translation.ros_fields import PathError
 from jausml_generators.python.codec.classes import (
     Alternative,
     BitFieldClass,
@@ -45,8 +45,13 @@ from jausml_generators.python.codec.classes import (
     SubField,
     VariableFieldClass,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
-from jausml_generators.python.codec.members import Member
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    VariantValue,
+)
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
@@ -145,9 +150,6 @@ def jaus_field(message: MessageView, path: str, start: JausStart | None = None) 
         message: The message.
         path: JAUS names joined by dots, relative to the start; `.` for the start itself.
         start: Where the path starts; the body of the message `source` when it is not given.
-
-    Raises:
-        PathError: There is no such field.
     """
     walk = _Walk(message, start or JausStart("source"), path)
     for step in [] if path == "." else path.split("."):

@@ -18,10 +18,16 @@ from jausml_generators.python.codec.classes import (
     VariableFieldClass,
     VariantAlias,
 )
-from jausml_generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
-from jausml_generators.python.codec.members import Member, Run, Single
-from jausml_generators.python.codec.message_scope import MessageScope
-from jausml_generators.python.codec.messages import MessageView
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    Run,
+    Single,
+    VariantValue,
+)
+from jausml_generators.python.codec.messages import MessageScope, MessageView
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -37,9 +43,6 @@ def build_message(element: jaus.MessageDef, class_name: str | None = None) -> Me
 
     Args:
         class_name: Name of the class; made from the message's name when it is not given.
-
-    Raises:
-        GenerationError: The message cannot be encoded; validation tells users before.
     """
     try:
         layout = wire.resolve(element)

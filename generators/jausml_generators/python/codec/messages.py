@@ -8,21 +8,39 @@ class, a list is a list, a variant a union of the classes of its options.
 from __future__ import annotations
 
 import re
+import struct
 import textwrap
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from jausml.generation import docstrings as docs
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
-from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
-from jausml_generators.python.codec.members import Member
+from jausml_generators.python import names
+from jausml_generators.python.codec import scalars
+from jausml_generators.python.codec.classes import (
+    BitFieldClass,
+    ContainerClass,
+    Enumeration,
+    SubField,
+    VariableFieldClass,
+)
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    VariantValue,
+)
+from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language import wire
-    from jausml_generators.python.codec.classes import NestedClass, SubField
+    from jausml_generators.python.codec.classes import NestedClass
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
 
@@ -156,3 +174,198 @@ class MessagesModule:
     def imports(self) -> Imports:
         """What the module may import."""
         return Imports(offered(f"{self.runtime}.wire", *_WIRE.split()))
+
+
+def example_bytes(view: MessageView) -> bytes:
+    """Returns the code and the body of a message with every field present."""
+    bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
+    return struct.pack("<H", view.code) + _Examples(bits).container(view.body)
+
+
+def example_numbers(view: MessageView) -> dict[str, float]:
+    """Returns what the scaled fields of the example hold, by attribute.
+
+    Those in lists, variants and inner records are left out.
+    """
+    examples = _Examples({})
+    found = {}
+    for member in _present(view.body):
+        value = member.value
+        if isinstance(value, Fixed) and value.scale is not None:
+            lower, upper = value.scale
+            found[member.attribute] = lower + (upper - lower) * examples.share()
+        elif not isinstance(value, Fixed | Blob):
+            break
+    return found
+
+
+def _present(part: ContainerClass) -> list[Member]:
+    # A definition with more optional members than bits (CBRNDetection) sends those with bits.
+    known = (1 << 8 * part.presence_size) - 1
+    return [member for member in part.members if member.bit <= known]
+
+
+# Put together from the layout of the fields alone: a test holds the
+# codec to something else than itself.
+class _Examples:
+    def __init__(self, bits: dict[str, BitFieldClass]) -> None:
+        self._bits = bits
+        self._scaled = 0
+
+    def share(self) -> float:
+        """Returns where in its range the next scaled field is.
+
+        Neighbours differ, so that no two can be exchanged unseen. A fifteenth of the range is a
+        whole number of steps for every width.
+        """
+        self._scaled += 1
+        return (4 + self._scaled % 7) / 15
+
+    def container(self, part: ContainerClass) -> bytes:
+        present = _present(part)
+        presence = sum(member.bit for member in present)
+        body = b"".join(self.value(member.value) for member in present)
+        return presence.to_bytes(part.presence_size, "little") + body
+
+    def value(
+        self, value: Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
+    ) -> bytes:
+        if isinstance(value, Fixed):
+            return self._fixed(value)
+        if isinstance(value, Blob):
+            content = b"x" * max(1, value.lower)
+            return len(content).to_bytes(value.count_size, "little") + content
+        if isinstance(value, ListValue):
+            count = max(1, value.stated)
+            return count.to_bytes(value.count_size, "little") + self.value(value.element) * count
+        if isinstance(value, ArrayValue):
+            return self.value(value.element) * value.count
+        if isinstance(value, VariantValue):
+            last = len(value.options) - 1
+            return last.to_bytes(value.tag_size, "little") + self.value(value.options[last])
+        if isinstance(value.part, ContainerClass):
+            return self.container(value.part)
+        if isinstance(value.part, VariableFieldClass):
+            first = value.part.alternatives[0]
+            return first.index.to_bytes(1, "little") + self._fixed(first.value)
+        raise TypeError(f"{value.part.name} has no example")
+
+    def _fixed(self, value: Fixed) -> bytes:
+        if value.python_type == "str":
+            return b"x".ljust(value.size, b"\0")
+        if isinstance(value, Bits):
+            subs = self._bits[value.python_type].sub_fields
+            bits = sum(int(sub.value.default) - sub.value.offset << sub.low for sub in subs)
+            return bits.to_bytes(value.size, "little")
+        if value.scale is not None:
+            steps = (1 << 8 * value.size) - 1
+            return (steps // 15 * round(15 * self.share())).to_bytes(value.size, "little")
+        number = float(value.default)
+        if value.format in "fd":
+            return struct.pack(f"<{value.format}", number)
+        return struct.pack(f"<{value.format}", int(number) - value.offset)
+
+
+class MessageScope:
+    """The inside of one message class while it is built.
+
+    Attributes:
+        known: What was built already, by what makes it equal to another.
+    """
+
+    def __init__(self, class_name: str, message: str) -> None:
+        self._class_name = class_name
+        self._message = message
+        reserved = names.RESERVED_INNER_CLASSES | {class_name}
+        self._scope = names.Scope(reserved, separator="")
+        self._enclosing = [class_name]
+        self.classes: list[NestedClass] = []
+        self.structs: dict[str, str] = {}
+        self.known: dict[object, Any] = {}
+
+    @contextmanager
+    def inside(self, name: str) -> Iterator[None]:
+        """Builds what a class encloses."""
+        self._enclosing.append(name)
+        yield
+        self._enclosing.pop()
+
+    def claim(self, name: str) -> str:
+        """Returns the name of a class; where it is taken, with that of the enclosing class first.
+
+        Of two fields State with different values, one of them in the record Wheel, the classes are
+        called State and WheelState: the plain name is for the one that stands first.
+        """
+        return self._scope.claim(name, names.class_name(f"{self._enclosing[-1]}{name}"))
+
+    def summary(self, field: wire.Field) -> str:
+        """Returns the first line of the docstring of a field's class."""
+        text = docs.clean(field.documentation)
+        return docs.described(text or f"{field.name} of {self._message}")
+
+    def path(self, name: str) -> str:
+        """Returns the full name of a class."""
+        return name if name == self._class_name else f"{self._class_name}.{name}"
+
+    def use(self, struct_format: str) -> str:
+        """Returns the name of the shared constant for one wire item, which the module then has."""
+        name = scalars.struct_name(struct_format)
+        self.structs[name] = f"<{struct_format}"
+        return name
+
+    def used(self, struct_format: str) -> str:
+        """Returns the format of a wire item, for which the module then has a constant."""
+        self.use(struct_format)
+        return struct_format
+
+    def bit_field(self, field: wire.Field, kind: wire.BitField) -> BitFieldClass:
+        """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
+        scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
+        with self.inside(names.class_name(field.name)):
+            subs = tuple(self._sub_field(each, scope) for each in kind.groups)
+        key = (field.name, subs)
+        if key not in self.known:
+            name = self.claim(names.class_name(field.name))
+            is_inherited = kind.is_published_time_stamp and name == "TimeStamp"
+            self.known[key] = BitFieldClass(
+                name, self.path(name), self.summary(field), subs, is_inherited
+            )
+            self.classes.append(self.known[key])
+        found: BitFieldClass = self.known[key]
+        return found
+
+    def is_inherited(self, path: str) -> bool:
+        """Returns whether the base of the message brings a class."""
+        bit_fields = (each for each in self.classes if isinstance(each, BitFieldClass))
+        return any(each.is_inherited and each.path == path for each in bit_fields)
+
+    def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:
+        return SubField(
+            jaus_name=bits.name,
+            attribute=scope.claim(names.snake_case(bits.name)),
+            low=bits.low,
+            mask=bits.mask,
+            value=scalars.legal_integer("", bits.legal),
+            documentation=docs.clean(bits.documentation),
+            enumeration=self.enumeration(bits.name, bits.legal.listed),
+        )
+
+    def enumeration(self, field: str, listed: Iterable[wire.Listed]) -> str:
+        """Returns the name of the class of the listed values of a field, or nothing."""
+        pairs = [(each.value, each.name) for each in listed]
+        return self.listed(names.class_name(field), docs.clean(field), pairs)
+
+    def listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:
+        """Returns the name of the class of some values with names, or nothing without any."""
+        if not listed:
+            return ""
+        scope = names.Scope()
+        # Of several names of one value the first is kept, as an enumeration needs.
+        first = dict(reversed(listed))
+        constants = tuple((scope.claim(names.constant_name(first[v])), v) for v in dict(listed))
+        key = (name, constants)
+        if key not in self.known:
+            self.known[key] = Enumeration(self.claim(name), of, constants)
+            self.classes.append(self.known[key])
+        enumeration: Enumeration = self.known[key]
+        return enumeration.name

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from ...transports.packets.packet import Priority
 from ...wire.message import EncodeError
 from ..connections.connection import FILTERED, NOT_READY
 from ..connections.transcoding import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.counters import Counters
-    from ...transports.packets.packet import Priority
     from ...wire.message import Message
     from ..connections.transcoding import Transcode
     from ..ends.ends import Ends
@@ -75,11 +75,7 @@ class CallTranslation(Limiting):
         )
 
     def made(self, data: bytes) -> bytes:
-        """Returns the translation of an encoded message.
-
-        Raises:
-            CallFailedError: There is none; it says why.
-        """
+        """Returns the translation of an encoded message."""
         try:
             target = self._transcode(data)
         except Exception as error:
@@ -146,13 +142,14 @@ class Calls(Generic[CallT, AskingT]):
         service: RosService,
         request: AskingT,
         response: CallTranslation | type[Message] | None,
-        timeout: float,
-        is_command: bool,
-        priority: Priority,
+        timeout: float = 1.0,
+        is_command: bool = False,
+        priority: Priority = Priority.STANDARD,
     ) -> None:
         """Prepares the connection; nothing is exchanged before `open`.
 
         Args:
+            request: The translation of what asks, or such a message, whose defaults are asked for.
             response: The translation of responses, or the JAUS message that answers without one;
                 None where nothing answers.
         """
@@ -213,11 +210,7 @@ class Calls(Generic[CallT, AskingT]):
         return False
 
     def _made(self, half: object, data: bytes, default: Callable[[], bytes]) -> bytes:
-        """Returns what a message becomes, or the default where nothing translates it.
-
-        Raises:
-            CallFailedError: It cannot be translated.
-        """
+        """Returns what a message becomes, or the default where nothing translates it."""
         if isinstance(half, CallTranslation):
             return half.made(data)
         try:

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
 from ..messages.compiled import compiled_of
-from ..reports.latency import Latency
+from ..reports.diagnostics import Latency
 from ..reports.limiting import Limiting
 from ..reports.states import StopReason
-from .backlog import Backlog
+from .ages import Backlog
 from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ..ends.ends import Ends
-    from ..ends.quality import TopicFault
+    from ..ends.topics import TopicFault
     from ..reports.diagnostics import ConnectionStatus
     from .ages import Age
     from .joins import Joined

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
 from ..light_message import is_light
-from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
-from ..reports.latency import age_of_time
+from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import FILTERED, Connection
 from .joins import JoinedTopic
@@ -20,9 +19,9 @@ if TYPE_CHECKING:
 
     from ...base.fast_path import Outlet
     from ...wire.message import Message
-    from ..ends.ends import Ends, FastSubscriber, Feed
-    from ..ends.quality import TopicFault
-    from ..ends.topics import Topic
+    from ..ends.ends import Ends, SharedFeed
+    from ..ends.ros_side import FastSubscriber
+    from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
     from .joins import Join
@@ -74,7 +73,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         self._type = type
         self._topics = tuple(topics)
         self._message = message
-        self._feeds: list[Feed] = []
+        self._feeds: list[SharedFeed] = []
         self._sink = Sink(self.deliver)
 
     def open(self, ends: Ends) -> None:
@@ -85,7 +84,7 @@ class FromTopics(Connection[SourceT, TargetT]):
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
         self.join(self._topic_joins)
         take = self.make_take(self._switch, self._transcode)
-        self._feeds = [ends.subscribe(self._type, topic, take) for topic in self._topics]
+        self._feeds = [ends.shared_topics.feed(self._type, topic, take) for topic in self._topics]
 
     def make_take(self, switch: Switch, transcode: Transcode) -> Take:
         """Returns what takes messages."""

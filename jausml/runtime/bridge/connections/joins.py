@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..ends import parameters
-from ..messages.errors import StaleJoinError
+from ..messages.limits import StaleJoinError
 from .transcoding import ros_decoder
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class JoinedTopic(Joined):
         self.begin(ends, owner, ros_decoder(ends.ros, self.join.type, real=real))
         self.topics = parameters.topics(ends.ros, owner, self.join.topics)
         for topic in self.topics:
-            ends.subscribe(self.join.type, topic, self.keep)
+            ends.shared_topics.feed(self.join.type, topic, self.keep)
 
 
 def with_joins(

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.counters import Counters
-    from ..ends.quality import TopicFault
+    from ..ends.topics import TopicFault
     from ..reports.diagnostics import Statistics
     from .transcoding import Form
 

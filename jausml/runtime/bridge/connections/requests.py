@@ -1,20 +1,29 @@
-"""How reports of JAUS components are asked for: as events, or by a query in each period."""
+"""What a connection asks of JAUS peers: reports, further reports beside them, command answers."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ...clients.peer_search import PeerBinding
+from ...services.definitions import Guard
+from ...transports.delivery import MESSAGE_CODE_SIZE
+from ..ends import parameters
+from ..ends.ends import Taker
 from ..ends.simulation import real_rate
+from .joins import Joined
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from ...base.address import JausAddress
     from ...clients.event_subscription import EventSubscription
-    from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...wire.message import Message
     from ..ends.ends import Ends
     from .connection import Take
+    from .transcoding import Transcode
 
 
 class EventRequests:
@@ -151,3 +160,123 @@ class QueryRequests:
                 retries=0,
                 payloads=True,
             )
+
+
+@dataclass(frozen=True)
+class CommandAnswer:
+    """How a command is told.
+
+    Attributes:
+        same: Attributes of the query that say which command is meant.
+        has_empty: Whether a report without any field can say that nothing is commanded.
+    """
+
+    query: type[Message]
+    report: type[Message]
+    same: tuple[str, ...] = ()
+    has_empty: bool = False
+
+
+class CommandMemory:
+    """Remembers the last command that was passed on, and tells it while it stands."""
+
+    def __init__(self, answer: CommandAnswer, stands: Callable[[], bool]) -> None:
+        self._answer = answer
+        self._stands = stands
+        self._payload: bytes | None = None
+
+    def provide(self, component: JausComponent) -> None:
+        """Answers the query, and periodic events on it; nobody watches for changes."""
+        self._payload = None
+        answer = self._answer
+        component.provide(answer.query, answer.report, self._report, every_change=False)
+
+    def remembering(self, transcode: Transcode) -> Transcode:
+        """Returns a translation of commands, of which those that it passes on are remembered."""
+
+        def remember(data: bytes, **joined: object) -> bytes | None:
+            target = transcode(data, **joined)
+            if target is not None:
+                self._payload = data
+            return target
+
+        return remember
+
+    def _report(self, query: Message, _sender: JausAddress) -> Message | bytes | None:
+        answer = self._answer
+        if self._payload is None or not self._stands():
+            return answer.report() if answer.has_empty else None
+        code = answer.report.CODE.to_bytes(MESSAGE_CODE_SIZE, "little")
+        payload = code + self._payload[MESSAGE_CODE_SIZE:]
+        if answer.same:
+            report = answer.report.decode(payload)
+            if any(getattr(query, each) != getattr(report, each) for each in answer.same):
+                return None
+        return payload
+
+
+@dataclass(frozen=True)
+class ReportJoin:
+    """What the model says about a joined report.
+
+    Attributes:
+        query: The query whose answer is the report; None takes reports that are sent unasked.
+        rate: Reports each second that are asked for; None means one on every change.
+        is_asked: Whether a query asks for each report, instead of an event.
+        peers: JAUS components that send it; none means those of the connection.
+        freshness: Seconds after which the latest report is stale.
+        drop: Whether a main message is dropped when there is nothing fresh. Otherwise its
+            translation is given None.
+    """
+
+    name: str
+    message: type[Message]
+    query: Message | None = None
+    rate: float | None = None
+    is_asked: bool = False
+    peers: Sequence[JausAddress] = ()
+    freshness: float = 1.0
+    drop: bool = False
+
+
+class JoinedReport(Joined):
+    """The latest of the reports of whoever sends it."""
+
+    def __init__(self, join: ReportJoin) -> None:
+        super().__init__(join.name, freshness=join.freshness, drop=join.drop)
+        self.join = join
+        self._peers = PeerBinding(join.peers)
+
+    def open(
+        self,
+        ends: Ends,
+        connection: str,
+        peers: PeerBinding,
+        refuse: Callable[[bytes, Any], None],
+    ) -> None:
+        """Asks for the reports, or listens."""
+        join, owner = self.join, f"{connection}.{self.name}"
+        self.begin(ends, owner, join.message.decode)
+        if join.peers:
+            self._peers = parameters.peers(ends.ros, owner, self._peers)
+        else:
+            self._peers = PeerBinding(peers.search or peers.present)
+        if join.query is None:
+            senders = None if self._peers.is_anybody else self._peers
+            ends.shared_messages.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
+            self._peers.follow(ends.component.find_peers, _nothing, _nothing)
+        elif join.is_asked and join.rate is not None:
+            asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)
+            asked.rate = ends.ros.parameter(parameters.rate(owner, join.rate), asked.set_rate)
+            self._peers.follow(ends.component.find_peers, _nothing, _nothing)
+            asked.start(self._peers)
+        else:
+            events = EventRequests(ends, join.query, join.message, self.keep, join.rate)
+            if join.rate is not None:
+                rate = parameters.rate(owner, join.rate)
+                events.rate = ends.ros.parameter(rate, events.set_rate)
+            self._peers.follow(ends.component.find_peers, events.begin, events.end)
+
+
+def _nothing(_peer: JausAddress) -> None:
+    """Nothing is to be done about a peer that is met or gone."""

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
 from .connection import NO_PEER, NOT_READY
-from .controlled_peers import ControlledPeers
+from .controlled_peers import ControlledPeers, RepeatedStops
 from .from_topics import FromTopics
-from .repeated_stops import RepeatedStops
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -269,7 +268,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
-        self._report = ends.report(self._query, self._message)
+        self._report = ends.shared_messages.report(self._query, self._message)
         self._sink.deliver = self._put = self._putting(ends)
         super().open(ends)
 

@@ -16,7 +16,7 @@ from ..light_message import is_light
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..ends.ends import RosSide
+    from ..ends.ros_side import RosSide
     from ..messages.compiled import Function
 
 Transcode: TypeAlias = Callable[..., bytes | None]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .quality import TopicFault
+    from .topics import TopicFault
 
 LONGEST_GOAL = 1024
 """Elements that one goal may have: as many as the list of a component takes by default."""

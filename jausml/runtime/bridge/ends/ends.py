@@ -1,9 +1,20 @@
-"""The two ends of a bridge: what a bridge sees of ROS, and connections of the bridge."""
+"""A bridge as its connections see it, and what they share: topics, commands, reports.
+
+Connections that name a topic alike have one publisher or subscription. What arrives for one
+connection alone goes to it without a detour; so subscriptions and commands are made when all
+connections have said what they want.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ...base.fast_path import fast_path_of, through
+from ...base.settings import TransportSettings
+from ...component.base import COMPONENT_TYPE
+from ...services.definitions import ComponentSettings, Guard, ServiceIdentity
+from .topics import TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -11,181 +22,49 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...base.clocks import Timing
-    from ...base.fast_path import FastSending
+    from ...base.fast_path import FastPath, FastSending
     from ...base.loop import Loop
     from ...clients.exchanges import Exchanges
     from ...clients.peer_search import PeerBinding
     from ...component.component import JausComponent
     from ...conversions import Time
     from ...guardian.ward import Ward
-    from ...services.definitions import Guard
-    from ...wire import Message
+    from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
-    from .actions import ActionClient, GoalTaker, ListAction
-    from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
-    from .quality import TopicFault
-    from .settings import BridgeSettings
+    from .ros_side import FastSubscriber, RosPublisher, RosSide
     from .simulation import Simulation
-    from .topics import Parameter, Published, RosService, ServiceClient, Topic, TopicCounts
+    from .topics import Topic
+
+    Take = Callable[[bytes, Any], None]
+    When = Guard | Callable[[Any], Guard]
+
+_MOST_SENDERS = 1024
 
 
-class RosPublisher(Protocol):
-    """A publisher for serialized messages.
-
-    Attributes:
-        publish: Publishes a serialized message, from any thread.
-        unmatched: Messages that found none of them; whoever publishes counts.
-    """
-
-    publish: Callable[[bytes], None]
-    matched: int
-    unmatched: int
-
-    @property
-    def address(self) -> int:
-        """Where the client library has it; 0 where there is no such library."""
-
-    @property
-    def published(self) -> Published:
-        """What it was made for."""
-
-    def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy, from any thread."""
-
-
-class RosCodec(Protocol):
-    """Messages of one class of rclpy, as objects and serialized."""
-
-    def decode(self, data: bytes) -> Any:
-        """Returns the object of a serialized message."""
-
-    def encode(self, message: Any) -> bytes:
-        """Returns the serialized form of an object."""
-
-
-class RosSide(Protocol):
-    """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
-
-    Messages are serialized (CDR, with the header that names the encoding). A ROS type is a class
-    of rclpy, or a light class, whose `TYPE` names it, e.g. `nav_msgs/msg/Odometry`.
-    """
-
-    @property
-    def name(self) -> str:
-        """Full name of the node, e.g. `/fleet/bridge`."""
-
-    def attach(self, loop: Loop) -> None:
-        """Tells which loop waits; to be called before there are publishers and subscriptions."""
-
-    @property
-    def is_simulated(self) -> bool:
-        """Whether the ROS clock follows `/clock`."""
-
-    def now(self) -> Time:
-        """Time of the ROS clock."""
-
-    def follow_clock(self, take: Callable[[float], None]) -> None:
-        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
-
-    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
-        """Declares a parameter and returns its value; `changed` takes each later one."""
-
-    def codec(self, ros_type: type[Any]) -> RosCodec:
-        """Returns what makes objects of rclpy of serialized messages, and the reverse."""
-
-    def publisher(
-        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> RosPublisher:
-        """Makes a publisher.
-
-        Args:
-            greet: Called for each subscriber that is found, on the loop or with its lock.
-        """
-
-    def subscribe(
-        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
-    ) -> TopicCounts:
-        """Makes a subscription.
-
-        Args:
-            take: Is given each serialized message, and the time at which it was published, in
-                nanoseconds by the clock of its publisher; on the loop or with its lock.
-
-        Returns:
-            The counts, which go on.
-        """
-
-    def action_client(self, action: ListAction) -> ActionClient:
-        """Makes what sends goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
-
-    def serve(
-        self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
-    ) -> None:
-        """Serves a service.
-
-        Args:
-            take: Is given each serialized request and what replies to it, on the loop.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
-
-    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
-
-    def service_client(self, service: RosService) -> ServiceClient:
-        """Returns what calls a service.
-
-        Raises:
-            RosTypeError: Its type is not installed as the model has it.
-        """
-
-    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does."""
-
-    def publish_diagnostics(self, data: bytes) -> None:
-        """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
-
-
-class FastSubscriber(Protocol):
-    """A core that takes the messages of a subscription and sends what they become.
+@dataclass(frozen=True)
+class BridgeSettings:
+    """What the model says about a bridge, apart from its connections.
 
     Attributes:
-        is_current: Whether it still does.
+        frequency: Messages each second where the model states no rate. Diagnostics come at this
+            rate too, but not more often than once a second.
+        services: Services that the bridge provides, inherited ones included.
+        authority: Authority code that control is requested with, 0 to 255.
+        guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
     """
 
-    is_current: bool
-
-    def pending(self) -> Other | None:
-        """Returns a message that is not usual, which was taken; None when there is none."""
-
-    def look(self) -> None:
-        """Tells the core what Python has learnt when it took a message."""
-
-
-class Other(NamedTuple):
-    """A message that is not usual, which a core has taken.
-
-    Attributes:
-        number: That of its publisher; None where the middleware does not tell it.
-        received: When, in nanoseconds since 1970, as when it was published.
-        left: How many more wait.
-    """
-
-    data: bytes
-    number: int | None
-    received: int
-    published: int
-    left: int
+    name: str
+    address: JausAddress
+    description: str = ""
+    namespace: str = ""
+    frequency: float = 1.0
+    services: tuple[ServiceIdentity, ...] = ()
+    component_type: int = COMPONENT_TYPE
+    authority: int = 127
+    component: ComponentSettings = field(default_factory=ComponentSettings)
+    transport: TransportSettings = field(default_factory=TransportSettings)
+    guardian: bool = True
 
 
 class Feeder(Protocol):
@@ -218,10 +97,195 @@ class ReportHolder:
         return self.value
 
 
-class Feed(Protocol):
-    """A subscription of the bridge."""
+@dataclass(frozen=True)
+class Taker:
+    """A connection that takes messages.
 
-    counts: TopicCounts
+    Attributes:
+        senders: Whose messages it takes; None for those of anybody.
+    """
+
+    take: Take
+    senders: PeerBinding | None = None
+    refuse: Take | None = None
+    is_command: bool = False
+
+
+class BySender:
+    """Finds the connections for a sender once, however many there are.
+
+    A message that no connection wants is counted by the first one that names its senders, once.
+    """
+
+    def __init__(self, changed: Callable[[], None]) -> None:
+        """Has no connections yet.
+
+        Args:
+            changed: Told when messages of a sender may go to others than before.
+        """
+        self._changed = changed
+        self._takers: list[Taker] = []
+        self._known: dict[JausAddress, tuple[Take, ...]] = {}
+
+    def add(self, taker: Taker) -> None:
+        """Adds a connection."""
+        self._takers.append(taker)
+        self._forget()
+        if taker.senders is not None:
+            taker.senders.on_change(self._forget)
+
+    @property
+    def are_commands(self) -> bool:
+        """Whether a message takes the place of the one before, for any of the connections."""
+        return any(each.is_command for each in self._takers)
+
+    def taking(self) -> Take:
+        """Returns what takes all messages: the connection itself that alone takes anybody's."""
+        if len(self._takers) == 1 and self._takers[0].senders is None:
+            return self._takers[0].take
+        known, find = self._known, self._find
+
+        def take(data: bytes, sender: JausAddress) -> None:
+            for each in known.get(sender) or find(sender):
+                each(data, sender)
+
+        def fast_path(sender: JausAddress) -> FastPath | None:
+            takers = known.get(sender, ())
+            return fast_path_of(takers[0], sender) if len(takers) == 1 else None
+
+        return through(take, fast_path)
+
+    def _forget(self) -> None:
+        self._known.clear()
+        self._changed()
+
+    def _find(self, sender: JausAddress) -> tuple[Take, ...]:
+        wanting = [
+            each.take
+            for each in self._takers
+            if each.senders is None or sender in each.senders.present
+        ]
+        refusing = [each.refuse for each in self._takers if each.refuse is not None]
+        found = self._known[sender] = tuple(wanting or refusing[:1])
+        if len(self._known) > _MOST_SENDERS:  # inventions of a peer must not fill the memory
+            self._known.clear()
+        return found
+
+
+class SharedTopics:
+    """The topics of a bridge."""
+
+    def __init__(self, ros: RosSide) -> None:
+        self._ros = ros
+        self._publishers: dict[tuple[type[Any], Topic, bool], RosPublisher] = {}
+        self._greeters: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
+        self._feeds: dict[tuple[type[Any], Topic], SharedFeed] = {}
+
+    def publisher(
+        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None
+    ) -> RosPublisher:
+        """Returns the publisher of a topic."""
+        # Whoever does not ask for subscribers does not pay for them.
+        key = (message_type, topic, greet is not None)
+        greeters = self._greeters.setdefault(key, [])
+        if greet is not None:
+            greeters.append(greet)
+        if key not in self._publishers:
+            tell = (lambda: _tell(greeters)) if greet is not None else None
+            self._publishers[key] = self._ros.publisher(message_type, topic, tell)
+        return self._publishers[key]
+
+    def feed(self, message_type: type[Any], topic: Topic, take: Take) -> SharedFeed:
+        """Returns the subscription of a topic, which `subscribe` makes."""
+        feed = self._feeds.setdefault((message_type, topic), SharedFeed())
+        feed.takers.append(take)
+        return feed
+
+    def subscribe(self) -> None:
+        """Makes the subscriptions that were asked for, in that order."""
+        for (message_type, topic), feed in self._feeds.items():
+            feed.counts = self._ros.subscribe(message_type, topic, to_each(feed.takers))
+
+
+class SharedFeed:
+    """The subscription of a topic."""
+
+    def __init__(self) -> None:
+        self.takers: list[Take] = []
+        self.counts = TopicCounts()
+
+
+class SharedMessages:
+    """The messages of other components that a bridge takes, and the reports that it offers."""
+
+    def __init__(self, component: JausComponent) -> None:
+        self._component = component
+        self._listeners: dict[type[Message], BySender] = {}
+        self._commands: dict[type[Message], tuple[When, BySender]] = {}
+        self._reports: dict[type[Message], ReportHolder] = {}
+        self._unasked: dict[type[Message], BySender] = {}
+
+    def note_unasked(self, message: type[Message], note: Take, peers: PeerBinding) -> None:
+        """Tells of reports of peers that nobody takes, since they are asked for in another way."""
+        noting = self._unasked.setdefault(message, self._by_sender())
+        noting.add(Taker(note, peers, self._count_unknown))
+
+    def _by_sender(self) -> BySender:
+        return BySender(self._component.loop.revision.changed)
+
+    def _count_unknown(self, _data: bytes, _sender: JausAddress) -> None:
+        self._component.counters.add("component.unknown_message")
+
+    def accept(self, message: type[Message], taker: Taker, when: When) -> None:
+        """Takes messages that others send, of whom `handle` says more.
+
+        Args:
+            when: Whom to obey, or a function that tells it from the message; a command has one
+                handler, which its connections share.
+        """
+        if when is Guard.ANY:
+            self._listeners.setdefault(message, self._by_sender()).add(taker)
+        else:
+            self._commands.setdefault(message, (when, self._by_sender()))[1].add(taker)
+
+    def handle(self) -> None:
+        """Begins to take the messages that were asked for."""
+        for message, listeners in self._listeners.items():
+            self._component.on_payload(
+                message,
+                listeners.taking(),
+                is_robust=True,
+                counts_each=not listeners.are_commands,
+            )
+        for message, noting in self._unasked.items():
+            self._component.watch_unwanted(message, noting.taking())
+        for message, (when, takers) in self._commands.items():
+            self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
+
+    def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
+        """Offers a report; connections that feed one report share its value."""
+        if query not in self._reports:
+            holder = self._reports[query] = ReportHolder()
+            self._component.provide(query, report, lambda _query, _sender: holder.present())
+        return self._reports[query]
+
+
+def to_each(takers: Sequence[Take]) -> Take:
+    """Returns what gives each message to all takers; the only one itself, if it is alone."""
+    if len(takers) == 1:
+        return takers[0]
+    several = tuple(takers)
+
+    def take(data: bytes, origin: Any) -> None:
+        for each in several:
+            each(data, origin)
+
+    return take
+
+
+def _tell(greeters: Sequence[Callable[[], None]]) -> None:
+    for greet in greeters:
+        greet()
 
 
 class Ends(Protocol):
@@ -239,6 +303,8 @@ class Ends(Protocol):
     ward: Ward | None
     ros: RosSide
     component: JausComponent
+    shared_topics: SharedTopics
+    shared_messages: SharedMessages
 
     @property
     def loop(self) -> Loop:
@@ -259,35 +325,6 @@ class Ends(Protocol):
 
     def at(self, moment: Time) -> AbstractContextManager[None]:
         """Lets translations take a moment for the present."""
-
-    def publisher(
-        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> RosPublisher:
-        """Returns what publishes on a topic; `greet` is called for each subscriber found."""
-
-    def subscribe(
-        self, message_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
-    ) -> Feed:
-        """Subscribes to a topic when all connections are open."""
-
-    def accept(
-        self,
-        message: type[Message],
-        taker: Taker,
-        when: Guard | Callable[[Any], Guard],
-    ) -> None:
-        """Takes messages that other components send to the bridge."""
-
-    def note_unasked(
-        self,
-        message: type[Message],
-        note: Callable[[bytes, JausAddress], None],
-        peers: PeerBinding,
-    ) -> None:
-        """Tells of reports of peers that nobody takes, as they are asked for in another way."""
-
-    def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
-        """Offers a report."""
 
     def list_driver(self, messages: ListMessages) -> ListDriver:
         """Returns the list driver that the bridge provides."""

@@ -14,7 +14,7 @@ from ...guardian.rcl import loaded_libraries
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from .ends import RosPublisher
+    from .ros_side import RosPublisher
 
 MARK = Time(0x01020304, 0x05060708)
 """The moment that stops are made for: where it stands in them, the guardian puts the present."""

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ...services.completion import Completion
-from ...services.definitions import Guard
+from ...services.definitions import Completion, Guard
 from ...services.element_list import NO_UID
 from ...transports.delivery import MESSAGE_CODE_SIZE
 

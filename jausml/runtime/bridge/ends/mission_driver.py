@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, Any
 
-from ...services.completion import Completion
-from ...services.definitions import Guard, Status
+from ...services.definitions import Completion, Guard, Status
 from ...services.element_list import NO_UID, ListElement
 from .list_driver import ListDriver, ListMessages
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import JausAddress
-from ...base.errors import JausError
+from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from .actions import ListAction
-    from .ends import RosSide
-    from .settings import BridgeSettings
+    from .ends import BridgeSettings
+    from .ros_side import RosSide
     from .topics import RosService, Topic
 
 LEAST = 1e-9

@@ -1,12 +1,19 @@
-"""Topics, services and parameters of ROS as a bridge names them, without rclpy."""
+"""Topics, services and parameters of ROS, without rclpy; what keeps two ends of a topic apart.
+
+ROS connects a publisher and a subscription when the one offers all that the other requests, and
+otherwise neither gets anything of the other. The rules are those of DDS; `system_default` stands
+for what the middleware decides, about which nothing is known here.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+import time
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from ..light_message import LightMessage
 
@@ -127,3 +134,157 @@ class Parameter:
     description: str
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
+
+
+INCOMPATIBLE = "incompatible_qos"
+OTHER_TYPE = "other_type"
+DEADLINE = "deadline_missed"
+LIVELINESS = "liveliness_lost"
+
+
+@dataclass(frozen=True)
+class TopicFault:
+    """Why a topic of a connection does not work as it should."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """A policy of which one end offers less than the other requests."""
+
+    policy: str
+    offered: str | float
+    requested: str | float
+
+
+def conflicts(offered: Qos, requested: Qos) -> list[Conflict]:
+    """Returns what keeps a publisher and a subscription apart; nothing when they connect."""
+    found = []
+    if offered.reliability == "best_effort" and requested.reliability == "reliable":
+        found.append(Conflict("reliability", "best_effort", "reliable"))
+    if offered.durability == "volatile" and requested.durability == "transient_local":
+        found.append(Conflict("durability", "volatile", "transient_local"))
+    if _limit(offered.deadline) > _limit(requested.deadline):
+        found.append(Conflict("deadline", offered.deadline, requested.deadline))
+    if offered.liveliness == "automatic" and requested.liveliness == "manual_by_topic":
+        found.append(Conflict("liveliness", "automatic", "manual_by_topic"))
+    if _limit(offered.lease_duration) > _limit(requested.lease_duration):
+        found.append(
+            Conflict("liveliness_lease_duration", offered.lease_duration, requested.lease_duration)
+        )
+    return found
+
+
+def _limit(seconds: float) -> float:
+    return seconds if seconds > 0 else math.inf
+
+
+@dataclass
+class EndpointHealth:
+    """A publisher or a subscription of the bridge, and what ROS tells of it.
+
+    ROS tells of an end that does not fit once, when it appears; `faults` then asks who is there,
+    until nobody is any more.
+
+    Attributes:
+        strangers: Returns names and types of the nodes at the other end that have another type,
+            while there are no others: ROS connects neither, and tells nobody.
+    """
+
+    publishes: bool
+    topic: str
+    qos: Qos
+    entity: str
+    others: Callable[[], Iterable[tuple[str, Qos]]]
+    clock: Callable[[], float] = time.monotonic
+    strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
+    _suspected: str = field(default="", init=False)
+    _was_seen: bool = field(default=False, init=False)
+    _missed: float = field(default=-math.inf, init=False)
+    _lost: float = field(default=-math.inf, init=False)
+
+    def parameter(self, policy: str) -> str:
+        """Returns the name of the parameter that changes a policy."""
+        return f"qos_overrides.{self.topic}.{self.entity}.{policy}"
+
+    def note_incompatible(self, policy: str) -> None:
+        """Notes that an end appeared that does not fit."""
+        self._suspected, self._was_seen = policy, False
+
+    def note_missed_deadline(self) -> None:
+        """Notes that no message came within the deadline."""
+        self._missed = self.clock()
+
+    def note_lost_liveliness(self) -> None:
+        """Notes that no publisher shows that it is alive."""
+        self._lost = self.clock() if self.publishes else math.inf
+
+    def note_liveliness(self) -> None:
+        """Notes that a publisher shows that it is alive."""
+        self._lost = -math.inf
+
+    def faults(self) -> list[TopicFault]:
+        """Returns what is wrong at present.
+
+        The next message ends a missed deadline, and a lost liveliness of the bridge's own
+        publisher. ROS does not tell of that one, but of each further period without.
+        """
+        found = self._incompatible() if self._suspected else []
+        found += [TopicFault(OTHER_TYPE, self._strange(*each)) for each in self.strangers()]
+        now = self.clock()
+        if now - self._missed < self.qos.deadline + 1.0:
+            verb = "was published on" if self.publishes else "came on"
+            text = f"nothing {verb} {self.topic} within the deadline of {self.qos.deadline:g} s"
+            found.append(TopicFault(DEADLINE, text))
+        if now - self._lost < self.qos.lease_duration + 1.0:
+            lease = f"within the lease of {self.qos.lease_duration:g} s"
+            text = f"no publisher of {self.topic} showed that it is alive {lease}"
+            found.append(TopicFault(LIVELINESS, text))
+        return found
+
+    def _incompatible(self) -> list[TopicFault]:
+        found = [
+            TopicFault(INCOMPATIBLE, self._text(name, each))
+            for name, qos in self.others()
+            for each in self._conflicts(qos)
+        ]
+        if found:
+            self._was_seen = True
+        elif self._was_seen:
+            self._suspected = ""
+        else:
+            other = "a subscription" if self.publishes else "a publisher"
+            text = f"{other} of {self.topic} does not fit by its {self._suspected.lower()}"
+            found.append(TopicFault(INCOMPATIBLE, text))
+        return found
+
+    def _strange(self, name: str, kind: str) -> str:
+        verb = "subscribes to" if self.publishes else "publishes"
+        cure = "give the map that type, or remap one of them to another topic"
+        return f"{name} {verb} {self.topic} as {kind}, which is another type: {cure}"
+
+    def _conflicts(self, other: Qos) -> list[Conflict]:
+        return conflicts(self.qos, other) if self.publishes else conflicts(other, self.qos)
+
+    def _text(self, name: str, conflict: Conflict) -> str:
+        offered, requested = (_shown(each) for each in (conflict.offered, conflict.requested))
+        if self.publishes:
+            head = f"{name} gets nothing from {self.topic}: it requests"
+            text = f"{head} {conflict.policy} {requested}, offered is {offered}"
+            cure = conflict.requested
+        else:
+            head = f"nothing comes from {name} on {self.topic}: it offers"
+            text = f"{head} {conflict.policy} {offered}, requested is {requested}"
+            cure = conflict.offered
+        if conflict.policy not in ("reliability", "durability"):
+            return text
+        parameter = self.parameter(conflict.policy)
+        return f"{text}; set qos: {{ {conflict.policy}: {cure} }} or {parameter}:={cure}"
+
+
+def _shown(value: str | float) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{value:g} s" if value > 0 else "none"

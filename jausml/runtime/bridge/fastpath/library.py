@@ -172,11 +172,7 @@ class Library:
     """
 
     def __init__(self, core: ctypes.CDLL) -> None:
-        """Finds the functions.
-
-        Raises:
-            NoFastPathError: One of them is missing, or the machine is not one that was tried.
-        """
+        """Finds the functions."""
         if sys.platform != "linux":
             raise NoFastPathError(f"not tried on {sys.platform}")
         try:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from ...base.fast_path import FastPath
     from ...base.settings import Endpoint
     from ...component.component import JausComponent
-    from ...transports.udp.drops import Receiver
     from ...transports.udp.judp import JudpTransport
+    from ...transports.udp.reading import Receiver
     from .library import Library, Waited
 
 _ENDS = slice(4, 13)

@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...services.definitions import Guard
 from ..connections.connection import NO_PEER, NOT_READY
-from ..connections.controlled_peers import ControlledPeers
-from ..connections.repeated_stops import RepeatedStops
+from ..connections.controlled_peers import ControlledPeers, RepeatedStops
 from ..connections.transcoding import ros_decoder, uses_ros_classes
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
-from .list_connection import ListConnection
-from .list_run import ListRun
+from .list_run import ListConnection, ListRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -10,13 +10,16 @@ element was active before that; peers with command events (AS5710 v1.1) tell of 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from ...services.element_list import ALL_UIDS, NO_UID, chain
+from ..connections.connection import FILTERED, Connection
+from ..connections.transcoding import Form, uses_ros_classes
 from ..ends.actions import Outcome
+from ..light_message import is_light
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from ...base.address import JausAddress
     from ...base.loop import Timer
@@ -25,8 +28,11 @@ if TYPE_CHECKING:
     from ...clients.list_client import ListRequest
     from ...component.component import JausComponent
     from ...wire.message import Message
-    from ..connections.repeated_stops import RepeatedStops
+    from ..connections.controlled_peers import RepeatedStops
+    from ..ends.actions import ListAction
+    from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
+    from ..reports.states import StopReason
 
 LONGEST_LIST = 30 * 24 * 3600
 """Seconds that a peer is given for a list: a month, which is to say as long as it takes."""
@@ -275,3 +281,60 @@ class ListRun:
 
 def _fields_of(message: type[Message]) -> frozenset[str]:
     return frozenset(getattr(message, "__dataclass_fields__", ()))
+
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT")
+
+
+class ListConnection(Connection[SourceT, TargetT]):
+    """A connection whose messages are elements of lists, which pass together or not at all."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        action: ListAction,
+    ) -> None:
+        super().__init__(name, translate, is_command=True)
+        self._action = action
+
+    def declare(self, ends: Ends) -> None:
+        """Declares nothing: lists have no silence, and their latency is not measured."""
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Measures nothing: lists are rare."""
+
+    def watch(self) -> None:
+        """Nothing is to be stopped before there is a list."""
+
+    def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
+        """Elements alone go nowhere."""
+        return False
+
+    def classes(self) -> Form:
+        """Returns which classes of ROS the translation has to do with."""
+        is_real = uses_ros_classes(self._translate) or not is_light(self._action.element)
+        return Form.ROS_CLASSES if is_real else Form.LIGHT
+
+    def note_stop(self, reason: StopReason) -> None:
+        """Counts that a list was stopped."""
+        self.stopped = reason
+        counts = self.statistics.stops
+        counts[reason] = counts.get(reason, 0) + 1
+
+    def all_transcoded(self, elements: Iterable[bytes]) -> list[bytes] | None:
+        """Returns the elements of a list, translated; None, counted, when one cannot be."""
+        made: list[bytes] = []
+        try:
+            for each in elements:
+                payload = self._transcode(each)
+                if payload is None:
+                    self.drop(FILTERED)
+                    return None
+                made.append(payload)
+        except Exception as error:
+            self.fail(error)
+            return None
+        return made

@@ -15,7 +15,7 @@ from ..connections.transcoding import ros_encoder
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.list_driver import ListAnswers
-from .list_connection import ListConnection
+from .list_run import ListConnection
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..ends.actions import ActionClient, ListAction, SentGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
-    from ..ends.quality import TopicFault
+    from ..ends.topics import TopicFault
     from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT", bound="Message")

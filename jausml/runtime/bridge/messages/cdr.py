@@ -2,7 +2,8 @@
 
 The bytes are those of XCDR version 1 (OMG DDS-XTypes 1.3, 7.4), as rmw implementations exchange
 them: four bytes that tell the byte order, then the fields in order, each at a multiple of its size
-counted from behind these four.
+counted from behind these four. What cannot be read is a DecodeError, what does not fit an
+EncodeError.
 """
 
 from __future__ import annotations
@@ -119,9 +120,6 @@ def vector(
 
     Args:
         order: Byte order.
-
-    Raises:
-        DecodeError: The message ends before.
     """
     if not count:
         return elements(code, b"", order), offset
@@ -179,11 +177,7 @@ def octet(value: Any) -> int:
 
 
 def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
-    """Returns a text, and the offset behind it; what is not UTF-8 is replaced.
-
-    Raises:
-        DecodeError: The message ends before, or the zero is missing.
-    """
+    """Returns a text, and the offset behind it; what is not UTF-8 is replaced."""
     end = offset + length
     if end > len(data):
         raise DecodeError("string", f"{length} bytes, but {len(data) - offset} are left")
@@ -197,9 +191,6 @@ def encoded(value: str, most: int = 0) -> bytes:
 
     Args:
         most: Largest number of characters; 0 for no limit.
-
-    Raises:
-        EncodeError: It is longer.
     """
     if most and len(value) > most:
         raise EncodeError("string", f"{len(value)} characters, more than {most}")
@@ -212,9 +203,6 @@ def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, in
     Args:
         count: Number of units of UTF-16.
         order: Byte order.
-
-    Raises:
-        DecodeError: The message ends before, or a unit is none.
     """
     units, end = vector(data, offset, count, "I", order)
     try:
@@ -231,9 +219,6 @@ def wide(value: str, most: int = 0) -> bytes:
 
     Args:
         most: Largest number of characters; 0 for no limit.
-
-    Raises:
-        EncodeError: It is longer.
     """
     if most and len(value) > most:
         raise EncodeError("wstring", f"{len(value)} characters, more than {most}")
@@ -249,9 +234,6 @@ def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], 
 
     Args:
         order: Byte order.
-
-    Raises:
-        DecodeError: The message ends before.
     """
     return _several(data, offset, count, order, lambda at, length: text(data, at, length))
 
@@ -285,9 +267,6 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
 
     Args:
         most: Largest number of characters; 0 for no limit.
-
-    Raises:
-        EncodeError: A text is longer.
     """
     for each in values:
         found = encoded(each, most)
@@ -313,42 +292,26 @@ def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int
 
 
 def check_count(data: bytes, offset: int, count: int, least: int) -> None:
-    """Sees to it that nothing is made by a number for which there are no bytes.
-
-    Raises:
-        DecodeError: The bytes that are left are too few.
-    """
+    """Sees to it that nothing is made by a number for which there are no bytes."""
     if count * least > len(data) - offset:
         raise DecodeError("sequence", f"{count} elements, but {len(data) - offset} bytes")
 
 
 def check_bound(count: int, most: int) -> None:
-    """Sees to it that a bounded sequence that was received has no more elements than it may.
-
-    Raises:
-        DecodeError: It has.
-    """
+    """Sees to it that a bounded sequence that was received has no more elements than it may."""
     if count > most:
         raise DecodeError("sequence", f"{count} elements, more than {most}")
 
 
 def at_most(values: Sequence[T], most: int) -> Sequence[T]:
-    """Returns the elements of a bounded sequence.
-
-    Raises:
-        EncodeError: There are more than it may have.
-    """
+    """Returns the elements of a bounded sequence."""
     if len(values) > most:
         raise EncodeError("sequence", f"{len(values)} elements, more than {most}")
     return values
 
 
 def exactly(values: Sequence[T], count: int) -> Sequence[T]:
-    """Returns the elements of a fixed array.
-
-    Raises:
-        EncodeError: There are more or fewer than it has.
-    """
+    """Returns the elements of a fixed array."""
     if len(values) != count:
         raise EncodeError("array", f"{len(values)} elements, not {count}")
     return values

@@ -197,9 +197,6 @@ def read(cls: Any, data: bytes, offset: int, count: int, order: int) -> tuple[Cd
 
     Args:
         order: Byte order.
-
-    Raises:
-        DecodeError: The message ends too early.
     """
     leaves = leaves_of(cls)
     if leaves is None:
@@ -246,11 +243,7 @@ def _lengths(leaves: Leaves, data: bytes, offset: int, mark: str) -> tuple[int, 
 
 
 def made(element: Any, count: int) -> CdrRows:
-    """Returns the elements that an element of columns is.
-
-    Raises:
-        UnevenError: A number does not fit its field, or there is an array in the message.
-    """
+    """Returns the elements that an element of columns is."""
     cls: Any = type(element)
     leaves = leaves_of(cls)
     if leaves is None:

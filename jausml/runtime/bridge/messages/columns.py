@@ -15,8 +15,8 @@ import numpy
 
 from ...conversions.columns import as_column, fit, in_range, is_column
 from ...conversions.types import UnevenError
+from ...wire.codec import TimeStamp
 from ...wire.records import Number, Records, Rows, Stamp
-from ...wire.time_stamp import TimeStamp
 from ..light_message import LightMessage
 from . import cdr, cdr_rows
 
@@ -46,9 +46,6 @@ def each(make: Callable[[T], Made], items: Sequence[T], code: str) -> MutableSeq
     Args:
         make: Makes an element, or a number, of an element.
         code: Format character of the numbers that are made; empty for elements.
-
-    Raises:
-        UnevenError: The elements do not lie alike, or are treated differently.
     """
     try:
         with numpy.errstate(all="ignore"):
@@ -74,11 +71,7 @@ def _whole(made: Any, count: int, code: str) -> MutableSequence[Any]:
 
 
 def columns_of(items: Any) -> Any:
-    """Returns the element of columns of a list, or the column of a list of numbers.
-
-    Raises:
-        UnevenError: The elements do not lie alike.
-    """
+    """Returns the element of columns of a list, or the column of a list of numbers."""
     if type(items) is Records:
         alike = items.alike
         if isinstance(alike, Rows):

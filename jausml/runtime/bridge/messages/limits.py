@@ -1,4 +1,4 @@
-"""Limits of values that their target field cannot carry: one for each policy.
+"""Values of ROS messages: setters, errors, and limits of what their target field cannot carry.
 
 Generated translations call the limit that the model names for the field. All of them return a value
 that fits as it is, which is the usual case and costs one comparison. They differ in the others:
@@ -14,11 +14,74 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
+from ...base.api import JausError
 from ...conversions.types import UnevenError
-from .errors import OutOfRangeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence, Sized
+    from collections.abc import Callable, Iterable, Sequence, Sized
+
+    from ...conversions import Quaternion, Time
+
+
+def by_name(names: Iterable[str], keys: Sequence[str], values: Sequence[T]) -> list[T | None]:
+    """Returns values in the order of names.
+
+    Args:
+        names: The names, in the order that is wanted.
+        keys: The name of each value; those of sensor_msgs/JointState, for example.
+        values: The values; a value less than there are keys is missing, as ROS allows.
+
+    Returns:
+        One for each name; None where no key is that name.
+    """
+    found = dict(zip(keys, values, strict=False))
+    return [found.get(name) for name in names]
+
+
+def set_quaternion(target: Any, value: Quaternion) -> None:
+    """Stores an orientation into a geometry_msgs/Quaternion."""
+    target.x, target.y, target.z, target.w = value
+
+
+def set_time(target: Any, value: Time) -> None:
+    """Stores an instant into a builtin_interfaces/Time."""
+    target.sec, target.nanosec = value
+
+
+class RosLostError(JausError):
+    """ROS is gone while the bridge runs: nothing arrives from there any more."""
+
+
+class RosTypeError(JausError):
+    """A ROS type that is not installed as the model has it: its messages cannot be exchanged."""
+
+
+class AbsentFieldError(JausError):
+    """An optional JAUS field that a translation cannot do without."""
+
+
+class OutOfRangeError(JausError):
+    """A value that the target field cannot carry, and that drops the message.
+
+    Attributes:
+        field: The field, as the model names it.
+        policy: What was to be done: `drop_message`, `error`, or `not_clampable` for a value that
+            should be clamped and has no nearest legal value.
+    """
+
+    def __init__(self, field: str, reason: str, policy: str = "drop_message") -> None:
+        super().__init__(f"{field}: {reason}")
+        self.field = field
+        self.policy = policy
+
+
+class StaleJoinError(JausError):
+    """A joined topic has delivered nothing, or nothing fresh, and the message needs it."""
+
+    def __init__(self, join: str, reason: str) -> None:
+        super().__init__(f"{join}: {reason}")
+        self.join = join
+
 
 CLAMP = "clamp"
 NOT_CLAMPABLE = "not_clampable"
@@ -93,11 +156,7 @@ class Limit(Generic[Absent]):
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
-        """Returns an integer of a value set; others have no nearest one, since each has a meaning.
-
-        Raises:
-            OutOfRangeError: The value does not fit and drops the message.
-        """
+        """Returns an integer of a value set; others have no nearest one: each has a meaning."""
         try:
             is_finite = math.isfinite(value)
         except TypeError:
@@ -130,11 +189,7 @@ class Limit(Generic[Absent]):
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
-        """Returns a text of Latin-1 characters; one that does not fit has no nearest.
-
-        Raises:
-            OutOfRangeError: The text does not fit and drops the message.
-        """
+        """Returns a text of Latin-1 characters; one that does not fit has no nearest."""
         if not shortest <= len(value) <= longest:
             reason = f"length {len(value)} is outside {shortest} .. {longest}"
             return self._outside(field, reason, None)

@@ -9,8 +9,8 @@ from array import array
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ...base.errors import JausError
-from ...conversions import grids
+from ...base.api import JausError
+from ...conversions import numbers
 from ...wire.records import Records, Rows
 
 if TYPE_CHECKING:
@@ -116,11 +116,11 @@ def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
         return array(cells.typecode, data)
     if isinstance(cells, bytearray):
         return bytearray(_reversed(bytes(cells), len(cells), columns, 1))
-    return grids.reverse_rows(cells, columns)
+    return numbers.reverse_rows(cells, columns)
 
 
 def _reversed(data: bytes, count: int, columns: float, size: int) -> bytes:
-    starts = grids.row_starts(count, columns)
+    starts = numbers.row_starts(count, columns)
     width = int(columns) * size
     return b"".join(data[start * size : start * size + width] for start in starts)
 

@@ -9,8 +9,18 @@ from ...conversions import ConversionError
 from ...conversions.types import UnevenError
 from ...wire.message import DecodeError, EncodeError
 from ...wire.records import FEWEST
-from ..messages.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
-from ..messages.limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
+from ..messages.limits import (
+    CLAMP,
+    DROP_FIELD,
+    ERROR,
+    AbsentFieldError,
+    Clamp,
+    DropField,
+    DropMessage,
+    Error,
+    OutOfRangeError,
+    StaleJoinError,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, MutableSequence, Sequence

@@ -15,8 +15,8 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from ..ends.actions import LONGEST_GOAL
-from ..messages.errors import RosTypeError
-from .codec import Codec
+from ..messages.limits import RosTypeError
+from .internals import Codec
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -78,11 +78,7 @@ class ActionMessages:
     """The classes of rclpy of an action, and their members that the bridge knows."""
 
     def __init__(self, action: ListAction) -> None:
-        """Finds them.
-
-        Raises:
-            RosTypeError: The type is not installed as the model has it.
-        """
+        """Finds them."""
         self.type = _installed(action.type_name)
         self._codec = Codec(action.element)
         self._action = action

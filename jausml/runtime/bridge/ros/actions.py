@@ -1,6 +1,6 @@
-"""The ROS actions of a bridge, on rclpy.
+"""The ROS actions of a bridge, on rclpy: servers, and clients with goals that the bridge sends.
 
-rclpy has actions done by its executor, so all of it happens on that thread (`ros_action_work.py`);
+rclpy has actions done by its executor, so all of it happens on that thread (`action_work.py`);
 what concerns the bridge is handed to the loop.
 """
 
@@ -9,20 +9,270 @@ what concerns the bridge is handed to the loop.
 
 from __future__ import annotations
 
+import os
 from functools import partial
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
+from rclpy.action.client import ActionClient
 from rclpy.action.server import ActionServer, CancelResponse, GoalEvent, GoalResponse
+from rclpy.qos import qos_profile_action_status_default
 
+from ...base.counters import LOGGER
 from ..ends.actions import Outcome
-from .action_client import NodeActionClient
+from ..ends.guarding import type_library
+from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .parameters import as_parameter_error
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.actions import GoalTaker, ListAction
+    from ..ends.actions import GoalTaker, GoalWatcher, ListAction
+
+MARK_SIZE = 8
+"""Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""
+
+_GOES_ON = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING})
+
+
+class FormerGoals:
+    """Cancels what the bridge sent before it died: nobody follows those goals any more.
+
+    The ids of goals begin with a mark of domain, node and action, so no file is needed, and goals
+    of others are left alone. All of it runs on the executor.
+    """
+
+    def __init__(self, work: ActionWork, name: str, service: str) -> None:
+        """Listens to the states of goals, which their server gives newcomers too."""
+        node = work.node
+        words = (node.context.get_domain_id(), node.get_fully_qualified_name(), service)
+        self._mark = blake2b("\0".join(map(str, words)).encode(), digest_size=MARK_SIZE).digest()
+        self._work = work
+        self._name = name
+        self._own: set[bytes] = set()
+        self._client = node.create_client(CancelGoal, service)
+        self._subscription = node.create_subscription(
+            GoalStatusArray, f"{name}/_action/status", self._take, qos_profile_action_status_default
+        )
+
+    def new_id(self) -> bytes:
+        """Returns the id of a goal of this life."""
+        made = self._mark + os.urandom(16 - MARK_SIZE)
+        self._own.add(made)
+        return made
+
+    def forget(self, goal: bytes) -> None:
+        """Forgets a goal of this life that has ended: its server does not follow it any more."""
+        self._own.discard(goal)
+
+    def destroy(self) -> None:
+        """Leaves ROS."""
+        self._work.node.destroy_subscription(self._subscription)
+        self._work.node.destroy_client(self._client)
+
+    def _take(self, message: Any) -> None:
+        self._work.guarded(self._look, message)
+
+    def _look(self, message: Any) -> None:
+        for each in message.status_list:
+            goal = bytes(each.goal_info.goal_id.uuid)
+            is_former = goal.startswith(self._mark) and goal not in self._own
+            if is_former and each.status in _GOES_ON:
+                self._own.add(goal)  # to be cancelled once
+                LOGGER.warning("%s: a goal of a former life is cancelled", self._name)
+                request = CancelGoal.Request()
+                request.goal_info.goal_id.uuid = list(goal)
+                self._client.call_async(request)
+
+
+_OUTCOMES = {
+    GoalStatus.STATUS_SUCCEEDED: Outcome.SUCCEEDED,
+    GoalStatus.STATUS_ABORTED: Outcome.ABORTED,
+    GoalStatus.STATUS_CANCELED: Outcome.CANCELED,
+}
+
+NO_SERVER = "no_action_server"
+
+
+class NodeActionClient:
+    """Sends goals of one action.
+
+    Attributes:
+        cancelling: Full name of the service that cancels its goals.
+        former: Goals of a former life, which are cancelled.
+    """
+
+    def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:
+        """Use `NodeActions.client` instead."""
+        self.work = work
+        self.messages = messages
+        self.name = name
+        with as_parameter_error(f"action {name!a}: "):
+            self.handle = ActionClient(work.node, messages.type, name)
+        self.cancelling = work.node.resolve_service_name(f"{name}/_action/cancel_goal")
+        self.former = FormerGoals(work, name, self.cancelling)
+
+    def send(
+        self,
+        elements: Sequence[bytes],
+        fill: Callable[[Any], object] | None,
+        watcher: GoalWatcher,
+    ) -> NodeGoal:
+        """Sends a goal; see `ActionClient` of actions.py."""
+        goal = NodeGoal(self, watcher)
+        self.work.run(goal.send, elements, fill)
+        return goal
+
+    def faults(self) -> list[TopicFault]:
+        """Returns why goals cannot be sent; nothing while they can."""
+        if self.handle.server_is_ready():
+            return []
+        return [TopicFault(NO_SERVER, f"nobody serves the action {self.name}")]
+
+    def servers(self) -> int:
+        """Returns how many servers of the action there are."""
+        return int(self.work.node.count_publishers(f"{self.name}/_action/status"))
+
+
+class NodeGoal:
+    """A goal that was sent: all but the three methods of `SentGoal` runs on the executor."""
+
+    def __init__(self, client: NodeActionClient, watcher: GoalWatcher) -> None:
+        """Use `NodeActionClient.send` instead."""
+        self._client = client
+        self._watcher: GoalWatcher | None = watcher
+        self._handle: Any = None
+        self._is_cancelled = False
+        self._has_ended = False
+        self._unsent: tuple[Sequence[bytes], Callable[[Any], object] | None] | None = None
+        self._servers = 0
+        self._id = client.former.new_id()
+
+    # ------------------------------------------------------------------ SentGoal, on any thread
+
+    def cancel(self) -> None:
+        """Asks that it ends; also when it is accepted later. May be repeated."""
+        self._client.work.run(self._cancel)
+
+    def check(self) -> None:
+        """Finds out whether whoever executes it is there."""
+        self._client.work.run(self._check)
+
+    def forget(self) -> None:
+        """Tells nothing of it any more; if it is accepted later, it is cancelled."""
+        self._watcher = None
+        self.cancel()
+
+    # ------------------------------------------------------------------ on the executor
+
+    def send(self, elements: Sequence[bytes], fill: Callable[[Any], object] | None) -> None:
+        """Sends it, or waits for somebody to serve the action: `check` tries again."""
+        client = self._client
+        if self._has_ended or self._is_cancelled:
+            self._end(Outcome.CANCELED, "")
+            return
+        if client.faults():
+            self._unsent = (elements, fill)
+            return
+        self._unsent = None
+        try:
+            message = client.messages.goal(elements)
+            if fill is not None:
+                with client.work.loop.lock:
+                    fill(message)
+            self._servers = client.servers()
+            self._guard()
+            named = CancelGoal.Request().goal_info.goal_id
+            named.uuid = list(self._id)
+            answer = client.handle.send_goal_async(message, self._feedback, named)
+        except Exception as error:  # of what the user has written, or of the values it sets
+            self._end(Outcome.REFUSED, f"the goal cannot be made: {error!r}")
+            return
+        client.work.opened(self)
+        answer.add_done_callback(self._guarded(self._answered))
+
+    def _guard(self) -> None:
+        """Hands the goal to the guardian before it is sent: none is unknown to it."""
+        work = self._client.work
+        if work.ward is not None:
+            library = type_library("action_msgs")
+            work.ward.open_goal(self._id, self._client.cancelling, library)
+
+    def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        return partial(self._client.work.guarded, callback)
+
+    def _answered(self, future: Any) -> None:
+        handle = future.result()
+        if not handle.accepted:
+            self._end(Outcome.REFUSED, "the action server refused the goal")
+            return
+        self._handle = handle
+        self._ask_for_result()
+        if self._is_cancelled:
+            self._cancel()
+        else:
+            self._tell("accepted")
+
+    def _ask_for_result(self) -> None:
+        self._handle.get_result_async().add_done_callback(self._guarded(self._resulted))
+
+    def _resulted(self, future: Any) -> None:
+        response = future.result()
+        outcome = _OUTCOMES.get(response.status)
+        if outcome is None:
+            self._end(Outcome.LOST, "the action server does not know the goal any more")
+        else:
+            self._end(outcome, self._client.messages.reason(response.result))
+
+    def _feedback(self, message: Any) -> None:
+        number = self._client.messages.progress(message.feedback)
+        if number is not None:
+            self._tell("progressed", number)
+
+    def _cancel(self) -> None:
+        self._is_cancelled = True
+        if self._unsent is not None:
+            self._unsent = None
+            self._end(Outcome.CANCELED, "")
+        elif self._handle is not None and not self._has_ended:
+            self._handle.cancel_goal_async().add_done_callback(self._guarded(self._cancel_answered))
+
+    def _cancel_answered(self, future: Any) -> None:
+        if future.result().return_code == CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID:
+            self._end(Outcome.LOST, "the action server does not know the goal any more")
+
+    def _check(self) -> None:
+        if self._has_ended:
+            return
+        if self._unsent is not None:
+            self.send(*self._unsent)
+            return
+        servers = self._client.servers()
+        if not servers:
+            self._end(Outcome.LOST, "the action server is gone")
+        elif servers != self._servers and self._handle is not None:
+            # Another one may serve by now, which has never heard of the goal.
+            self._servers = servers
+            self._ask_for_result()
+
+    def _end(self, outcome: Outcome, reason: str) -> None:
+        if not self._has_ended:
+            self._has_ended = True
+            self._client.work.closed(self)
+            self._client.former.forget(self._id)
+            if self._client.work.ward is not None:
+                self._client.work.ward.close_goal(self._id)
+            self._tell("ended", outcome, reason)
+
+    def _tell(self, what: str, *arguments: object) -> None:
+        watcher = self._watcher
+        if watcher is not None:
+            self._client.work.loop.call_soon(partial(getattr(watcher, what), self, *arguments))
 
 
 class NodeActionServer:
@@ -33,11 +283,7 @@ class NodeActionServer:
     """
 
     def __init__(
-        self,
-        work: ActionWork,
-        messages: ActionMessages,
-        name: str,
-        taker: GoalTaker,
+        self, work: ActionWork, messages: ActionMessages, name: str, taker: GoalTaker
     ) -> None:
         """Use `NodeActions.serve` instead."""
         self.work = work

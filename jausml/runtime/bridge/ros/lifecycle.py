@@ -1,19 +1,35 @@
-"""The managed node of rclpy under a bridge: `ros2 lifecycle` changes and shows its state."""
-
-# ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
+"""Life of nodes on rclpy: managed transitions, what runs callbacks, and command lines of ROS."""
 
 from __future__ import annotations
 
+import atexit
+import signal
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+import rclpy
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.exceptions import ParameterException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, await_or_execute
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
-from ...base.counters import LOGGER
-from .parameters import LazyParameters
+from ...base.counters import LOGGER, Counters
+from ...component.process import ignore_signals
+from ..ends.parameters import ParameterError
+from .parameters import LazyParameters, as_parameter_error, tell_unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from rclpy.context import Context
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 
 class Managed(Protocol):
@@ -109,3 +125,171 @@ class ManagedNode(LazyParameters, LifecycleNode):
                 LOGGER.error("%s: a transition failed: %s", self.get_fully_qualified_name(), error)
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
+
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
+
+
+FAILED = "ros.callback_failed"
+REFUSED = "ros.request_refused"
+
+
+class EndableExecutor(SingleThreadedExecutor):
+    """Runs the callbacks of nodes on one thread until another one ends it.
+
+    The `shutdown` of rclpy takes the condition that wakes `spin` away while that may prepare to
+    wait: it would wait for ever. It is for an executor that does not spin any more.
+    """
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context=context)
+        self._is_ended = False
+
+    def spin(self) -> None:
+        """Runs callbacks until `end`, or until ROS is shut down.
+
+        Raises:
+            ExternalShutdownException: ROS was shut down while it waited.
+        """
+        while self.context.ok() and not self._is_ended:
+            # By another condition it would forget what is ready, and serve the first ones alone.
+            self._spin_once_impl(None, self._has_ended)
+
+    def end(self) -> None:
+        """Lets `spin` return after the callback that it runs."""
+        self._is_ended = True
+        self.wake()
+
+    def _has_ended(self) -> bool:
+        return self._is_ended
+
+
+class GuardedExecutor(EndableExecutor):
+    """Runs the callbacks of a node, and counts what they raise: no request may end a bridge.
+
+    rclpy raises out of `spin` what a callback raises, be it of its own services: for a transition
+    that is not possible now, or a parameter of an unknown type.
+    What ROS itself raises while it waits, and what is meant to end a process, still ends `spin`.
+    """
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self.counters = Counters()
+
+    def add_node(self, node: Any) -> bool:
+        """Serves a node; each of its services answers whatever it is asked."""
+        for service in node.services:
+            service.callback = partial(self._answer, service.callback)
+        return bool(super().add_node(node))
+
+    def create_task(self, callback: Any, *arguments: Any, **named: Any) -> Any:
+        """Runs a callback in a later turn."""
+        return super().create_task(self._guarded(callback), *arguments, **named)
+
+    def _make_handler(self, entity: Any, node: Any, take: Callable[[Any], Any]) -> Any:
+        # Taking fails too, and rclpy would serve the entity never again.
+        return super()._make_handler(entity, node, partial(self._taken, take))
+
+    def _taken(self, take: Callable[[Any], Any], entity: Any) -> Any:
+        try:
+            work = take(entity)
+        except Exception as error:
+            self._count(error)
+            return None
+        return None if work is None else self._guarded(work)
+
+    def _guarded(self, callback: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:
+        async def guarded(*arguments: Any, **named: Any) -> Any:
+            try:
+                return await await_or_execute(partial(callback, **named), *arguments)
+            except Exception as error:
+                self._count(error)
+
+        return guarded
+
+    def _answer(self, serve: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+        """Answers a request; what cannot be done is refused."""
+        try:
+            return serve(request, response)
+        except Exception as error:
+            text = " ".join(str(error).split())
+            self.counters.count(REFUSED, f"{type(request).__qualname__}: {text}")
+            return _refused(request, response, text)
+
+    def _count(self, error: Exception) -> None:
+        self.counters.count(FAILED, repr(error), error=error)
+
+
+def _refused(request: Any, response: Any, reason: str) -> Any:
+    """Returns a response that says that a request was refused, as far as its type can.
+
+    Others are those of a transition, which fails unless it says that it succeeded, and of
+    questions.
+    """
+    refused = SetParametersResult(successful=False, reason=reason)
+    if isinstance(response, SetParameters.Response):
+        lacking = len(request.parameters) - len(response.results)
+        response.results.extend([refused] * lacking)
+    elif isinstance(response, SetParametersAtomically.Response):
+        response.result = refused
+    return response
+
+
+WAKE_UP_PERIOD = 1.0
+"""Longest time in seconds until a node that spins notices a shutdown."""
+
+
+def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
+    """Spins a node until SIGINT or SIGTERM.
+
+    Args:
+        arguments: Command line without the program's name; that of the process when None.
+
+    Raises:
+        ParameterError: A parameter has a value with which the node cannot be made.
+    """
+    atexit.register(ignore_signals)
+    # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
+    # clean-up. What comes before ROS has begun is not forgotten.
+    early: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _: early.append(number))
+    with as_parameter_error():
+        rclpy.init(args=None if arguments is None else list(arguments))
+    try:
+        if early:
+            return
+        node = _made(factory)
+        tell_unknown(node)
+        # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
+        with suppress(ExternalShutdownException):
+            rclpy.spin(node)
+        node.destroy_node()
+    except RuntimeError:
+        # A signal shuts ROS down in the midst of anything, which rclpy may report like this.
+        if ok():
+            raise
+    finally:
+        try_shutdown()
+
+
+def _made(factory: Callable[[], Any]) -> Any:
+    """Makes a node; errors of the user's code stay as they are."""
+    try:
+        return factory()
+    except ParameterException as error:
+        raise ParameterError(" ".join(str(error).split())) from error
+
+
+def without_ros_arguments(line: Sequence[str]) -> list[str]:
+    """Returns a command line, without the program's name, without what is meant for ROS.
+
+    Raises:
+        ParameterError: What stands behind `--ros-args` is nothing that ROS knows.
+    """
+    with as_parameter_error():
+        own: list[str] = remove_ros_args(["", *line])[1:]
+    return own

@@ -25,13 +25,11 @@ from ...base.counters import LOGGER
 from ...conversions import Time
 from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
-from ..messages.errors import RosLostError
-from .codec import Codec
-from .internals import require_internals, spare_generator
-from .lifecycle import ManagedNode
+from ..messages.limits import RosLostError
+from .internals import Codec, require_internals, spare_generator
+from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
-from .spin import GuardedExecutor
 from .topics import NodeTopics
 
 if TYPE_CHECKING:
@@ -40,8 +38,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...guardian.ward import Ward
     from ..ends.actions import ActionClient, GoalTaker, ListAction
-    from ..ends.quality import TopicFault
-    from ..ends.topics import Parameter, RosService
+    from ..ends.topics import Parameter, RosService, TopicFault
     from .actions import NodeActions
     from .lifecycle import Managed
     from .services import NodeClient, TakeRequest
@@ -171,11 +168,7 @@ class RosNode:
     # ------------------------------------------------------------------ endpoints
 
     def attach(self, loop: Loop) -> None:
-        """Chooses how to wait; to be called before there are publishers and subscriptions.
-
-        Raises:
-            ParameterError: Only a listener would do, and there is none.
-        """
+        """Chooses how to wait; to be called before there are publishers and subscriptions."""
         self._loop = loop
         self._executor.counters = loop.counters
         self._services = NodeServices(self._node, loop)

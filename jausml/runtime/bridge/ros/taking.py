@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.standstill import Standstill
-    from ..ends.ends import FastSubscriber
+    from ..ends.ros_side import FastSubscriber
     from ..ends.topics import TopicCounts
 
 AT_ONCE = 16

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
@@ -25,21 +25,26 @@ from rclpy.type_support import check_is_valid_msg_type
 
 from ...base.counters import LOGGER
 from ..ends.parameters import ParameterError
-from ..ends.quality import EndpointHealth
-from ..ends.topics import Published, Qos, Topic, TopicCounts
-from .codec import message_class
-from .internals import internals
-from .listener import Listener, NoListenerError
-from .parameters import as_parameter_error, tell_unknown
-from .profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
+from ..ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts
+from .internals import internals, message_class
+from .parameters import (
+    OVERRIDABLE,
+    as_parameter_error,
+    deep_enough,
+    never_waiting,
+    overridden,
+    profile_of,
+    qos_of,
+    tell_unknown,
+)
 from .taking import Subscription
-from .wait_set import WaitSets
+from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from ...base.loop import Loop
-    from ..ends.quality import TopicFault
+    from ..ends.topics import TopicFault
     from .parameters import NodeParameters
 
     Told = Callable[[Any], None]
@@ -159,22 +164,6 @@ WaitingName = Literal["automatic", "listener", "wait-set"]
 """How the bridge waits for ROS; `automatic` takes the listener where there is one."""
 
 
-class Waiting(Protocol):
-    """Waits for topics and events, and runs what takes them with the lock of the loop."""
-
-    def subscription(self, subscription: Subscription) -> None:
-        """Takes the messages of a subscription, what waits already included."""
-
-    def event(self, event: Any, read: Callable[[], object]) -> None:
-        """Runs `read` when an event has something to tell."""
-
-    def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins; `fail` is told why nobody waits any more."""
-
-    def close(self) -> None:
-        """Ends; the handles may be destroyed then."""
-
-
 class NodeTopics:
     """The topics of one node."""
 
@@ -191,9 +180,6 @@ class NodeTopics:
 
         Args:
             age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
-
-        Raises:
-            ParameterError: Only a listener would do, and there is none.
         """
         self._node = node
         self._parameters = parameters
@@ -236,11 +222,7 @@ class NodeTopics:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; messages are taken after `start`.
-
-        Returns:
-            The counts, which go on.
-        """
+        """Makes a subscription; messages are taken after `start`."""
         found, counts = message_class(ros_type), TopicCounts()
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
         handle = self._made(internals.Subscription, found, topic, health)
@@ -341,7 +323,7 @@ class NodeTopics:
 
     # ------------------------------------------------------------------ waiting
 
-    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Waiting:
+    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Listener | WaitSets:
         """Returns what waits."""
         if waiting == "wait-set":
             return WaitSets(loop, context)

@@ -10,8 +10,7 @@ from ...base.clocks import HostClock
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
-from .carrier import Origin
+from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, Origin, ReceivedMessage
 from .duplicates import DuplicateWindow
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop, Timer
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
-    from ..delivery import Receive, Take
-    from .carrier import Carrier
+    from ..delivery import Carrier, Receive, Take
 
     Receivers = list[tuple[JausAddress, Receive]]
 
@@ -144,11 +142,7 @@ class Inbox(Generic[Origin]):
         return len(self.reassembly)
 
     def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
-        """Receive messages for a component from now on.
-
-        Raises:
-            ValueError: The address is not one component, or is attached already.
-        """
+        """Receive messages for a component from now on."""
         if not address.is_concrete:
             raise ValueError(f"{address} does not name one component")
         if address in self.receivers:

@@ -9,12 +9,11 @@ from ...base.address import address_of
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, PeerTraffic, report
-from .carrier import Carrier, Origin, ReliableCarrier
+from ..delivery import MESSAGE_CODE_SIZE, Carrier, Origin, PeerTraffic, ReliableCarrier, report
 from .inbox import Inbox
 from .outbox import Outbox
+from .outgoing import Packetizer
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
-from .packetizer import Packetizer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,11 +120,7 @@ class Messenger(Generic[Origin]):
         acknowledge: bool,  # noqa: FBT001 - one caller
         on_result: OnResult | None,
     ) -> None:
-        """Send one message; see ``Transport.send``.
-
-        Raises:
-            ValueError: The source is not one component or the payload has no message code.
-        """
+        """Send one message; see ``Transport.send``."""
         if not source.is_concrete:
             raise ValueError(f"{source} does not name one component")
         if len(payload) < MESSAGE_CODE_SIZE:

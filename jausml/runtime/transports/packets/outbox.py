@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
 from ...base.quirks import Quirk
-from .lane import Lane, Message
+from .outgoing import Lane, Message
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
-    from ..delivery import OnResult
-    from .carrier import Carrier
+    from ..delivery import Carrier, OnResult
     from .packet import Packet
 
 _MAX_MESSAGES = 4096

@@ -8,20 +8,19 @@ from typing import TYPE_CHECKING
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
-from ..allowed_hosts import AllowedHosts
+from ..address_book import AllowedHosts
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, parse_datagram
-from ..port_holder import manager_folder
-from .datagrams import DatagramTransport
-from .drops import KernelDrops
-from .reading import Usual, reader
-from .shared_port import (
+from ..ports import (
     FRAME,
     SharedPort,
     forwarded_frame,
+    manager_folder,
     present_frame,
     read_forwarded,
     read_present,
 )
+from .datagrams import DatagramTransport
+from .reading import KernelDrops, Usual, reader
 
 if TYPE_CHECKING:
     import socket
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from ...base.standstill import Watch
     from ..delivery import Receive, Take
     from ..packets.packet import Priority
-    from .drops import Receiver
+    from .reading import Receiver
 
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
@@ -56,11 +55,7 @@ class JudpTransport(DatagramTransport):
         self._manager_watch: Timer | None = None
 
     def open(self) -> None:
-        """Open the sockets and begin to receive.
-
-        Raises:
-            OSError: The interface or the multicast group cannot be used.
-        """
+        """Open the sockets and begin to receive."""
         self._book.configure(self._settings.address_book)
         with self.loop.lock:
             self._port.open()

@@ -1,0 +1,251 @@
+"""Ends of connections as Python text: topics, JAUS peers, joined topics and reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import python_literal, python_string
+from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.topics import reliability
+from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
+from jausml_generators.common.components import address_call, query_for, search_call, with_inherited
+from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import call
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable, Iterator
+
+    from jausml.language.metamodel.classes import bridge, ros
+    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml_generators.python.codec.messages import MessageView
+
+_QOS = {
+    "reliability": "reliable",
+    "durability": "volatile",
+    "history": "keep_last",
+    "depth": 10,
+    "deadline": 0.0,
+    "lifespan": 0.0,
+    "liveliness": "automatic",
+    "leaseDuration": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class JoinView:
+    """A further topic that a translation takes values from."""
+
+    connection: bridge.Connection
+    join: bridge.Join
+    name: str
+    type_name: str
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model."""
+        return str(self.join.name)
+
+    @property
+    def type(self) -> ros.MessageType:
+        """The ROS type in the model."""
+        return self.join.type
+
+    @property
+    def topics(self) -> tuple[bridge.Topic, ...]:
+        """The topics that feed it."""
+        return tuple(each for each in self.connection.topics if each.join is self.join)
+
+    @property
+    def argument(self) -> str:
+        """The join as an argument of the runtime class, as Python text."""
+        topics = list_of(topic_call(self.connection, topic) for topic in self.topics)
+        found = [python_string(self.model_name), self.type_name, topics]
+        found.append(f"freshness={python_literal(float(self.join.freshness))}")
+        if self.join.whenStale.name == "dropMessage":
+            found.append("drop=True")
+        return call("Join", *found)
+
+
+def topic_call(connection: bridge.Connection, topic: bridge.Topic) -> str:
+    """Returns a topic with the policies that differ from the usual ones."""
+    policies = {"reliability": reliability(connection, topic), **_further_policies(topic.qos)}
+    stated = [
+        f"{snake_case(feature)}={python_literal(value)}"
+        for feature, value in policies.items()
+        if value != _QOS[feature]
+    ]
+    arguments = [python_string(topic.name)]
+    if stated:
+        arguments.append(call("Qos", *stated))
+    return call("Topic", *arguments)
+
+
+def list_of(items: Iterable[str]) -> str:
+    """Returns a list of what is Python text already."""
+    return f"[{', '.join(items)}]"
+
+
+def _further_policies(profile: ros.QoSProfile | None) -> dict[str, object]:
+    """Returns all but the reliability."""
+    if profile is None:
+        return {}
+    values = {each: getattr(profile, each) for each in _QOS if each != "reliability"}
+    return {feature: getattr(value, "name", value) for feature, value in values.items()}
+
+
+def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:
+    """Returns a query as it is asked: its presence vector names the fields that are read.
+
+    Args:
+        report: The report, if something of it is read.
+    """
+    presence = query.find(PRESENCE_VECTOR)
+    if not presence or report is None:
+        return call(query.class_name)
+    bits = (m.bit for m in report.body.members if m.jaus_name in fields)
+    return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
+
+
+def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
+    """Returns the query for the report of a connection; None for single messages.
+
+    Raises:
+        GenerationError: Neither the service of the report nor another of the sender has one.
+    """
+    if connection.exchange.name == "message":
+        return None
+    if connection.query is not None:
+        return connection.query
+    report = connection.map.message
+    to_ros = connection.direction.name == "jausToRos"
+    senders = connection.peers if to_ros else [connection.eContainer()]
+    services = [each for sender in senders if sender is not None for each in sender.provides]
+    if to_ros and connection.search is not None:
+        services += connection.search.services
+    provided = with_inherited(services)
+    own = report.eContainer()
+    query = query_for(report, provided if own is None else [own, *provided])
+    if query is None:
+        raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
+    return query
+
+
+def peers_of(connection: bridge.Connection | bridge.RosServiceConnection) -> str:
+    """Returns the components at the other end of a connection, or how they are found, as Python."""
+    if connection.search is not None:
+        return search_call(connection.search)
+    return list_of(map(address_call, connection.peers))
+
+
+def priority_of(
+    connection: bridge.Connection | bridge.RosServiceConnection,
+) -> list[tuple[str, str]]:
+    """Returns the argument of the priority of a connection; none for the usual one."""
+    if connection.priority.name == "standard":
+        return []
+    names = {"low": "LOW", "high": "HIGH", "safetyCritical": "SAFETY_CRITICAL"}
+    return [("priority", f"Priority.{names[connection.priority.name]}")]
+
+
+@dataclass(frozen=True)
+class ReportJoinView:
+    """A further report that a translation takes values from.
+
+    Args:
+        report: The report, and where it comes from.
+        query: The query as it is asked, as Python text; empty when nothing is asked.
+    """
+
+    report: JoinedReport
+    name: str
+    message: MessageView
+    query: str
+
+    @property
+    def join(self) -> bridge.ReportJoin:
+        """The join in the model."""
+        return self.report.join
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model."""
+        return str(self.join.name)
+
+    @property
+    def type_name(self) -> str:
+        """Name of its class in the generated modules."""
+        return self.message.class_name
+
+    @property
+    def type(self) -> jaus.MessageDef:
+        """The report in the model."""
+        return self.join.message
+
+    @property
+    def rate(self) -> float | None:
+        """Reports each second that are asked for; None when nothing is, or every change."""
+        return self.report.rate or None
+
+    @property
+    def named_peers(self) -> list[str]:
+        """Addresses of the JAUS components that send it, where they are stated for it."""
+        source = self.report.source
+        return [] if source is None else [str(each.address) for each in source.peers]
+
+    @property
+    def argument(self) -> str:
+        """The join as an argument of the runtime class, as Python text."""
+        found = [python_string(self.model_name), self.type_name]
+        if self.query:
+            found.append(f"query={self.query}")
+        if self.rate is not None:
+            found.append(f"rate={python_literal(self.rate)}")
+        if self.report.exchange == "query":
+            found.append("is_asked=True")
+        if self.report.source is not None and self.report.source.peers:
+            peers = ", ".join(map(address_call, self.report.source.peers))
+            found.append(f"peers=[{peers}]")
+        found.append(f"freshness={python_literal(float(self.join.freshness))}")
+        if self.join.whenStale.name == "dropMessage":
+            found.append("drop=True")
+        return call("ReportJoin", *found)
+
+
+def messages_of_joins(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
+    """Yields the joined reports of a connection and the queries for them.
+
+    Raises:
+        GenerationError: Nobody takes a query for a report.
+    """
+    for report in joined_reports(connection):
+        yield report.join.message
+        query = query_of_join(report)
+        if query is not None:
+            yield query
+
+
+def query_of_join(report: JoinedReport) -> jaus.MessageDef | None:
+    """Returns the query for a joined report; None when it is not asked for.
+
+    Raises:
+        GenerationError: Neither its service nor another of who sends it has one.
+    """
+    if report.exchange == "message":
+        return None
+    if report.stated_query is not None:
+        return report.stated_query
+    services = [
+        service
+        for peer in report.peers
+        for service in (peer.services if isinstance(peer, jaus.PeerSearch) else peer.provides)
+    ]
+    own = report.join.message.eContainer()
+    provided = with_inherited(services)
+    query = query_for(report.join.message, provided if own is None else [own, *provided])
+    if query is None:
+        name = f"{report.connection.name}.{report.join.name}"
+        raise GenerationError(f"'{name}': no query for {report.join.message.name}")
+    return query

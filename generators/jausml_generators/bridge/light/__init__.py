@@ -1,1 +1,0 @@
-"""Light classes: ROS messages as plain objects that read and write their serialized form."""

@@ -1,0 +1,350 @@
+"""Views of connections of ROS services and actions, for the templates of a bridge package.
+
+An element of the list of an action is translated as the message of a connection is; so it stands
+among the connections, with a translation, tests and parameters of its own.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.generation.docstrings import docstring
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import printable, python_literal, python_string
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.list_drivers import (
+    answers,
+    driver_messages,
+    knows_speed,
+    speed_answer,
+)
+from jausml.language.semantics.connections.report_joins import requested_in
+from jausml.language.semantics.jaus.answers import answer_alike
+from jausml.language.semantics.jaus.commands import guard_of_receivers, is_command
+from jausml.language.semantics.jaus.services import code
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.bridge.ends import peers_of, priority_of, query_call
+from jausml_generators.common.components import address_call, search_call
+from jausml_generators.common.ros import ros_type
+from jausml_generators.python.names import snake_case
+from jausml_generators.python.statements import call, condition, tuple_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.connections.list_drivers import DriverMessages
+    from jausml.language.semantics.jaus.answers import Answer
+    from jausml_generators.bridge.translation.translating import TranslatedCall
+    from jausml_generators.python.codec.messages import MessageView
+
+
+def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
+    """Returns what translations are generated for: connections, and elements of lists."""
+    return [*owner.bridgeConnections, *map(_of_elements, owner.actionConnections)]
+
+
+def _of_elements(action: bridge.RosActionConnection) -> bridge.Connection:
+    """Returns the connection that carries single elements of a list; it is no part of the model."""
+    made = bridge.Connection()
+    made.name, made.documentation = action.name, action.documentation
+    made.direction, made.map, made.outOfRange = action.direction, action.element, action.outOfRange
+    return made
+
+
+def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:
+    """Returns the messages of the list driver of a connection.
+
+    Raises:
+        GenerationError: The service is no list driver.
+    """
+    found = driver_messages(action.driver)
+    if found is None:
+        raise GenerationError(f"connection '{action.name}': {action.driver.name} drives no list")
+    return found
+
+
+def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
+    """Returns what the driver of a connection answers; a connection of the bridge comes first."""
+    owner = action.eContainer()
+    others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+    asked = (each for each in others if each.exchange.name != "message")
+    taken = {code(each.map.message) for each in asked if each.direction.name == "rosToJaus"}
+    return [each for each in answers(action) if code(each.report) not in taken]
+
+
+@dataclass(frozen=True)
+class ActionView(ConnectionView):
+    """A modelled action connection; what it shares with connections is about its elements."""
+
+    action: bridge.RosActionConnection = field(kw_only=True)
+
+    @property
+    def owner(self) -> bridge.Bridge | None:
+        """The bridge in the model."""
+        return self.action.eContainer()
+
+    @property
+    def kind(self) -> str:
+        """Class of the runtime that carries it."""
+        return "ListToAction" if self.to_ros else "ActionToList"
+
+    @property
+    def summary(self) -> str:
+        """What it takes and makes of an element."""
+        return f"{super().summary}, an element of {printable(self.action.action)}"
+
+    @functools.cached_property
+    def driver(self) -> tuple[MessageView, MessageView, MessageView]:
+        """ExecuteList, QueryActiveElement and ReportActiveElement."""
+        found = messages_of_driver(self.action)
+        return (
+            self.view_of(found.execute),
+            self.view_of(found.query),
+            self.view_of(found.report),
+        )
+
+    @property
+    def query_element(self) -> jaus.MessageDef | None:
+        """No report is asked for by itself."""
+        return None
+
+    @property
+    def named_peers(self) -> list[str]:
+        """Addresses of the JAUS components at the other end that are named."""
+        if self.action.search is not None:
+            return []
+        return [str(each.address) for each in self.action.peers]
+
+    @property
+    def peers(self) -> str:
+        """Addresses of the JAUS components at the other end, or how they are found."""
+        if self.action.search is not None:
+            return search_call(self.action.search)
+        return f"[{', '.join(map(address_call, self.action.peers))}]"
+
+    @property
+    def rate(self) -> float | None:
+        """Lists come when they come."""
+        return None
+
+    @property
+    def is_command(self) -> bool:
+        """Whether it sets something in motion."""
+        return True
+
+    @property
+    def has_safe_value(self) -> bool:
+        """The runtime stops lists by itself."""
+        return False
+
+    @property
+    def argument_lines(self) -> tuple[str, ...]:
+        """Arguments of the runtime class after name and translate."""
+        action = self.action
+        lines = [f"message={self.message_name}"] if self.to_ros else []
+        lines += [f"action={self._action}", f"driver={self._driver}"]
+        if self.to_ros:
+            lines += [*self._answers, f"fill=self.{self.hook}"]
+        else:
+            lines += [f"speed={python_literal(self.speed)}", f"speed_of=self.{self.hook}"]
+            if not action.control:
+                lines.append("control=False")
+        if self.action.peers or self.action.search is not None or not self.to_ros:
+            lines.append(f"peers={self.peers}")
+        return (*lines, f"timeout={python_literal(float(action.timeout))}")
+
+    @property
+    def speed(self) -> float:
+        """Metres per second at which lists are executed."""
+        return float(self.action.speed)
+
+    @property
+    def _driver(self) -> str:
+        return call("ListMessages", *(each.class_name for each in self.driver))
+
+    @property
+    def _answers(self) -> list[str]:
+        """What the driver tells besides the active element, unless a connection answers it."""
+        action = self.action
+        found = {
+            "speed": speed_answer(action.driver),
+            "element": answer_alike(action.driver, action.element.message),
+        }
+        free = answers_of_driver(action)
+        told = [f"{name}={self._pair(each)}" for name, each in found.items() if each in free]
+        return [f"answers={call('ListAnswers', *told)}"] if told else []
+
+    def _pair(self, answer: Answer) -> str:
+        return tuple_of(*(self.view_of(each).class_name for each in (answer.query, answer.report)))
+
+    @property
+    def _action(self) -> str:
+        action = self.action
+        arguments = [
+            python_string(ros_type(action.type).full_name),
+            python_string(action.action),
+            self.ros_name,
+            python_string(action.goalMember),
+        ]
+        if action.progressMember:
+            arguments.append(f"progress={python_string(action.progressMember)}")
+        if action.progress.name != "index":
+            arguments.append("counting=Progress.REMAINING")
+        if action.reasonMember:
+            arguments.append(f"reason={python_string(action.reasonMember)}")
+        return call("ListAction", *arguments)
+
+    # ------------------------------------------------------------------ the hook
+
+    @property
+    def hook(self) -> str:
+        """Name of the method that users may override for what a goal has besides its list."""
+        return f"{'goal' if self.to_ros else 'speed'}_{self.name}"
+
+    @property
+    def hook_parameters(self) -> tuple[str, ...]:
+        """Parameters of that method, without their types."""
+        return ("goal", "speed") if self.to_ros else ("goal",)
+
+    @property
+    def hook_signature(self) -> str:
+        """First line of that method."""
+        if self.to_ros:
+            return f"def {self.hook}(self, goal: Any, speed: float | None) -> None:"
+        return f"def {self.hook}(self, goal: Any) -> float:"
+
+    @property
+    def hook_lines(self) -> tuple[str, ...]:
+        """Statements of that method, as it is generated."""
+        if self.to_ros:
+            return ("del goal, speed  # for those who override it",)
+        return ("del goal  # for those who override it", f"return self.{self.name}.speed")
+
+    @property
+    def hook_documentation(self) -> str:
+        """What that method is for."""
+        kind = ros_type(self.action.type).full_name
+        if not self.to_ros:
+            return f"Returns the speed in m/s at which the list of a goal of {kind} is executed."
+        spoken = knows_speed(messages_of_driver(self.action))
+        speed = "is in m/s, as ExecuteList says it" if spoken else "is None: this driver knows none"
+        member = printable(self.action.goalMember)
+        return f"Sets what a goal of {kind} has besides {member}.\n\nThe speed {speed}."
+
+    @property
+    def hook_stub(self) -> str:
+        """That method for the skeleton."""
+        about = docstring(self.hook_documentation, 8)
+        body = f"return super().{self.hook}({', '.join(self.hook_parameters)})"
+        return f"    {self.hook_signature}\n        {about}\n        {body}\n"
+
+
+@dataclass(frozen=True)
+class CallView:
+    """A modelled service connection."""
+
+    connection: bridge.RosServiceConnection
+    translated: TranslatedCall
+    view_of: Callable[[jaus.MessageDef], MessageView]
+
+    @property
+    def name(self) -> str:
+        """Its name in Python."""
+        return self.translated.name
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        return str(self.connection.name)
+
+    @property
+    def kind(self) -> str:
+        """Class of the runtime that carries it."""
+        return "RosServiceToJaus" if calls.serves(self.connection) else "JausToRosService"
+
+    @functools.cached_property
+    def halves(self) -> dict[str, ConnectionView]:
+        """The halves that maps translate, as connections."""
+        return {
+            kind: ConnectionView(connection, translated, self.view_of)
+            for kind, (connection, translated) in self.translated.halves.items()
+        }
+
+    @property
+    def service_arguments(self) -> tuple[str, ...]:
+        """Arguments of RosService."""
+        connection = self.connection
+        request = ros_type(connection.type.request)
+        found = [
+            python_string(connection.service),
+            python_string(f"{request.package}/srv/{connection.type.name}"),
+            self.translated.request_name,
+            self.translated.response_name,
+        ]
+        members = {"success": connection.successMember, "reason": connection.reasonMember}
+        found += [f"{key}={python_string(_path(path))}" for key, path in members.items() if path]
+        return tuple(found)
+
+    @property
+    def argument_lines(self) -> tuple[str, ...]:
+        """Arguments of the runtime class after the name."""
+        connection = self.connection
+        found = [
+            ("service", call("RosService", *self.service_arguments)),
+            ("request", self._request),
+            ("response", self._half(calls.RESPONSE, calls.answering(connection))),
+            ("peers", peers_of(connection)),
+        ]
+        if connection.rejections:
+            names = ", ".join(self.view_of(each).class_name for each in connection.rejections)
+            found.append(("rejections", f"[{names}]"))
+        found += self._guarding
+        found += priority_of(connection)
+        found.append(("timeout", python_literal(float(connection.timeout))))
+        return tuple(f"{key}={value}" for key, value in found)
+
+    @property
+    def _guarding(self) -> list[tuple[str, str]]:
+        """Arguments that say whom to obey, or what of others is controlled."""
+        connection, message = self.connection, calls.asking(self.connection)
+        if message is None:
+            return []
+        found = []
+        if is_command(message):
+            found.append(("is_command", "True"))
+        if calls.serves(connection):
+            guard = guard_of_receivers(message, connection.peers, connection.search)
+            if guard != "ANY" and connection.control:
+                found.append(("control", f"Guard.{guard}"))
+            if calls.maps_success(connection):
+                found.append(("is_success_mapped", "True"))
+        else:
+            guard = guard_of_receivers(message, [connection.eContainer()], None)
+            if guard != "ANY":
+                found.append(("when", condition(message, guard)))
+        return found
+
+    @property
+    def _request(self) -> str:
+        """What asks: a translation, the message that is sent, or the class of what is taken."""
+        message = calls.asking(self.connection)
+        if calls.REQUEST in self.halves or message is None or not calls.serves(self.connection):
+            return self._half(calls.REQUEST, message)
+        view = self.view_of(message)
+        answer = self.halves.get(calls.RESPONSE)
+        read = requested_in(self.connection.response)
+        return query_call(view, answer.message if answer is not None else None, read)
+
+    def _half(self, kind: str, message: jaus.MessageDef | None) -> str:
+        if kind in self.halves:
+            return f"self.{self.halves[kind].name}"
+        return "None" if message is None else self.view_of(message).class_name
+
+
+def _path(path: str) -> str:
+    """Returns the path of a member of a response in Python."""
+    return ".".join(map(snake_case, path.split(".")))

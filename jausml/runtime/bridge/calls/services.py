@@ -1,0 +1,343 @@
+"""Connections of ROS services with JAUS messages that ask, and answers: both directions."""
+
+from __future__ import annotations
+
+from functools import partial
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from ...clients.exchanges import Unanswered
+from ...clients.peer_search import PeerBinding
+from ...services.definitions import Guard
+from ..connections.connection import NO_PEER, NOT_READY
+from ..connections.controlled_peers import ControlledPeers
+from ..connections.to_ros import UNEXPECTED
+from ..ends import parameters
+from ..ends.ends import Taker
+from .calls import (
+    FAILED,
+    NOT_ASKED,
+    NOT_TRANSLATED,
+    REJECTED,
+    TIMED_OUT,
+    UNANSWERED,
+    Call,
+    CallFailedError,
+    Calls,
+    CallTranslation,
+    codes_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.address import JausAddress
+    from ...clients.peer_search import PeerSearch
+    from ...wire.message import Message
+    from ..ends.ends import Ends
+    from ..ends.topics import ServiceClient
+
+_RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
+
+
+class ServedCall(Call):
+    """A request of a ROS client."""
+
+    def __init__(self, reply: Callable[[bytes], None]) -> None:
+        super().__init__()
+        self.reply = reply
+
+
+class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
+    """Serves a ROS service: asks a JAUS peer for each request, and answers with what it says.
+
+    A client is never told that all is well when it is not. Where the response has no bool for it, a
+    call that came to nothing stays without a response.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        peers: Sequence[JausAddress] | PeerSearch,
+        rejections: Sequence[type[Message]] = (),
+        control: Guard = Guard.ANY,
+        is_success_mapped: bool = False,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection; a command that nobody answers is done when it is sent.
+
+        Args:
+            peers: JAUS components that are asked, or how they are found.
+        """
+        super().__init__(name, **options)
+        self._peers = ControlledPeers(peers, control)
+        self._rejections = codes_of(rejections)
+        self._is_success_mapped = is_success_mapped
+
+    def open(self, ends: Ends) -> None:
+        """Meets the peers and serves the service."""
+        super().open(ends)
+        self._peers.open(
+            ends, self.name, join=self._changed, leave=self._changed, changed=self._changed
+        )
+        ends.exchanges.listen(self._answers)
+        ends.ros.serve(self.service, self._serve)
+
+    @property
+    def _answers(self) -> list[type[Message]]:
+        """The messages that answer."""
+        answer = self._response
+        usual = answer.message if isinstance(answer, CallTranslation) else answer
+        return [*([] if usual is None else [usual]), *self._rejections.values()]
+
+    def _serve(self, request: bytes, reply: Callable[[bytes], None]) -> None:
+        call = ServedCall(reply)
+        if not self._begin(call):
+            return
+        peer = next(filter(self._peers.obeys, self._peers.present), None)
+        if peer is None:
+            self._refuse(call)
+            return
+        try:
+            made = self._made(self._request, request, self._default)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+        else:
+            self._ask(call, peer, made)
+
+    def _default(self) -> bytes:
+        asking = self._request
+        return b"" if isinstance(asking, CallTranslation) else asking.encode()
+
+    def _refuse(self, call: ServedCall) -> None:
+        """Fails a call for which there is no peer that obeys."""
+        present = self._peers.present
+        if present:
+            why = "; ".join(f"{each}: {self._peers.reason(each)}" for each in present)
+            self._fail(call, NOT_READY, f"no peer obeys ({why})")
+        else:
+            self._fail(call, NO_PEER, self._peers.lacking() or "no peer is there")
+
+    def _ask(self, call: ServedCall, peer: JausAddress, payload: bytes) -> None:
+        if not self._answers:
+            self._send(payload, peer, acknowledge=True)
+            self._succeed(call, self.service.response())
+            return
+        call.forget = self._ends.exchanges.ask(
+            peer,
+            payload,
+            self._answers,
+            lambda answer: self._answered(call, peer, answer),
+            timeout=self.timeout,
+            is_query=not self.is_command,
+            priority=self._priority,
+        )
+
+    def _answered(self, call: ServedCall, peer: JausAddress, payload: bytes | Unanswered) -> None:
+        if payload is Unanswered.SILENT:
+            self._fail(call, TIMED_OUT, f"{peer} did not answer within {self.timeout:g} s")
+            return
+        if payload is Unanswered.UNSENT:
+            late = f"{peer} was not asked: answers to calls before it are due"
+            self._fail(call, NOT_ASKED, f"{late} for {self.timeout:g} s")
+            return
+        rejection = self._rejections.get(payload[0] | payload[1] << 8)
+        if rejection is not None:
+            self._fail(call, REJECTED, f"{peer} answered {_told(rejection, payload)}")
+            return
+        answer = self._response
+        if not isinstance(answer, CallTranslation):
+            self._succeed(call, self.service.response())
+            return
+        try:
+            data = answer.made(payload)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+            return
+        if self._is_success_mapped or not self.service.success:
+            self._reply(call, data)
+        else:
+            self._succeed(call, self.service.response.from_cdr(data))
+
+    def _succeed(self, call: ServedCall, response: Any) -> None:
+        if self.service.success:
+            assign(response, self.service.success, value=True)
+        self._reply(call, response.to_cdr())
+
+    def _reply(self, call: ServedCall, data: bytes) -> None:
+        try:
+            call.reply(data)
+        except Exception as error:  # the client may be gone
+            self._under_way.pop(call, None)
+            self.drop(FAILED, repr(error), error)
+        else:
+            self._done(call)
+
+    def abandon(self, call: ServedCall, reason: str, text: str) -> None:  # noqa: ARG002
+        """Answers that the call failed, and why; not at all where a response cannot say so."""
+        if not self.service.success:
+            self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
+            return
+        response = self.service.response()
+        assign(response, self.service.success, value=False)
+        if self.service.reason:
+            assign(response, self.service.reason, value=text)
+        call.reply(response.to_cdr())
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and the state of their control."""
+        return self._peers.describe()
+
+    def fault(self) -> str:
+        """What is searched for."""
+        lacking = self._peers.lacking()
+        return f"searching {lacking}" if lacking else ""
+
+    def refusal(self) -> str:
+        """Whether nobody obeys."""
+        obeying = any(map(self._peers.obeys, self._peers.present))
+        return "" if obeying else "no peer obeys"
+
+    def _changed(self, peer: JausAddress) -> None:
+        """Nothing is prepared for a peer: the next call looks who obeys."""
+
+
+def assign(message: Any, path: str, *, value: object) -> None:
+    """Sets a member of a message, which may be inside another one."""
+    owner, _, name = path.rpartition(".")
+    setattr(attrgetter(owner)(message) if owner else message, name, value)
+
+
+def _told(rejection: type[Message], payload: bytes) -> str:
+    """Returns a rejection in words, with its code where it has one."""
+    message = rejection.decode(payload)
+    codes = (getattr(message, each, None) for each in _RESPONSE_CODES)
+    code = next((each for each in codes if each is not None), None)
+    return rejection.NAME if code is None else f"{rejection.NAME} with the code {code}"
+
+
+NO_SERVICE = "no_service"
+
+
+class AskedCall(Call):
+    """A message of a JAUS component that asks."""
+
+    def __init__(self, sender: JausAddress) -> None:
+        super().__init__()
+        self.sender = sender
+
+
+class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
+    """Calls a ROS service for each message that asks, and answers with what it says.
+
+    Where something goes wrong the answer is a rejection, or nothing where there is none.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        peers: Sequence[JausAddress] | PeerSearch = (),
+        rejections: Sequence[type[Message]] = (),
+        when: Guard | Callable[[Any], Guard] = Guard.ANY,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            peers: JAUS components that may ask, or how they are found; none means anybody.
+            rejections: The first of these messages answers when a call came to nothing.
+        """
+        super().__init__(name, **options)
+        self._peers = PeerBinding(peers)
+        self._rejections = tuple(rejections)
+        self._when = when
+        self._client: ServiceClient
+
+    def open(self, ends: Ends) -> None:
+        """Makes the client, then takes what asks."""
+        super().open(ends)
+        self._peers = parameters.peers(ends.ros, self.name, self._peers)
+        self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
+        self._client = ends.ros.service_client(self.service)
+        asking = self._request
+        message = asking.message if isinstance(asking, CallTranslation) else asking
+        senders = None if self._peers.is_anybody else self._peers
+        ends.shared_messages.accept(
+            message, Taker(self._take, senders, self._refuse_sender), self._when
+        )
+
+    def _refuse_sender(self, _payload: bytes, sender: JausAddress) -> None:
+        self.drop(UNEXPECTED, str(sender))
+
+    def _take(self, payload: bytes, sender: JausAddress) -> None:
+        call = AskedCall(sender)
+        if not self._begin(call):
+            return
+        try:
+            self._call(call, payload)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+        except Exception as error:  # of rclpy, which nothing here may pass on
+            self._fail(call, FAILED, repr(error))
+
+    def _call(self, call: AskedCall, payload: bytes) -> None:
+        if not self._client.is_ready():
+            self._fail(call, NO_SERVICE, f"nobody serves {self.service.name}")
+            return
+        request = self._made(self._request, payload, lambda: self.service.request().to_cdr())
+        timer = self._ends.loop.call_later(self.timeout, partial(self._time_out, call))
+        forget = self._client.call(request, partial(self._answered, call))
+
+        def end() -> None:
+            timer.cancel()
+            forget()
+
+        call.forget = end
+
+    def _time_out(self, call: AskedCall) -> None:
+        text = f"{self.service.name} did not answer within {self.timeout:g} s"
+        self._fail(call, TIMED_OUT, text)
+
+    def _answered(self, call: AskedCall, data: bytes) -> None:
+        if call not in self._under_way:
+            return
+        call.forget()
+        if self.service.success or self.service.reason:
+            response = self.service.response.from_cdr(data)
+            if self.service.success and not attrgetter(self.service.success)(response):
+                path = self.service.reason
+                reason = str(attrgetter(path)(response)) if path else ""
+                self._fail(call, REJECTED, reason or f"{self.service.name} refused")
+                return
+        answer = self._response
+        try:
+            if answer is not None:
+                self._send(self._made(answer, data, self._default), call.sender)
+        except CallFailedError as error:
+            self._fail(call, NOT_TRANSLATED, str(error))
+        else:
+            self._done(call)
+
+    def _default(self) -> bytes:
+        answer = self._response
+        return b"" if answer is None or isinstance(answer, CallTranslation) else answer().encode()
+
+    def abandon(self, call: AskedCall, reason: str, text: str) -> None:  # noqa: ARG002
+        """Answers with a rejection, where there is one."""
+        if self._rejections:
+            self._send(self._rejections[0]().encode(), call.sender)
+        else:
+            self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """What a search has found, and whether the service is there."""
+        state = "there" if self._client.is_ready() else "absent"
+        return [*self._peers.describe(), ("service is", state)]
+
+    def fault(self) -> str:
+        """Whether nobody serves, or nobody is found who may ask."""
+        if self._peers.is_lacking:
+            return f"searching {self._peers.search}"
+        return "" if self._client.is_ready() else f"nobody serves {self.service.name}"

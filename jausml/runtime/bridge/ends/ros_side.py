@@ -1,0 +1,161 @@
+"""ROS as a bridge sees it, on rclpy or in virtual time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...base.loop import Loop
+    from ...conversions import Time
+    from .actions import ActionClient, GoalTaker, ListAction
+    from .topics import (
+        Parameter,
+        Published,
+        RosService,
+        ServiceClient,
+        Topic,
+        TopicCounts,
+        TopicFault,
+    )
+
+
+class RosPublisher(Protocol):
+    """A publisher for serialized messages.
+
+    Attributes:
+        publish: Publishes a serialized message, from any thread.
+        unmatched: Messages that found none of them; whoever publishes counts.
+    """
+
+    publish: Callable[[bytes], None]
+    matched: int
+    unmatched: int
+
+    @property
+    def address(self) -> int:
+        """Where the client library has it; 0 where there is no such library."""
+
+    @property
+    def published(self) -> Published:
+        """What it was made for."""
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy, from any thread."""
+
+
+class RosCodec(Protocol):
+    """Messages of one class of rclpy, as objects and serialized."""
+
+    def decode(self, data: bytes) -> Any:
+        """Returns the object of a serialized message."""
+
+    def encode(self, message: Any) -> bytes:
+        """Returns the serialized form of an object."""
+
+
+class RosSide(Protocol):
+    """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
+
+    Messages are serialized (CDR, with the header that names the encoding). A ROS type is a class
+    of rclpy, or a light class, whose `TYPE` names it, e.g. `nav_msgs/msg/Odometry`.
+    """
+
+    @property
+    def name(self) -> str:
+        """Full name of the node, e.g. `/fleet/bridge`."""
+
+    def attach(self, loop: Loop) -> None:
+        """Tells which loop waits; to be called before there are publishers and subscriptions."""
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the ROS clock follows `/clock`."""
+
+    def now(self) -> Time:
+        """Time of the ROS clock."""
+
+    def follow_clock(self, take: Callable[[float], None]) -> None:
+        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
+
+    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
+        """Declares a parameter and returns its value; `changed` takes each later one."""
+
+    def codec(self, ros_type: type[Any]) -> RosCodec:
+        """Returns what makes objects of rclpy of serialized messages, and the reverse."""
+
+    def publisher(
+        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> RosPublisher:
+        """Makes a publisher.
+
+        Args:
+            greet: Called for each subscriber that is found, on the loop or with its lock.
+        """
+
+    def subscribe(
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription.
+
+        Args:
+            take: Is given each serialized message, and the time at which it was published, in
+                nanoseconds by the clock of its publisher; on the loop or with its lock.
+        """
+
+    def action_client(self, action: ListAction) -> ActionClient:
+        """Makes what sends goals of an action."""
+
+    def serve(
+        self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
+    ) -> None:
+        """Serves a service.
+
+        Args:
+            take: Is given each serialized request and what replies to it, on the loop.
+        """
+
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
+        """Takes the goals of an action."""
+
+    def service_client(self, service: RosService) -> ServiceClient:
+        """Returns what calls a service."""
+
+    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does."""
+
+    def publish_diagnostics(self, data: bytes) -> None:
+        """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
+
+
+class FastSubscriber(Protocol):
+    """A core that takes the messages of a subscription and sends what they become.
+
+    Attributes:
+        is_current: Whether it still does.
+    """
+
+    is_current: bool
+
+    def pending(self) -> Other | None:
+        """Returns a message that is not usual, which was taken; None when there is none."""
+
+    def look(self) -> None:
+        """Tells the core what Python has learnt when it took a message."""
+
+
+class Other(NamedTuple):
+    """A message that is not usual, which a core has taken.
+
+    Attributes:
+        number: That of its publisher; None where the middleware does not tell it.
+        received: When, in nanoseconds since 1970, as when it was published.
+        left: How many more wait.
+    """
+
+    data: bytes
+    number: int | None
+    received: int
+    published: int
+    left: int

@@ -1,0 +1,308 @@
+"""Waits for ROS: with listeners on the epoll of the loop, or else with wait sets on threads."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import sys
+import threading
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from .internals import internals
+from .taking import AT_ONCE, reader
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from ...base.loop import Loop
+    from .taking import Subscription
+
+    Read = Callable[[], object]
+
+
+class WaitSets:
+    """Serves topics and events on threads, with the lock of the loop.
+
+    Whoever waits with a wait set names all that it holds again in each round, so a round costs
+    more with each topic. Events have a set of their own for that reason: they are as many as
+    topics, and nothing is lost when one is late.
+    """
+
+    def __init__(self, loop: Loop, context: Any) -> None:
+        self._standstill = loop.standstill
+        self._topics = _TopicSet(loop, context)
+        self._events = _EventSet(loop, context)
+
+    def subscription(self, subscription: Subscription) -> None:
+        """Takes the messages of a subscription, what waits already included."""
+        read = reader(subscription, lambda: AT_ONCE, self._standstill)
+        self._topics.add(subscription.handle, read)
+
+    def event(self, event: Any, read: Read) -> None:
+        """Runs `read` when an event has something to tell."""
+        self._events.add(event, read)
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Begins to wait.
+
+        Args:
+            fail: Told on a thread why nobody waits any more, unless this was closed.
+        """
+        self._topics.start(fail)
+        self._events.start(fail)
+
+    def close(self) -> None:
+        """Ends the threads; the handles may be destroyed then."""
+        self._topics.close()
+        self._events.close()
+
+
+class _ServedSet:
+    """A wait set, built once for what it holds, and the thread that waits with it."""
+
+    name: str
+
+    def __init__(self, loop: Loop, context: Any) -> None:
+        self._loop = loop
+        self._context = context
+        with context.handle:
+            self._wake_up = internals.GuardCondition(context.handle)
+        self._served: list[tuple[Any, Read]] = []
+        self._thread: threading.Thread | None = None
+        self._is_closing = False
+
+    def add(self, handle: Any, read: Read) -> None:
+        """Waits for one more, which is a subscription or an event."""
+        self._served.append((handle, read))
+        self._wake_up.trigger_guard_condition()
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        self._thread = threading.Thread(target=self._run, args=[fail], name=self.name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._is_closing = True
+        self._wake_up.trigger_guard_condition()
+        if self._thread is not None:
+            self._thread.join()
+        self._wake_up.destroy_when_not_in_use()
+        self._served.clear()
+
+    def _run(self, fail: Callable[[BaseException], None]) -> None:
+        try:
+            while not self._is_closing:
+                self._wait_until_more(tuple(self._served))
+        except BaseException as error:
+            if not self._is_closing:
+                fail(error)
+
+    def _wait_until_more(self, served: tuple[tuple[Any, Read], ...]) -> None:
+        """Serves with one wait set until there is more to wait for."""
+        wait_set = self._build(len(served))
+        handles = [handle for handle, _ in served]
+        reads = [read for _, read in served]
+        by_pointer = {handle.pointer: read for handle, read in served}
+        try:
+            while not self._is_closing and len(served) == len(self._served):
+                # rcl forgets what was not ready: all has to be named again.
+                wait_set.clear_entities()
+                wait_set.add_guard_condition(self._wake_up)
+                self._fill(wait_set, handles)
+                wait_set.wait(-1)
+                self._serve(self._ready(wait_set, reads, by_pointer))
+        finally:
+            wait_set.destroy_when_not_in_use()
+
+    def _serve(self, ready: list[Read]) -> None:
+        with self._loop.lock:
+            for read in ready if not self._is_closing else ():
+                try:
+                    read()
+                except Exception as error:
+                    self._loop.counters.count("loop.callback_failed", repr(error), error=error)
+
+    def _build(self, count: int) -> Any:
+        """Returns a wait set for so many, and for what wakes up."""
+        raise NotImplementedError
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        """Names what to wait for."""
+        raise NotImplementedError
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        """Returns what is to be served, after the wait."""
+        raise NotImplementedError
+
+
+class _TopicSet(_ServedSet):
+    name = "ros-topics"
+
+    def _build(self, count: int) -> Any:
+        with self._context.handle:
+            return internals.WaitSet(count, 1, 0, 0, 0, 0, self._context.handle)
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        add = wait_set.add_subscription
+        for handle in handles:
+            add(handle)
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        del reads
+        return [by_pointer[each] for each in wait_set.get_ready_entities("subscription")]
+
+
+class _EventSet(_ServedSet):
+    name = "ros-events"
+
+    def _build(self, count: int) -> Any:
+        with self._context.handle:
+            return internals.WaitSet(0, 1, 0, 0, 0, count, self._context.handle)
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        for handle in handles:
+            wait_set.add_event(handle)
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        del by_pointer
+        return [read for index, read in enumerate(reads) if wait_set.is_ready("event", index)]
+
+
+ON_MESSAGE = "rcl_subscription_set_on_new_message_callback"
+ON_EVENT = "rcl_event_set_callback"
+
+EVENTS_TOGETHER = 16
+"""Events that share an eventfd; all of them are read when one has something to tell."""
+
+_MACHINES = ("x86_64", "aarch64")
+
+
+class NoListenerError(Exception):
+    """The middleware cannot write to an eventfd here."""
+
+
+class Listener:
+    """Registers topics and events with the loop; its callbacks run as those of sockets do.
+
+    librcl calls a function for each new message or event, on a thread of the middleware:
+    `callback(user_data, count)`. `eventfd_write(fd, value)` of libc has the same convention of
+    calls where the first two integer arguments travel in registers, which holds for Linux on x86-64
+    and AArch64. So that function itself is the callback, and the number of an eventfd its user
+    data: no Python runs and no lock is taken until the loop wakes up.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        """Finds the functions."""
+        self._loop = loop
+        self._callback, self._on_message, self._on_event = _functions()
+        self._unset: list[Callable[[], int]] = []
+        self._events: list[Callable[[], object]] = []
+        self._events_number = -1
+        self._ready: dict[int, Callable[[], object]] = {}
+        self._is_started = False
+
+    def try_out(self, subscription: Any, event: Any) -> None:
+        """Tells whether the middleware takes the callbacks."""
+        number = _eventfd()
+        try:
+            for function, handle in ((self._on_message, subscription), (self._on_event, event)):
+                self._listen(function, handle, number)
+        finally:
+            self._unset_all()
+            os.close(number)
+
+    def subscription(self, subscription: Subscription) -> None:
+        """Takes the messages of a subscription on the loop, what waits already included."""
+        number = _eventfd()
+        read = reader(
+            subscription,
+            partial(os.eventfd_read, number),
+            self._loop.standstill,
+            partial(os.eventfd_write, number),
+            number,
+        )
+        self._keep(number, read)
+        self._listen(self._on_message, subscription.handle, number)
+
+    def event(self, event: Any, read: Callable[[], object]) -> None:
+        """Runs `read` on the loop when an event has something to tell, and now and then besides.
+
+        Some events share an eventfd: they are rare, and a process may have 1024 descriptors.
+        """
+        if len(self._events) % EVENTS_TOGETHER == 0:
+            self._events = []
+            self._events_number = _eventfd()
+            read_all = partial(self._read_events, self._events_number, self._events)
+            self._keep(self._events_number, read_all)
+        self._events.append(read)
+        self._listen(self._on_event, event, self._events_number)
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Begins to serve what was registered so far.
+
+        Args:
+            fail: Not needed: what fails on the loop is counted there.
+        """
+        del fail
+        self._is_started = True
+        with self._loop.lock:
+            for number, read in self._ready.items():
+                self._loop.register(number, read)
+
+    def close(self) -> None:
+        """Serves nothing any more; the handles may be destroyed then."""
+        with self._loop.lock:
+            for number in self._ready:
+                self._loop.unregister(number)
+        # First the callbacks: a number that is closed may soon be that of something else.
+        self._unset_all()
+        for number in self._ready:
+            os.close(number)
+        self._ready.clear()
+
+    def _unset_all(self) -> None:
+        for unset in self._unset:
+            unset()
+        self._unset.clear()
+
+    def _listen(self, function: Any, handle: Any, number: int) -> None:
+        """Makes the middleware write to an eventfd."""
+        code = function(handle.pointer, self._callback, number)
+        if code != 0:
+            raise NoListenerError(f"{function.__name__} gives {code}")
+        self._unset.append(partial(function, handle.pointer, None, None))
+
+    def _keep(self, number: int, read: Callable[[], object]) -> None:
+        self._ready[number] = read
+        if self._is_started:
+            self._loop.register(number, read)
+
+    def _read_events(self, number: int, events: list[Callable[[], object]]) -> None:
+        os.eventfd_read(number)
+        for read in events:
+            try:
+                read()
+            except Exception as error:
+                self._loop.counters.count("loop.callback_failed", repr(error), error=error)
+
+
+def _eventfd() -> int:
+    return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+
+
+def _functions() -> tuple[ctypes.c_void_p, Any, Any]:
+    """Returns the callback, and what sets it for messages and for events."""
+    if sys.platform != "linux" or platform.machine() not in _MACHINES:
+        raise NoListenerError(f"not tried on {sys.platform} {platform.machine()}")
+    try:
+        # rclpy has loaded it; another copy of it would know nothing.
+        rcl = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | os.RTLD_LAZY)
+        write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
+        setters = [getattr(rcl, name) for name in (ON_MESSAGE, ON_EVENT)]
+    except (OSError, AttributeError) as error:
+        raise NoListenerError(str(error)) from error
+    for function in setters:
+        function.argtypes = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+        function.restype = ctypes.c_int
+    return write, setters[0], setters[1]

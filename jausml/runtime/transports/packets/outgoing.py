@@ -1,0 +1,299 @@
+"""Packets on their way out: messages cut into numbered packets, and lanes that they wait in."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections import deque
+from itertools import count, islice
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...base.address import address_of
+from ...base.settings import MAX_FRAGMENT_SIZE
+from .packet import Broadcast, DataFlags, Packet, Priority
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from ...base.address import JausAddress
+    from ..delivery import OnResult
+    from .packet import AckNak
+
+_MAX_FRAGMENTS = 32768
+_MOST_PAIRS = 4096
+_PLACES = tuple(DataFlags)
+_FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
+MOST_SMALL_FRAGMENTS = 40
+"""Packets of a message from which on they are larger than wished for."""
+
+
+class Packetizer:
+    """Numbers packets and cuts large messages; callable from any thread.
+
+    Each destination gets consecutive numbers of each source, whatever is sent to others, so that
+    it can tell what was lost on the way to it. All wildcards together are one destination, and so
+    are those that come when there are 4,096 others: strangers must not fill the memory.
+
+    Packets are larger than wished for where a message would take more than 40 of them, since
+    Junior and the JAUS Tool Set hold no more than 50 of an unfinished message.
+    """
+
+    def __init__(self, fragment_size: int, draw: Callable[[int], int] | None = None) -> None:
+        """Start with no numbers used.
+
+        Args:
+            fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
+            draw: Returns a random number from 0 to below its argument; by default that
+                of the process.
+        """
+        self._draw = random.randrange if draw is None else draw
+        self._fragment_size = fragment_size
+        self._numbers: dict[tuple[int, int], _Numbers] = {}
+        self.counting: Callable[[int], Iterator[int]] = count
+        """Makes what counts from a number on, in steps of the interpreter; its representation is
+        that of `itertools.count`."""
+
+    def refusal(self, destination: JausAddress, size: int) -> str:
+        """Return the counter of what forbids to send so many bytes, if anything does."""
+        if destination.is_wildcard:
+            # Peers do not reassemble broadcasts (Junior refuses to send them).
+            return "transport.broadcast_too_large" if size > MAX_FRAGMENT_SIZE else ""
+        if not destination.is_concrete:
+            return "transport.bad_destination"
+        if size > MAX_FRAGMENT_SIZE * _MAX_FRAGMENTS:
+            return "transport.message_too_large"
+        return ""
+
+    def count(self, destination: JausAddress, size: int) -> int:
+        """Return how many packets a message of so many bytes takes."""
+        if size <= self._fragment_size:
+            return 1
+        return -(-size // self._step(destination, size))
+
+    def packets(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        priority: Priority,
+        acknowledge: AckNak,
+    ) -> list[Packet]:
+        """Return the packets of a message with their sequence numbers."""
+        none = Broadcast.NONE
+        if len(payload) <= self._step(destination, len(payload)):
+            number = self.reserve(source, destination, 1)
+            return [Packet(destination, source, payload, number, priority, none, acknowledge)]
+        return [
+            Packet(
+                destination, source, part, number, priority, none, acknowledge, _PLACES[place >> 6]
+            )
+            for part, place, number in self.cut(source, destination, payload)
+        ]
+
+    def cut(
+        self, source: JausAddress, destination: JausAddress, payload: bytes
+    ) -> list[tuple[bytes, int, int]]:
+        """Return the parts of a message of several packets, and take numbers for them.
+
+        Returns:
+            Each part with the bits of its place (AS5669A, data flags) and its sequence number.
+        """
+        size = len(payload)
+        step = self._step(destination, size)
+        count = -(-size // step)
+        first = self.reserve(source, destination, count)
+        parts = [
+            (payload[start : start + step], _MIDDLE, first + index & 0xFFFF)
+            for index, start in enumerate(range(0, size, step))
+        ]
+        parts[0] = (parts[0][0], _FIRST, first)
+        parts[-1] = (parts[-1][0], _LAST, parts[-1][2])
+        return parts
+
+    def _step(self, destination: JausAddress, size: int) -> int:
+        if size <= self._fragment_size:
+            return self._fragment_size
+        if destination.is_wildcard:
+            return MAX_FRAGMENT_SIZE
+        needed = -(-size // MOST_SMALL_FRAGMENTS)
+        return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
+
+    def reserve(self, source: JausAddress, destination: JausAddress, amount: int) -> int:
+        """Take consecutive sequence numbers of a pair and return the first."""
+        numbers = self.numbers(source, destination)
+        while True:
+            taken = list(islice(numbers, amount))
+            if taken[-1] - taken[0] == amount - 1:  # no other thread took one between
+                return taken[0] & 0xFFFF
+
+    def numbers(self, source: JausAddress, destination: JausAddress) -> Iterator[int]:
+        """Return the sequence numbers of a pair, to be taken modulo 65536 one by one.
+
+        Each is taken in one step of the interpreter, which needs no lock.
+        """
+        pair = source, 0 if destination.is_wildcard else destination
+        known = self._numbers.get(pair)
+        if known is None and len(self._numbers) >= _MOST_PAIRS:
+            pair = source, 0
+            known = self._numbers.get(pair)
+        if known is None:
+            # A restarted sender must not repeat numbers that peers remember as seen.
+            first = self._draw(0x10000)
+            known = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
+        return known.following
+
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+        """Return the number that the next packet of a pair will have, and do not take it."""
+        self.numbers(source, destination)
+        known = self._numbers.get((source, destination)) or self._numbers[source, 0]
+        return known.first + known.used & 0xFFFF
+
+    def sent(self, source: JausAddress) -> dict[JausAddress, int]:
+        """Return how many packets a component was given numbers for, by destination.
+
+        Args:
+            source: A component of this process. What it sends to wildcards is left out.
+        """
+        return {
+            address_of(destination): numbers.used
+            for (sender, destination), numbers in list(self._numbers.items())
+            if sender == source and destination
+        }
+
+
+class _Numbers(NamedTuple):
+    """The sequence numbers of a pair."""
+
+    first: int
+    following: Iterator[int]
+
+    @property
+    def used(self) -> int:
+        """How many are taken. A count tells where it is by its representation alone."""
+        return int(repr(self.following)[len("count(") : -1]) - self.first
+
+
+_SINGLES_UNDER_WAY = 32
+
+
+class Message:
+    """A message whose packets are sent, each until it is acknowledged.
+
+    Attributes:
+        on_result: Told once whether all packets were acknowledged.
+        latest: Time until which it is worth to begin with it.
+        is_urgent: Whether it is sent at once, however much is under way.
+        under_way: How many of these are not acknowledged yet.
+    """
+
+    __slots__ = (
+        "is_large",
+        "is_urgent",
+        "latest",
+        "on_result",
+        "packets",
+        "sent",
+        "size",
+        "under_way",
+        "window",
+    )
+
+    def __init__(self, packets: list[Packet], on_result: OnResult | None, window: int) -> None:
+        self.packets = packets
+        self.on_result = on_result
+        self.window = window
+        self.latest = math.inf
+        self.size = sum([len(packet.payload) for packet in packets])
+        self.is_large = len(packets) > 1
+        self.is_urgent = packets[0].priority > Priority.STANDARD
+        self.sent = 0
+        self.under_way = 0
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all packets are acknowledged."""
+        return self.under_way == 0 and self.sent == len(self.packets)
+
+
+class Lane:
+    """Acknowledged messages to one destination, in an order that any receiver can take.
+
+    Messages of several packets go one after the other: receivers keep few packets of unfinished
+    messages (Junior and the components of the JAUS Tool Set 50, of all messages together), and
+    packets of several messages by turns would push each other out. Messages of one packet pass
+    between them; of these only so many are under way as a small receive buffer holds, and those of
+    high priority besides.
+    """
+
+    __slots__ = ("_large", "_singles", "_singles_under_way", "heard")
+
+    def __init__(self) -> None:
+        self.heard = -math.inf
+        self._large: deque[Message] = deque()
+        self._singles: deque[Message] = deque()
+        self._singles_under_way = 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing waits and nothing is under way."""
+        return not (self._large or self._singles or self._singles_under_way)
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is something whose turn may come."""
+        return bool(self._large or self._singles)
+
+    @property
+    def has_large(self) -> bool:
+        """Whether a message of several packets is under way."""
+        return bool(self._large)
+
+    def add(self, message: Message) -> None:
+        """Let a message wait for its turn, which may be now."""
+        if message.is_large:
+            self._large.append(message)
+        elif message.is_urgent:
+            self._singles.appendleft(message)
+        else:
+            self._singles.append(message)
+
+    def ready(self) -> list[tuple[Message, Packet]]:
+        """Return the packets whose turn it is; they are under way from now on."""
+        ready: list[tuple[Message, Packet]] = []
+        singles = self._singles
+        while singles and (self._singles_under_way < _SINGLES_UNDER_WAY or singles[0].is_urgent):
+            self._singles_under_way += 1
+            ready.append(_next_of(singles.popleft()))
+        if self._large:
+            first = self._large[0]
+            while first.under_way < first.window and first.sent < len(first.packets):
+                ready.append(_next_of(first))
+        return ready
+
+    def give_up_late(self, now: float) -> list[Message]:
+        """Forget the messages whose turn would be now, but which is too late, and return them."""
+        late: list[Message] = []
+        while self._large and not self._large[0].sent and self._large[0].latest < now:
+            late.append(self._large.popleft())
+        return late
+
+    def remove(self, message: Message) -> None:
+        """Forget a message that is under way, since it is done or given up."""
+        if message.is_large:
+            self._large.popleft()
+        else:
+            self._singles_under_way -= 1
+
+    def give_up_waiting(self) -> list[Message]:
+        """Forget the messages of which nothing was sent yet, and return them."""
+        waiting = [*self._singles, *[each for each in self._large if not each.sent]]
+        self._singles.clear()
+        self._large = deque(each for each in self._large if each.sent)
+        return waiting
+
+
+def _next_of(message: Message) -> tuple[Message, Packet]:
+    packet = message.packets[message.sent]
+    message.sent += 1
+    message.under_way += 1
+    return message, packet

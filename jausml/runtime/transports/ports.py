@@ -1,0 +1,312 @@
+"""Ports: one for several processes of a host, and who holds one that is taken.
+
+Every process joins the multicast group with a socket of its own. Only one can own the unicast
+port; the others send and receive on a port of a known range, which peers learn from their
+datagrams. Datagrams for them that peers send to the well-known port are forwarded by its owner.
+"""
+
+from __future__ import annotations
+
+import errno
+import socket
+import struct
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..base.address import JausAddress, address_of
+from ..base.counters import LOGGER
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from ..base.settings import Endpoint, TransportSettings
+
+MANAGER = "JuniorRTE"
+"""Name of the node manager's local socket, of Junior's and of that of fkie."""
+
+_PROC = Path("/proc")
+_LISTENING = "0A"
+_ADDRESS, _STATE, _INODE = 1, 3, 9
+
+
+class Holder(NamedTuple):
+    """A process that holds a port."""
+
+    name: str
+    process: int
+
+    def __str__(self) -> str:
+        """Return both, for a message."""
+        return f"{self.name} (process {self.process})"
+
+
+def holders(protocol: str, port: int) -> list[Holder]:
+    """Return the other processes that hold a port, as far as this one may see them (Linux)."""
+    inodes = set(_inodes(protocol, port))
+    return sorted(set(_processes(inodes))) if inodes else []
+
+
+def advice(protocol: str, settings: TransportSettings) -> str:
+    """Return who holds the port of the settings, and how to share or change it."""
+    share = "To share it with a node manager: --jaus-transport node-manager"
+    text = who_holds(protocol, settings)
+    return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
+
+
+def who_holds(protocol: str, settings: TransportSettings) -> str:
+    """Return who holds the port of the settings, as far as this process may see it."""
+    known = holders(protocol, settings.port)
+    manager = manager_folder(settings)
+    if known:
+        return f"it is held by {' and '.join(map(str, known))}"
+    if manager is not None:
+        return f"it is likely held by the node manager whose socket is in {manager}"
+    return (
+        "who holds it cannot be seen; likely a node manager (that of Junior or fkie) or a "
+        "JAUS program of another user"
+    )
+
+
+def manager_folder(settings: TransportSettings) -> Path | None:
+    """Return the folder of the local sockets of a node manager that runs on this host."""
+    folder = Path(settings.node_manager_directory or tempfile.gettempdir())
+    return folder if is_alive(folder / MANAGER) else None
+
+
+def is_alive(path: Path) -> bool:
+    """Return whether a process has a local socket."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(str(path))
+        except OSError:
+            return False
+    return True
+
+
+def _inodes(protocol: str, port: int) -> Iterator[str]:
+    try:
+        lines = (_PROC / "net" / protocol).read_text(encoding="ascii").splitlines()[1:]
+    except OSError:
+        return
+    for line in lines:
+        words = line.split()
+        if protocol == "tcp" and words[_STATE] != _LISTENING:
+            continue
+        if int(words[_ADDRESS].rpartition(":")[2], 16) == port:
+            yield f"socket:[{words[_INODE]}]"
+
+
+def _processes(inodes: set[str]) -> Iterator[Holder]:
+    own = str(_PROC.joinpath("self").resolve().name)
+    for folder in _PROC.glob("[0-9]*"):
+        if folder.name == own:
+            continue
+        try:
+            links = {str(each.readlink()) for each in (folder / "fd").iterdir()}
+            if links & inodes:
+                name = (folder / "comm").read_text(encoding="utf-8", errors="replace").strip()
+                yield Holder(name, int(folder.name))
+        except OSError:
+            continue  # of another user, or gone meanwhile
+
+
+# JAUS-DEVIATION: AS5669A knows one process per port. These two frames pass between processes of
+# one host only; they begin with 0, which is no JUDP version, so that other stacks drop them, and
+# with a word, so that nobody takes for one of them what other stacks send with version 0.
+FRAME = b"\x00JAUSML"
+"""How each of these frames begins."""
+
+_FORWARDED = FRAME + b"F"
+_PRESENT = FRAME + b"P"
+_ENDPOINT = struct.Struct("!4sH")
+_FORWARDED_SIZE = len(_FORWARDED) + _ENDPOINT.size
+_MAX_PRESENT = 256
+
+_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
+
+_NEIGHBOURS_OFFSET = 50_000
+_NEIGHBOURS = 32
+
+_MOST_DATAGRAMS = 1 << 16
+
+
+def neighbour_ports(port: int) -> range:
+    """Return the ports that processes take which share a port and do not own it.
+
+    They are known so that captures and firewalls can name them: 50,000 above, where no service
+    can be registered (RFC 6335), 32 in number. For a port too high for that there are none.
+    """
+    first = port + _NEIGHBOURS_OFFSET
+    return range(first, first + _NEIGHBOURS) if first + _NEIGHBOURS <= 0x10000 else range(0)
+
+
+class SharedPort:
+    """The sockets of one process on the JUDP port of its host."""
+
+    def __init__(self, settings: TransportSettings) -> None:
+        """Remember the settings; ``open`` creates the sockets."""
+        self._settings = settings
+        self.well_known: Endpoint = (settings.interface, settings.port)
+        self.group: Endpoint = (settings.multicast_group, settings.port)
+        self.multicast: socket.socket | None = None
+        self.unicast: socket.socket | None = None
+        self.former: socket.socket | None = None
+        self.endpoints: frozenset[Endpoint] = frozenset()
+
+    @property
+    def is_owner(self) -> bool:
+        """Whether this process owns the unicast port."""
+        return self.well_known in self.endpoints
+
+    @property
+    def sockets(self) -> list[socket.socket]:
+        """The sockets that are open."""
+        return [each for each in (self.multicast, self.unicast, self.former) if each is not None]
+
+    def open(self) -> None:
+        """Join the group and take the unicast port, or another one when it is taken."""
+        try:
+            self.multicast = self._multicast_socket()
+            self._take(self._well_known_or_any_socket())
+        except OSError as error:
+            self.close()
+            raise OSError(
+                error.errno,
+                f"JUDP port {self._settings.port} of {self._settings.interface} with group "
+                f"{self._settings.multicast_group}: {self._explain(error)}",
+            ) from error
+
+    def take_over(self) -> bool:
+        """Try to own the unicast port, which its owner may have left; return whether it worked.
+
+        The former socket stays open: peers know its port until they hear from the new one.
+        """
+        try:
+            unicast = self._unicast_socket(self._settings.port)
+        except OSError:
+            return False
+        self.former = self.unicast
+        self._take(unicast)
+        return True
+
+    def close(self) -> None:
+        """Close all sockets."""
+        for sock in self.sockets:
+            sock.close()
+        self.multicast = self.unicast = self.former = None
+        self.endpoints = frozenset()
+
+    def empty(self) -> int:
+        """Throws away what waits in the sockets; returns how many datagrams that were."""
+        return sum(map(_emptied, self.sockets))
+
+    def _explain(self, error: OSError) -> str:
+        if error.errno != errno.EADDRINUSE:
+            return str(error.strerror)
+        return f"{error.strerror} and not shared; {advice('udp', self._settings)}"
+
+    def _take(self, unicast: socket.socket) -> None:
+        self.unicast = unicast
+        self.endpoints |= {unicast.getsockname()}
+
+    def _well_known_or_any_socket(self) -> socket.socket:
+        try:
+            return self._unicast_socket(self._settings.port)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+        owners = " and ".join(map(str, holders("udp", self._settings.port)))
+        LOGGER.info(
+            "UDP port %d is owned by %s; this process shares it",
+            self._settings.port,
+            owners or "another program",
+        )
+        return self._neighbour_socket()
+
+    def _neighbour_socket(self) -> socket.socket:
+        for port in neighbour_ports(self._settings.port):
+            try:
+                return self._unicast_socket(port)
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise
+        return self._unicast_socket(0)
+
+    def _unicast_socket(self, port: int) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            interface = socket.inet_aton(self._settings.interface)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+            sock.setsockopt(
+                socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, self._settings.multicast_ttl
+            )
+            # Other processes of this host must hear; this one ignores its own datagrams.
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+            sock.settimeout(0)
+            sock.bind((self._settings.interface, port))
+        except OSError:
+            sock.close()
+            raise
+        return sock
+
+    def _multicast_socket(self) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            membership = socket.inet_aton(self._settings.multicast_group) + socket.inet_aton(
+                self._settings.interface
+            )
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if hasattr(socket, "SO_REUSEPORT"):
+                # With a node manager that allows it as well (that of fkie).
+                sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
+            sock.settimeout(0)
+            sock.bind(self.group)
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            if sys.platform == "linux":
+                # Hear the group on our interface only, whatever other processes joined.
+                sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
+        except OSError:
+            sock.close()
+            raise
+        return sock
+
+
+def _emptied(sock: socket.socket) -> int:
+    """Throws away what waits in a socket, which may be filled meanwhile; returns how much."""
+    for count in range(_MOST_DATAGRAMS):
+        try:
+            sock.recv(1)
+        except OSError:
+            return count
+    return _MOST_DATAGRAMS
+
+
+def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:
+    """Return the frame that passes a datagram on and says where it came from."""
+    return _FORWARDED + _ENDPOINT.pack(socket.inet_aton(sender[0]), sender[1]) + datagram
+
+
+def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
+    """Return the sender and the datagram of a forwarded frame; None if it is none."""
+    if not frame.startswith(_FORWARDED) or len(frame) < _FORWARDED_SIZE:
+        return None
+    host, port = _ENDPOINT.unpack_from(frame, len(_FORWARDED))
+    return (socket.inet_ntoa(host), port), frame[_FORWARDED_SIZE:]
+
+
+def present_frame(addresses: Iterable[JausAddress]) -> bytes:
+    """Return the frame that tells the port's owner which components live here."""
+    return _PRESENT + b"".join([address.to_bytes() for address in addresses])
+
+
+def read_present(frame: bytes) -> list[JausAddress] | None:
+    """Return the components of a present frame; None if it is none."""
+    if not frame.startswith(_PRESENT):
+        return None
+    count = min((len(frame) - len(_PRESENT)) // 4, _MAX_PRESENT)
+    packed = struct.unpack_from(f"<{count}I", frame, len(_PRESENT))
+    return [address_of(value) for value in packed]

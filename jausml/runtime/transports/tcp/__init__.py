@@ -1,1 +1,0 @@
-"""JAUS over TCP (AS5669A, JTCP)."""

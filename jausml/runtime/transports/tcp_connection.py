@@ -1,0 +1,299 @@
+"""One JTCP connection: messages to and from a stream (AS5669A)."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from collections import deque
+from typing import TYPE_CHECKING
+
+from ..base.api import JausError
+from .delivery import report
+from .packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from ..base.counters import Counters
+    from ..base.loop import Loop, Timer
+    from ..base.settings import Endpoint
+    from .delivery import OnResult
+
+
+_SIZE_END = 3
+
+
+class StreamError(JausError):
+    """A stream in which no more messages can be found."""
+
+    def __init__(self, counter: str, detail: str) -> None:
+        super().__init__(detail)
+        self.counter = counter
+
+
+class StreamReader:
+    """Cuts one direction of a connection into messages, however it arrives."""
+
+    def __init__(self, counters: Counters) -> None:
+        self._counters = counters
+        self._data = b""
+        self._is_version_known = False
+
+    @property
+    def pending(self) -> int:
+        """Bytes of a message that has not arrived as a whole; less than 65536."""
+        return len(self._data)
+
+    def feed(self, data: bytes) -> Iterator[Packet | None]:
+        """Yield the messages that are complete now; None for each that cannot be read.
+
+        To be iterated to its end, or never fed again.
+
+        Raises:
+            StreamError: The version is another one, or a message is too small to be one.
+        """
+        data, offset = self._data + data, 0
+        if data and not self._is_version_known:
+            if data[0] != JUDP_VERSION:
+                raise StreamError("jtcp.bad_version", data[:32].hex())
+            self._is_version_known = True
+            offset = 1
+        end = len(data)
+        while end - offset >= _SIZE_END:
+            size = message_size(data, offset)
+            if size < EMPTY_MESSAGE_SIZE:
+                raise StreamError("jtcp.bad_size", f"a message of {size} bytes")
+            if end - offset < size:
+                break
+            yield parse_message(data, offset, size, self._counters)
+            offset += size
+        self._data = data[offset:]
+
+
+_READ_SIZE = 65536
+_READS_PER_WAKE_UP = 8
+_VERSION = bytes([JUDP_VERSION])
+
+_KEEPALIVE_IDLE_S = 5
+_KEEPALIVE_INTERVAL_S = 2
+_KEEPALIVE_PROBES = 3
+
+
+class TcpConnection:
+    """A stream of messages in each direction; everything happens on the loop's thread.
+
+    The version byte goes once in each direction, before the first message. The size in each
+    message's header tells where the next begins, so that a stream that is wrong once cannot be
+    read on and is closed.
+    """
+
+    def __init__(
+        self,
+        sock: socket.socket,
+        peer: Endpoint,
+        loop: Loop,
+        *,
+        connecting: bool,
+        buffer: int,
+        timeout: float,
+        idle: float,
+        on_packet: Callable[[Packet, TcpConnection], None],
+        on_close: Callable[[TcpConnection], None],
+    ) -> None:
+        """Take over a socket.
+
+        Args:
+            buffer: Bytes that may wait for a slow peer; one message more can wait.
+            timeout: Seconds in which the connection must be made, and in which a peer must take
+                something of what waits for it.
+            idle: Seconds in which a peer must have said something; 0 for any time.
+        """
+        self.peer = peer
+        self.is_neighbour = False
+        """Whether the other end is a process of this host for which messages are passed on."""
+        self.is_connected = not connecting
+        self.is_closed = False
+        self._socket = sock
+        self._loop = loop
+        self._buffer = buffer
+        self._timeout = timeout
+        self.has_spoken = False
+        """Whether a whole message has come."""
+        self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
+        self._then = on_packet
+        self._idle = loop.call_later(idle, self._on_idle) if idle else None
+        self._on_close = on_close
+        self._reader = StreamReader(loop.counters)
+        self._outgoing: deque[tuple[bytes, OnResult | None]] = deque([(_VERSION, None)])
+        self._waiting = len(_VERSION)
+        self._sent = 0
+        self._watchdog: Timer | None = None
+        sock.settimeout(0)
+        _keep_alive(sock)
+        loop.register(sock, self._on_ready)
+        loop.watch_writable(sock, wanted=True)
+        self._guard()
+
+    def __str__(self) -> str:
+        """Return the endpoint of the peer."""
+        return f"{self.peer[0]}:{self.peer[1]}"
+
+    def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
+        """Send messages, or let them wait; return False when the peer is too slow for them.
+
+        Args:
+            data: Messages without a version byte.
+            on_result: Told once whether the system sent them to the peer.
+        """
+        if self.is_closed or self._waiting > self._buffer:
+            if not self.is_closed:
+                self._loop.counters.count("jtcp.buffer_full", f"{self._waiting} bytes for {self}")
+            report(self._loop, on_result, success=False)
+            return False
+        was_idle = not self._outgoing
+        self._outgoing.append((data, on_result))
+        self._waiting += len(data)
+        if was_idle:
+            self._flush()
+            if self._outgoing and not self.is_closed:
+                self._loop.watch_writable(self._socket, wanted=True)
+                self._guard()
+        return True
+
+    def close(self) -> None:
+        """End the connection; what still waits is reported as not sent."""
+        if self.is_closed:
+            return
+        self.is_closed = True
+        for timer in (self._watchdog, self._idle):
+            if timer is not None:
+                timer.cancel()
+        self._loop.unregister(self._socket)
+        self._socket.close()
+        waiting = [each for each in self._outgoing if each[0] is not _VERSION]
+        self._outgoing.clear()
+        if waiting:
+            self._loop.counters.count("jtcp.unsent", f"{len(waiting)} messages for {self}")
+        for _, on_result in waiting:
+            report(self._loop, on_result, success=False)
+        self._on_close(self)
+
+    def _end(self, counter: str, detail: str) -> None:
+        self._loop.counters.count(counter, f"{self}: {detail}")
+        self.close()
+
+    def _on_ready(self) -> None:
+        if not self.is_connected:
+            error = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+            if error:
+                self._end("jtcp.connect_failed", os.strerror(error))
+                return
+            self.is_connected = True
+        if self._outgoing:
+            self._flush()
+            if not self._outgoing and not self.is_closed:
+                self._loop.watch_writable(self._socket, wanted=False)
+        if not self.is_closed:
+            self._read()
+
+    def _flush(self) -> None:
+        while self._outgoing and self.is_connected:
+            data, on_result = self._outgoing[0]
+            try:
+                count = self._socket.send(memoryview(data)[self._sent :])
+            except BlockingIOError:
+                return
+            except OSError as error:
+                self._end("jtcp.lost", str(error))
+                return
+            self._sent += count
+            self._waiting -= count
+            self._guard()
+            if self._sent == len(data):
+                self._sent = 0
+                self._outgoing.popleft()
+                report(self._loop, on_result, success=True)
+
+    def _guard(self) -> None:
+        """Give the peer its time again; a connection without anything to send has no limit."""
+        if self._watchdog is not None:
+            self._watchdog.cancel()
+            self._watchdog = None
+        if self._waiting:
+            self._watchdog = self._loop.call_later(self._timeout, self._on_stalled)
+
+    def _take_first(self, packet: Packet, connection: TcpConnection) -> None:
+        """Take the first message; those that follow go straight on."""
+        self.has_spoken = True
+        self._on_packet = self._then
+        self._then(packet, connection)
+
+    def _on_idle(self) -> None:
+        self._idle = None
+        if not self.has_spoken:
+            self._end("jtcp.never_spoke", "said nothing")
+
+    def _on_stalled(self) -> None:
+        if self.is_connected:
+            self._end("jtcp.stalled", f"takes nothing; {self._waiting} bytes wait")
+        else:
+            self._end("jtcp.connect_failed", "no answer")
+
+    def _read(self) -> None:
+        self._loop.standstill.look()
+        for _ in range(_READS_PER_WAKE_UP):
+            try:
+                data = self._socket.recv(_READ_SIZE)
+            except BlockingIOError:
+                return
+            except OSError as error:
+                self._end("jtcp.lost", str(error))
+                return
+            if not data:
+                if self._reader.pending:
+                    self._loop.counters.count("jtcp.truncated", f"{self} ended within a message")
+                self.close()
+                return
+            try:
+                self._take(data)
+            except StreamError as error:
+                self._end(error.counter, str(error))
+            if self.is_closed:
+                return
+
+    def _take(self, data: bytes) -> None:
+        for packet in self._reader.feed(data):
+            self._loop.counters.add("jtcp.received")
+            if packet is not None:
+                self._on_packet(packet, self)
+                if self.is_closed:
+                    return
+
+
+def connect(endpoint: Endpoint) -> socket.socket:
+    """Return a socket on its way to an endpoint.
+
+    Raises:
+        OSError: The system has no way there.
+    """
+    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    sock.settimeout(0)
+    try:
+        sock.connect(endpoint)
+    except BlockingIOError:
+        pass
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def _keep_alive(sock: socket.socket) -> None:
+    """Notice a peer that vanished without a word, and send small messages at once."""
+    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    if sys.platform == "linux":
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, _KEEPALIVE_IDLE_S)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, _KEEPALIVE_INTERVAL_S)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, _KEEPALIVE_PROBES)
