@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
     from jausml.generation import Target
     from jausml.language.model import Diagnostic, Model
-    from jausml.language.project.one_document import OneDocument
-    from jausml.language.validation.report import Report
+    from jausml.language.project import OneDocument
+    from jausml.language.validation.rule import Report
     from jausml.mutating.mutations import Mutation
 
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Severity
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import Diagnostic, RuleInfo, Severity
 from jausml.proving.assignments import assignment_of
 from jausml.proving.layout import JAUS
 from jausml.proving.text import unit_of
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.results import FieldResult, MapResult
     from jausml.proving.round_trips import RoundTrip
 

@@ -9,7 +9,7 @@ import pytest
 
 from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.workbench import Workbench
-from jausml.language.project.library import library
+from jausml.language.project import library
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.generation.native import compiler
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.proving.compiled_form import CompiledForm, compiled
 from jausml.proving.findings import with_proofs
 from jausml.proving.plan import plan
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.compiled_form import Tally
     from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.results import FieldResult

@@ -14,7 +14,7 @@ from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.allowances import ALLOWANCE_RULES, settled
 from jausml.language.validation.engine import check
 from jausml.language.validation.formats import sarif, text
-from jausml.language.validation.report import Ground
+from jausml.language.validation.rule import Ground
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 DOUBTFUL = (

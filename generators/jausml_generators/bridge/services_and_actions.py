@@ -10,20 +10,20 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.language.semantics.connections.reports import requested_in
+
 from jausml.generation.docstrings import docstring
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable, python_literal, python_string
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls
-from jausml.language.semantics.connections.list_drivers import (
+from jausml.language.semantics.connections.calls import (
     answers,
     driver_messages,
     knows_speed,
     speed_answer,
 )
-from jausml.language.semantics.connections.report_joins import requested_in
-from jausml.language.semantics.jaus.answers import answer_alike
-from jausml.language.semantics.jaus.commands import guard_of_receivers, is_command
+from jausml.language.semantics.jaus.commands import answer_alike, guard_of_receivers, is_command
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import peers_of, priority_of, query_call
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.connections.list_drivers import DriverMessages
-    from jausml.language.semantics.jaus.answers import Answer
+    from jausml.language.semantics.connections.calls import DriverMessages
+    from jausml.language.semantics.jaus.commands import Answer
     from jausml_generators.bridge.translation.translating import TranslatedCall
     from jausml_generators.python.codec.messages import MessageView
 

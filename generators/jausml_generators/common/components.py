@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_string
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.project.library import library
+from jausml.language.project import library
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of
 from jausml.language.semantics.jaus.core_services import (

@@ -11,7 +11,7 @@ from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.language import wire
-from jausml.language.model import words
+from jausml.language.semantics import names as words
 from jausml_generators.common.components import library_services, used_services
 from jausml_generators.python import names
 from jausml_generators.python.names import Scope

@@ -13,7 +13,6 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
-from jausml.language.text.keywords import classes_by_keyword
 from jausml.language.text.reading.shaping import Items
 from jausml.language.text.tree import (
     Assignment,
@@ -25,6 +24,7 @@ from jausml.language.text.tree import (
     Member,
     SyntaxTree,
     Vector,
+    classes_by_keyword,
     lists_of,
 )
 

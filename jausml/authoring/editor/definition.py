@@ -12,7 +12,6 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import (
     Assignment,
@@ -23,6 +22,7 @@ from jausml.language.text.tree import (
     Name,
     Span,
     Vector,
+    snake_case,
 )
 
 if TYPE_CHECKING:

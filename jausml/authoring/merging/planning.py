@@ -11,7 +11,7 @@ from jausml.authoring.differences.finding import is_ordered
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.filling import contents
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import RuleInfo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

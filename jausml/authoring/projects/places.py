@@ -15,14 +15,12 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
-from jausml.language.model.files import InputError
-from jausml.language.model.identifiers import name_identifiers
 from jausml.language.model.library import LIBRARY_URI, SUFFIXES, copy_in_project, library_root
 from jausml.language.model.names import name_of, qualified_name
-from jausml.language.model.project import project_folder
+from jausml.language.model.project import InputError, project_folder
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import replace_file, to_xmi
-from jausml.language.project.index import index_around
+from jausml.language.model.xmi.writer import name_identifiers, replace_file, to_xmi
+from jausml.language.project import index_around
 from jausml.language.text.notation import NOTATIONS, SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 

@@ -12,8 +12,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model import refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
-from jausml.language.project.index import own_instances
-from jausml.language.project.library import library
+from jausml.language.project import library, own_instances
 from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.ros_paths import ros_name
 

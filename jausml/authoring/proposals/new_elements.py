@@ -12,13 +12,12 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.names import name_of
-from jausml.language.model.words import LONGEST, snake_case
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE
 from jausml.language.semantics.jaus.services import lineage
-from jausml.language.semantics.names import package_key
-from jausml.language.text.reading.declarations.messages import FIRST_CODE
-from jausml.language.validation.rules.bridge.decisions import decisions_made
+from jausml.language.semantics.names import LONGEST, package_key, snake_case
+from jausml.language.text.reading.declared_messages import FIRST_CODE
+from jausml.language.validation.rules.bridge.maps import decisions_made
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

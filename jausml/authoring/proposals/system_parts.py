@@ -22,9 +22,8 @@ from jausml.authoring.proposals.topics import joins_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.names import name_of
 from jausml.language.model.values import show
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.jaus.services import code
-from jausml.language.semantics.names import is_identifier, urn_fault
+from jausml.language.semantics.names import is_identifier, snake_case, urn_fault
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

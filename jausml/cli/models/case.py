@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from jausml.language.model import Diagnostic
-    from jausml.language.project.reading import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.project import Reading
+    from jausml.language.validation.rule import Report
     from jausml.safety_case.argument import SafetyCase
     from jausml.safety_case.comparing import Former
 
@@ -105,7 +105,7 @@ def _errors(report: Report) -> list[Diagnostic]:
 def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCase, dict[str, str]]:
     """Returns the case with files, named from a folder on, and why some of them cannot be read."""
     from jausml.generation.errors import GenerationError
-    from jausml.language.model.digests import digests
+    from jausml.language.model.model import digests
     from jausml.safety_case.argument import safety_case
     from jausml.safety_case.evidence import EvidenceError, read_evidence
     from jausml.safety_case.generated import generated_tests

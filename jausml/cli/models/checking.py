@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project.reading import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.project import Reading
+    from jausml.language.validation.rule import Report
     from jausml.model_checking.checking import Outcome
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.language.text.reading.parsing import Parsed
 
 _XMI, _TEXT = SUFFIXES
@@ -109,7 +109,7 @@ def _check_paths(source: str, target: str) -> None:
 def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     """Shows what was found in reading, and ends when the model cannot be used."""
     from jausml.language.model.diagnostics import Severity
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     report = Report(result.model, (source,), tuple(result.diagnostics))
     shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
@@ -127,7 +127,7 @@ def _check_written(
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
     from jausml.language.validation.engine import check
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     held = {Path(os.path.realpath(path)): data for path, data in contents.items()}
     result = read_models(
@@ -159,9 +159,8 @@ def _written(
 ) -> tuple[str, dict[Path, bytes]]:
     """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
     from jausml.authoring.projects.places import as_xmi_beside, localized, with_ready_maps
-    from jausml.language.model.identifiers import name_identifiers
     from jausml.language.model.project import find_project_root
-    from jausml.language.model.xmi.writer import to_xmi
+    from jausml.language.model.xmi.writer import name_identifiers, to_xmi
     from jausml.language.text.writing.unparsing import to_text
 
     if target.endswith(_TEXT):
@@ -200,7 +199,7 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
 
 def _comments(document: Document) -> int:
     """Returns how many comments of a document no model holds."""
-    from jausml.language.text.comments import ordinary_comments
+    from jausml.language.text.tree import ordinary_comments
 
     if document.is_xml:
         return document.data.replace(b"\0", b"").count(b"<!--")

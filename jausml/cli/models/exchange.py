@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ros import InterfacePackage
     from jausml.language.model.model import Model
-    from jausml.language.project.reading import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.project import Reading
+    from jausml.language.validation.rule import Report
 
 JSIDL_SUFFIXES = (".xml", ".jsidl")
 """The endings of JSIDL files."""
@@ -134,7 +134,7 @@ def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult)
     """Returns the findings of the importer; without errors, those of the rules too."""
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.validation.engine import check
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
@@ -144,10 +144,10 @@ def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult)
 
 def _differences(result: jsidl_importer.ImportResult) -> Iterator[str]:
     """Yields the differences from the services of the library, each with its place."""
-    from jausml.language.importers.jsidl.inheritance import services_by_urn
     from jausml.language.importers.jsidl.scopes import pick_version
+    from jausml.language.importers.jsidl.services import services_by_urn
     from jausml.language.model.comparison import ON_THE_WIRE, compare
-    from jausml.language.project.library import library
+    from jausml.language.project import library
 
     shipped = services_by_urn(library("jaus"))
     for service in (each for root in result.sets for each in root.services):
@@ -341,7 +341,7 @@ def to_jsidl(
     """
     from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES, export_jsidl
     from jausml.language.semantics.jaus import services
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     read = valid_model(model, reading, outcome="nothing written")
     chosen = _services(read)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project.reading import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.project import Reading
+    from jausml.language.validation.rule import Report
     from jausml.proving.results import MapResult
     from jausml.proving.round_trips import RoundTrip
     from jausml.proving.running import Settings
@@ -130,7 +130,7 @@ def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> 
 def _json(results: Sequence[MapResult], judged: Report) -> str:
     import json
 
-    from jausml.language.model.digests import digests
+    from jausml.language.model.model import digests
     from jausml.proving.findings import by_map
 
     short = by_map(judged)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.language.model import Model, ReadResult
-    from jausml.language.project.reading import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.project import Reading
+    from jausml.language.validation.rule import Report
     from jausml.live.messages import Catalogue
 
 SUFFIXES = (".xmi", ".ros2jaus")
@@ -53,7 +53,7 @@ def _or_only_system(_: click.Context, __: click.Parameter, value: str) -> str:
 
 
 def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     index = None if value or not is_in_project() else Index.here()
     if index is None or not index.files_with_systems:
@@ -67,7 +67,7 @@ def only_system(argument: str) -> str:
 
     `argument`: what would name another one.
     """
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     with _usable_input():
         return from_here(Index(_project(argument)).only_system())
@@ -116,7 +116,7 @@ def project_files() -> list[str]:
     """Returns the models of the project of the current folder, none where it is in none."""
     if not is_in_project():
         return []
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     index = Index.here()
     return [from_here(index.root / each) for each in sorted(index.contents)] if index else []
@@ -159,7 +159,7 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
         bridge_frequency: float | None = None,
         **others: object,
     ) -> None:
-        from jausml.language.project.reading import Reading
+        from jausml.language.project import Reading
 
         reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
         command(*arguments, reading=reading, **others)
@@ -201,7 +201,7 @@ def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
 @contextmanager
 def _usable_input() -> Iterator[None]:
     """Ends the verb where what it was given cannot be used."""
-    from jausml.language.model.files import InputError
+    from jausml.language.model.project import InputError
 
     try:
         yield
@@ -217,7 +217,7 @@ def checked(
     frequency: float | None = None,
 ) -> Report:
     """Returns models that were read and judged, as `check_project` has it."""
-    from jausml.language.validation.project import check_project
+    from jausml.language.validation.engine import check_project
 
     with _usable_input(), step("checking the model" if is_one else "checking models"):
         return check_project(paths, reading, is_one=is_one, frequency=frequency)
@@ -227,7 +227,7 @@ def read(
     paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
 ) -> ReadResult:
     """Returns models that were read and not judged, for verbs that take them as they are."""
-    from jausml.language.project.reading import read_project
+    from jausml.language.project import read_project
 
     with _usable_input():
         return read_project(paths, reading, is_one=is_one)
@@ -294,7 +294,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
 
     found: list[str] = []
     if paths:
-        from jausml.language.project.reading import find_models
+        from jausml.language.project import find_models
 
         with _usable_input():
             found = find_models(paths)

@@ -13,7 +13,7 @@ from jausml.authoring.studio.views.forms import form_of
 from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.project.library import library
+from jausml.language.project import library
 from jausml.language.validation.engine import check
 from jausml.views.diagrams.views import graph_of
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, cast
 from jausml.authoring.editing.commands import EditError
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import (
     Assignment,
     Call,
@@ -19,10 +18,11 @@ from jausml.language.text.tree import (
     Name,
     Table,
     Vector,
+    owning_features,
+    snake_case,
 )
 from jausml.language.text.writing.layout import shown_call
-from jausml.language.text.writing.maps import MAP, table_entry, vector_entry
-from jausml.language.text.writing.unparsing import IMPLIED_PARTS
+from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP, table_entry, vector_entry
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

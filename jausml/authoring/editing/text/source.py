@@ -11,10 +11,18 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.splices import FileText, Splice
-from jausml.language.text.comments import comments_in, is_documentation
 from jausml.language.text.reading.scanning import with_line_feeds
 from jausml.language.text.reading.shaping import Items
-from jausml.language.text.tree import Assignment, Element, Feature, Item, Vector, lists_of
+from jausml.language.text.tree import (
+    Assignment,
+    Element,
+    Feature,
+    Item,
+    Vector,
+    comments_in,
+    is_documentation,
+    lists_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

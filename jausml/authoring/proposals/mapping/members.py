@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.language.model.words import words
 from jausml.language.semantics.assignments.frames import axis_of, direction
 from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace

@@ -19,8 +19,8 @@ from jausml.language.metamodel.filling import (
 from jausml.language.model.model import made_model
 from jausml.language.model.values import convert
 from jausml.language.semantics.conversions.authored import LookUp
+from jausml.language.semantics.paths.attributes import compared, table_entries
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.named_values import compared, table_entries
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.language.semantics.subject import Subject
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import bridge, jaus, ros
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.refs import Ref
-    from jausml.language.semantics.paths.named_values import Comparison
+    from jausml.language.semantics.paths.attributes import Comparison
     from jausml.language.validation.rule import Finding, Rule
 
 _TABLES, _TABLE = "tables", "table"

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import KeptEdit
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 _ADDRESS = "address"
 

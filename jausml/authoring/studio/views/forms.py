@@ -12,7 +12,7 @@ from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
 from jausml.language.model.refs import LIBRARY
-from jausml.language.model.words import in_words
+from jausml.language.semantics.names import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
