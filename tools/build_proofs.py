@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.model.library import library_paths, module_of
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.proving.findings import by_map, with_proofs
 from jausml.proving.layout import JAUS
 from jausml.proving.pieces import program, prove_all

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model import Diagnostic
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.product_rules import PRODUCT_RULES
+from jausml.language.validation.catalogue import PRODUCT_RULES
 from jausml.model_checking.properties import violations
 from jausml.model_checking.search import Bounds, explore
 from jausml.model_checking.systems import subjects_of

@@ -6,8 +6,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Severity
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import Diagnostic, RuleInfo, Severity
 from jausml.proving.assignments import assignment_of
 from jausml.proving.layout import JAUS
 from jausml.proving.text import unit_of

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 from jausml import __version__
 from jausml.generation.system import name_of
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model.digests import digests
-from jausml.language.semantics.memory import remembering
-from jausml.language.semantics.subject import Subject
+from jausml.language.model.documents import digests
+from jausml.language.semantics.subject import Subject, remembering
 from jausml.safety_case.evidence import RULES, Evidence
 from jausml.safety_case.hazards import ASSUMPTIONS, HAZARDS, Answer, carried_maps
 from jausml.safety_case.supports import Concern, Support, supports

@@ -9,7 +9,7 @@ import pytest
 
 from jausml.generation import GenerationError, load_targets
 from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 JAUS = {
     "scaled": '<fields xsi:type="jaus:FixedField" name="A" type="uint16">'

@@ -14,7 +14,7 @@ import pytest
 from jausml.generation import GenerationError, load_targets
 from jausml.language.metamodel import ValueKind, load_metamodels
 from jausml.language.model import read_models
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 MODEL = Path(__file__).parents[1] / "cases" / "hostile_strings" / "model.xmi"
 TEXT = MODEL.read_text(encoding="utf-8")

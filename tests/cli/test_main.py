@@ -11,7 +11,7 @@ import click
 import pytest
 
 from jausml.cli import VERBS, main
-from jausml.language.validation import project
+from jausml.language.validation import engine
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -139,7 +139,7 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
     def fail(*_, **__):
         raise KeyError("inside")
 
-    monkeypatch.setattr(project, "check_project", fail)
+    monkeypatch.setattr(engine, "check_project", fail)
     result = jausml("validate", "good.xmi")
     assert result.exit_code == 3
     assert (

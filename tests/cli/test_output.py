@@ -90,7 +90,7 @@ def test_an_interrupt_within_another_program_is_a_status(jausml, monkeypatch):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jausml.language.validation.project.check_project", interrupted)
+    monkeypatch.setattr("jausml.language.validation.engine.check_project", interrupted)
     assert jausml("validate", "good.xmi").exit_code == 130
 
 

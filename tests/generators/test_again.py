@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import again, generate, load_targets, render, render_again, select
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 MODELS = Path(__file__).parents[2] / "models"
 CAR = MODELS / "examples" / "catvehicle" / "catvehicle.ros2jaus"

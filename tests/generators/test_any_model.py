@@ -26,7 +26,7 @@ from workspaces import packages_of, python_path
 from jausml.generation import GenerationError, NoSystemError, load_targets, render
 from jausml.generation.checks import find_problems
 from jausml.language.interfaces.parsing import PARTS, parse_definition
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))

@@ -9,7 +9,7 @@ import pytest
 from counting import calls as counted
 
 from jausml.generation import load_targets, render, select
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml_generators.bringup.target import processes
 
 TARGETS = ("bridge", "jaus_component", "messages", "bringup")

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.model.words import LONGEST
+from jausml.language.semantics.names import LONGEST
 from jausml_generators.python import names
 
 

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.generation.system import system_of
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, json, text
 from jausml.views.analysis.report import report_of

@@ -11,14 +11,13 @@ from jsidl_support import ROOT, SHARED
 from needs import EMF
 
 from jausml.language.importers.jsidl import import_jsidl
-from jausml.language.importers.jsidl.inheritance import services_by_urn
 from jausml.language.importers.jsidl.scopes import pick_version
+from jausml.language.importers.jsidl.services import services_by_urn
 from jausml.language.model import read_models
 from jausml.language.model.comparison import ON_THE_WIRE, compare
 from jausml.language.model.xmi.writer import write_model
-from jausml.language.project.library import library
-from jausml.language.project.reading import Reading
-from jausml.language.validation.project import check_project
+from jausml.language.project.reading import Reading, library
+from jausml.language.validation.engine import check_project
 
 JSIDL = SHARED / "jsidl"
 SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []

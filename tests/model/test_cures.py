@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.language.model.xmi import parsing
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 SYSTEM = (
     '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="robot">{}</system:System>'

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.language.model import read_models
-from jausml.language.model.identifiers import name_identifiers
+from jausml.language.model.xmi.writer import name_identifiers
 
 TEXT = """<?xml version="1.0" encoding="UTF-8"?>
 <jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

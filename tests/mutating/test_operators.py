@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from jausml.language.model.xmi.writer import to_xmi
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.mutating.mutations import mutations, sample
 from jausml.mutating.operators import OPERATORS
 

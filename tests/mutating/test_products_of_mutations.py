@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.mutating.products import Products
 
 GUARDS = ("jausml/mutating/products.py",)

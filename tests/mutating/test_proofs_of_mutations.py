@@ -6,7 +6,7 @@ import pytest
 
 from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.mutating.proofs import Proofs
 
 GUARDS = ("jausml/mutating/proofs.py",)

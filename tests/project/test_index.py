@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.model.files import InputError
+from jausml.language.model.project import InputError
 from jausml.language.project.index import Index, Models, index_around, own_instances
 from jausml.language.text.notation import NOTATIONS
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.generation.native import compiler
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.proving.compiled_form import CompiledForm, compiled
 from jausml.proving.findings import with_proofs
 from jausml.proving.plan import plan

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.language.semantics.connections.list_drivers import ELEMENTS
+from jausml.language.semantics.connections.calls import ELEMENTS
 from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.safety_case.argument import safety_case
 from jausml.safety_case.evidence import Evidence
 from jausml.safety_case.generated import generated_tests

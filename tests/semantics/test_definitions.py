@@ -14,7 +14,7 @@ from for_each import for_each
 
 from jausml.language.attributes.expressions import variables
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
+from jausml.language.semantics.conversions.conversion import PARTS, Definition, NoArithmetic
 from jausml.runtime import conversions as runtime
 from jausml.runtime.conversions import arithmetic, columns
 from jausml_generators.bridge.translation.together import COLUMNS
@@ -22,7 +22,8 @@ from jausml_generators.python.expressions import python_condition, python_expres
 
 GUARDS = (
     "jausml/language/semantics/conversions",
-    "jausml/language/attributes/expressions",
+    "jausml/language/attributes/expressions.py",
+    "jausml/language/attributes/expression_tree.py",
     "jausml/runtime/conversions",
 )
 

@@ -8,8 +8,8 @@ import pytest
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.layouts import signature
-from jausml.language.semantics.memory import remembered, remembering
+from jausml.language.semantics.jaus.services import signature
+from jausml.language.semantics.subject import remembered, remembering
 
 
 class Counting:

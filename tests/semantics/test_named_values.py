@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from jausml.language.semantics.paths.attributes import NUMBER, Attribute
-from jausml.language.semantics.paths.named_values import compared, named_values, table_text
+from jausml.language.semantics.paths.attributes import (
+    NUMBER,
+    Attribute,
+    compared,
+    named_values,
+    table_text,
+)
 
 
 def number(label: str, *, is_ros: bool = True, **values: int) -> Attribute:

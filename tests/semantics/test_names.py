@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.topics import namespace_fault, resolve_topic, topic_fault
-from jausml.language.semantics.names import is_identifier, package_key
+from jausml.language.semantics.names import is_identifier, package_key, snake_case
 from jausml_generators.python import names as generated
 
 ROS_TEXT = st.text(alphabet="ab_/~{}1Z é", max_size=8)

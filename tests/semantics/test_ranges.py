@@ -12,8 +12,8 @@ from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
-from jausml.language.semantics.assignments.ranges import sent_through
 from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.assignments.units import sent_through
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.scopes import place
 from jausml.language.text.notation import NOTATIONS

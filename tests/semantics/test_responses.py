@@ -6,7 +6,7 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics.jaus.responses import responses, told_after
+from jausml.language.semantics.jaus.commands import responses, told_after
 
 WINCH = library_root().parent / "examples" / "winch" / "winch.xmi"
 

@@ -7,7 +7,7 @@ import pytest
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml_generators.common.components import component_settings, service_identities
 
 CORE_1_1 = {"Transport", "Events", "Discovery", "Liveness", "AccessControl", "Management"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.language.model import read_models
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 
 def rules(folder, data, name="robot.ros2jaus"):

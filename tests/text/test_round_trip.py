@@ -16,8 +16,7 @@ from needs import EMF
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model import LIBRARY_URI, library_root, read_models
 from jausml.language.model.comparison import compare
-from jausml.language.model.identifiers import name_identifiers
-from jausml.language.model.xmi.writer import to_xmi, write_model
+from jausml.language.model.xmi.writer import name_identifiers, to_xmi, write_model
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out

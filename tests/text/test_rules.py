@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.language.text.rules import TEXT_RULES
+from jausml.language.text.notation import TEXT_RULES
 
 HERE = Path(__file__).parent
 SOURCES = HERE.parents[1] / "jausml" / "language" / "text"

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.text.reading.parsing import parse
-from jausml.language.text.reading.segments import joined, parse_segment, segments_of
+from jausml.language.text.reading.parsing import joined, parse, parse_segment, segments_of
 
 MODELS = Path(__file__).parents[2] / "models"
 TEXTS = [each.read_text(encoding="utf-8") for each in sorted(MODELS.rglob("*.ros2jaus"))]

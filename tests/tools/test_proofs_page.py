@@ -8,7 +8,7 @@ import build_proofs
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 from jausml.proving.results import FieldResult, MapResult
 
 GUARDS = ("tools/build_proofs.py", "models/library/mappings")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 HEAD = (
     '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'

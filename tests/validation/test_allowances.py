@@ -11,7 +11,8 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.allowances import ALLOWANCE_RULES, settled
+from jausml.language.validation.allowances import settled
+from jausml.language.validation.catalogue import ALLOWANCE_RULES
 from jausml.language.validation.engine import check
 from jausml.language.validation.formats import sarif, text
 from jausml.language.validation.report import Ground

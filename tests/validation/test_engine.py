@@ -11,8 +11,7 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Severity, library_root, read_models
 from jausml.language.semantics.jaus.machines import behaviours
 from jausml.language.semantics.subject import Subject
-from jausml.language.validation.engine import RuleError, check
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import RuleError, check, check_project
 from jausml.language.validation.rule import Finding, rule
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.language.model import Diagnostic, Location, Related, Severity
-from jausml.language.text.rules import TEXT_RULES
+from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
 from jausml.language.validation.formats import github, junit, sarif
 from jausml.language.validation.report import Report

@@ -10,7 +10,7 @@ from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.library import library_root
 from jausml.language.semantics.installed import InstalledTypes
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <ros:Node xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

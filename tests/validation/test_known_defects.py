@@ -9,7 +9,7 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.language.semantics.assignments.units import unit_step
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 JAUS = "http://www.jausml.org/library/jaus/"
 ROS = "http://www.jausml.org/library/ros/"

@@ -9,8 +9,8 @@ import pytest
 from for_each import for_each
 
 from jausml.language.model.diagnostics import Severity
+from jausml.language.validation.engine import check_project
 from jausml.language.validation.formats import text
-from jausml.language.validation.project import check_project
 from jausml.language.validation.rules import all_rules
 
 GUARDS = ("jausml/language/validation/rules", "tests/cases/rules")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0"{inherits}>
     <inputs name="Set{n}" code="0x{code:04X}"/>

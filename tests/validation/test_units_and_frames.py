@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.validation.project import check_project
+from jausml.language.validation.engine import check_project
 
 
 def findings(folder, text):

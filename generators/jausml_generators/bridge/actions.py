@@ -14,13 +14,13 @@ from jausml.generation.docstrings import docstring
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable, python_literal, python_string
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections.list_drivers import (
+from jausml.language.semantics.connections.calls import (
     answers,
     driver_messages,
     knows_speed,
     speed_answer,
 )
-from jausml.language.semantics.jaus.answers import answer_alike
+from jausml.language.semantics.jaus.commands import answer_alike
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.common.components import address_call, search_call
@@ -29,8 +29,8 @@ from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.connections.list_drivers import DriverMessages
-    from jausml.language.semantics.jaus.answers import Answer
+    from jausml.language.semantics.connections.calls import DriverMessages
+    from jausml.language.semantics.jaus.commands import Answer
     from jausml_generators.python.codec.messages import MessageView
 
 

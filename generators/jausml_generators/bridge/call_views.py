@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.semantics.connections import calls
-from jausml.language.semantics.connections.report_joins import requested_in
+from jausml.language.semantics.connections.reports import requested_in
 from jausml.language.semantics.jaus.commands import guard_of_receivers, is_command
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.jaus_ends import peers_of, priority_of, query_call

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
-from jausml.language.semantics.connections.freshness import freshness_of
-from jausml.language.semantics.connections.report_joins import joined_reports
-from jausml.language.semantics.connections.unanswered import told_command
-from jausml.language.semantics.jaus.answers import chosen_fields
-from jausml.language.semantics.jaus.commands import guard_of_receivers
+from jausml.language.semantics.connections.calls import told_command
+from jausml.language.semantics.connections.reports import freshness_of, joined_reports
+from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers
 from jausml_generators.bridge.jaus_ends import (
     peers_of,
     priority_of,
@@ -30,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.bridge.translation.translating import Translated
     from jausml_generators.python.codec.messages import MessageView
 

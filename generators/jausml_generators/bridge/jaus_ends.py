@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge, jaus
     from jausml_generators.python.codec.messages import MessageView
-from jausml.language.semantics.jaus.answers import PRESENCE_VECTOR
+from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:

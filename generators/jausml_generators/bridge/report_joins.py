@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml_generators.common.components import address_call, query_for, with_inherited
 from jausml_generators.python.statements import call
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.python.codec.messages import MessageView
 
 

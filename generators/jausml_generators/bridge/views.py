@@ -12,8 +12,8 @@ from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
 from jausml.language.semantics.connections import calls
-from jausml.language.semantics.connections.report_joins import requested_fields
-from jausml.language.semantics.connections.unanswered import told_command
+from jausml.language.semantics.connections.calls import told_command
+from jausml.language.semantics.connections.reports import requested_fields
 from jausml.language.semantics.installed import package_of
 from jausml.language.semantics.paths.directions import used_maps
 from jausml_generators.bridge.actions import (

@@ -9,7 +9,7 @@ from __future__ import annotations
 import keyword
 import sys
 
-from jausml.language.model import words as split
+from jausml.language.semantics import names as split
 
 
 def names_in(text: str) -> frozenset[str]:

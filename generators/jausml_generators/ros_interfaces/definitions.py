@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
-from jausml.language.interfaces.definitions import FieldType
-from jausml.language.interfaces.literals import ValueTextError, write_value
+from jausml.language.interfaces.definitions import FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.installed import kind_of, package_of, parts_of
 

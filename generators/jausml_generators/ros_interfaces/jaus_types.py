@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.language import wire
 from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
-from jausml.language.model import words
+from jausml.language.semantics import names as words
 from jausml_generators.python import names
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (

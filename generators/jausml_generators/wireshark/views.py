@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.language import wire
-from jausml.language.model import words
+from jausml.language.semantics import names as words
 from jausml_generators.python import names
 from jausml_generators.python.names import Scope
 

@@ -26,7 +26,7 @@ from jausml.authoring.editing.text.planner import plan_text
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.authoring.editing.xmi.planner import plan_xmi
 from jausml.language.model import refs
-from jausml.language.model.collector import without_collector
+from jausml.language.model.model import without_collector
 from jausml.language.model.xmi.writer import UnwritableError
 from jausml.language.text.notation import SUFFIX
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import RuleInfo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

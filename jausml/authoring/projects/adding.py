@@ -14,11 +14,10 @@ from jausml.authoring.proposals.fresh import participant_name
 from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project.index import Index
-from jausml.language.project.library import library
-from jausml.language.semantics.names import is_identifier, taken
+from jausml.language.project.reading import library
+from jausml.language.semantics.names import is_identifier, snake_case, taken
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence

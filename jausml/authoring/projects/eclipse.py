@@ -7,11 +7,10 @@ import re
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.language.model.identifiers import name_identifiers
 from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.names import name_of, qualified_name
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import to_xmi
+from jausml.language.model.xmi.writer import name_identifiers, to_xmi
 from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:

@@ -13,9 +13,8 @@ from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.projects.eclipse import metamodels_for, with_schema_location
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
-from jausml.language.model.files import InputError
 from jausml.language.model.library import LIBRARY_URI, SUFFIXES, library_root
-from jausml.language.model.project import project_folder
+from jausml.language.model.project import InputError, project_folder
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project.index import index_around

@@ -12,19 +12,19 @@ from jausml.authoring.proposals.elements import literal, values_of
 from jausml.authoring.proposals.fresh import free_address, name_among, participant_name
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.jaus.layouts import signature
 from jausml.language.semantics.jaus.services import (
     code,
     find_same,
     lineage,
     provides_access_control,
     query_name,
+    signature,
     with_inherited,
 )
+from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

@@ -12,14 +12,18 @@ from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.open_points import OpenPoint, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.project.library import library
+from jausml.language.project.reading import library
 from jausml.language.semantics.connections.calls import REQUEST, RESPONSE
-from jausml.language.semantics.jaus.answers import named
-from jausml.language.semantics.jaus.commands import is_command, obeys_controller_alone
-from jausml.language.semantics.jaus.layouts import attributes
-from jausml.language.semantics.jaus.responses import is_rejection, responses
+from jausml.language.semantics.jaus.commands import (
+    is_command,
+    is_rejection,
+    named,
+    obeys_controller_alone,
+    responses,
+)
 from jausml.language.semantics.jaus.services import (
     ACCESS_CONTROL,
+    attributes,
     find_input,
     lineage,
     provides_access_control,

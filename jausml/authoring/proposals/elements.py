@@ -11,7 +11,7 @@ from jausml.language.model import refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
 from jausml.language.project.index import own_instances
-from jausml.language.project.library import library
+from jausml.language.project.reading import library
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.names import name_of
-from jausml.language.model.words import LONGEST, snake_case
-from jausml.language.semantics.names import package_key
+from jausml.language.semantics.names import LONGEST, package_key, snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

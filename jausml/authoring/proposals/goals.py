@@ -16,14 +16,14 @@ from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.open_points import OpenPoint, open_decisions, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.model.words import words
-from jausml.language.semantics.connections.list_drivers import (
+from jausml.language.semantics.connections.calls import (
     ELEMENTS,
     driver_messages,
     knows_speed,
     takes,
 )
 from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

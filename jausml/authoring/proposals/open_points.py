@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.language.validation.rules.bridge.decisions import decisions_made
+from jausml.language.validation.rules.bridge.maps import decisions_made
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

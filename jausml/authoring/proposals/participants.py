@@ -11,7 +11,7 @@ from jausml.authoring.proposals.fresh import free_name, stated_or_free_address
 from jausml.authoring.proposals.named_elements import copied_with_names
 from jausml.authoring.proposals.topics import joins_of
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
+from jausml.language.semantics.names import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -116,7 +116,7 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.project.library import library
+    from jausml.language.project.reading import library
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
@@ -235,7 +235,7 @@ def _without(
     left_out: LeftOut | None,
 ) -> None:
     from jausml.language.model.values import suggest
-    from jausml.language.model.words import snake_case
+    from jausml.language.semantics.names import snake_case
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     known = {ros_name(each.type) for each in maps if each.type is not None}

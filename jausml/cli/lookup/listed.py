@@ -13,14 +13,13 @@ from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.cli.shared.project_names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
-from jausml.language.importers.jsidl.rules import JSIDL_RULES
-from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.importers.jsidl.building import JSIDL_RULES
+from jausml.language.importers.ros.building import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.connections.map_overview import MapOverview, overview
-from jausml.language.text.rules import TEXT_RULES
-from jausml.language.validation.catalogue import catalogue
-from jausml.language.validation.product_rules import PRODUCT_RULES
+from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.catalogue import PRODUCT_RULES, catalogue
 from jausml.live.messages import UnknownServiceError
 from jausml.proving.findings import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES

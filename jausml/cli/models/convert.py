@@ -154,9 +154,8 @@ def _written(
 ) -> tuple[str, dict[Path, bytes]]:
     """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
     from jausml.authoring.projects.eclipse import as_xmi_beside, localized, with_ready_maps
-    from jausml.language.model.identifiers import name_identifiers
     from jausml.language.model.project import find_project_root
-    from jausml.language.model.xmi.writer import to_xmi
+    from jausml.language.model.xmi.writer import name_identifiers, to_xmi
     from jausml.language.text.writing.unparsing import to_text
 
     if target.endswith(_TEXT):
@@ -195,7 +194,7 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
 
 def _comments(document: Document) -> int:
     """Returns how many comments of a document no model holds."""
-    from jausml.language.text.comments import ordinary_comments
+    from jausml.language.text.tree import ordinary_comments
 
     if document.is_xml:
         return document.data.replace(b"\0", b"").count(b"<!--")

@@ -133,10 +133,10 @@ def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult)
 
 def _differences(result: jsidl_importer.ImportResult) -> Iterator[str]:
     """Yields the differences from the services of the library, each with its place."""
-    from jausml.language.importers.jsidl.inheritance import services_by_urn
     from jausml.language.importers.jsidl.scopes import pick_version
+    from jausml.language.importers.jsidl.services import services_by_urn
     from jausml.language.model.comparison import ON_THE_WIRE, compare
-    from jausml.language.project.library import library
+    from jausml.language.project.reading import library
 
     shipped = services_by_urn(library("jaus"))
     for service in (each for root in result.sets for each in root.services):

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project.one_document import OneDocument
-    from jausml.language.project.reading import Reading
+    from jausml.language.project.reading import OneDocument, Reading
     from jausml.mutating.outcomes import Campaign, Outcome
     from jausml.mutating.running import Settings
 
@@ -79,7 +78,7 @@ def command(
     """
     import json
 
-    from jausml.language.model.digests import digests
+    from jausml.language.model.documents import digests
     from jausml.mutating import text
     from jausml.mutating.mutations import mutations, sample
     from jausml.mutating.outcomes import Campaign
@@ -132,7 +131,7 @@ def _check_names(names: Sequence[str]) -> None:
 
 def _document(model: Model) -> OneDocument:
     from jausml.language.model.xmi.writer import UnwritableError
-    from jausml.language.project.one_document import one_document
+    from jausml.language.project.reading import one_document
 
     try:
         return one_document(model)

@@ -26,11 +26,11 @@ class EnvironmentFault(click.ClickException):
 
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders."""
-    from jausml.language.model import files
+    from jausml.language.model import project
 
     try:
-        return files.find_files(paths, suffixes)
-    except files.InputError as error:
+        return project.find_files(paths, suffixes)
+    except project.InputError as error:
         raise EnvironmentFault(str(error)) from error
 
 

@@ -210,7 +210,7 @@ def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
 @contextmanager
 def _usable_input() -> Iterator[None]:
     """Ends the verb where what it was given cannot be used."""
-    from jausml.language.model.files import InputError
+    from jausml.language.model.project import InputError
 
     try:
         yield
@@ -230,7 +230,7 @@ def checked(
     Raises:
         EnvironmentFault: A path cannot be read.
     """
-    from jausml.language.validation.project import check_project
+    from jausml.language.validation.engine import check_project
 
     with _usable_input(), step("checking the model" if is_one else "checking models"):
         return check_project(paths, reading, is_one=is_one, frequency=frequency)

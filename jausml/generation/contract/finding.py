@@ -7,8 +7,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Location, Severity
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -20,9 +20,10 @@ from jausml.language.interfaces.definitions import (
     FieldType,
     Section,
     TypeTextError,
+    ValueTextError,
     parse_type,
+    parse_value,
 )
-from jausml.language.interfaces.literals import ValueTextError, parse_value
 from jausml.language.model.values import nearest
 
 if TYPE_CHECKING:

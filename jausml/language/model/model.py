@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from operator import itemgetter
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
@@ -269,3 +270,15 @@ def _node(element: EObject, parent: Node | None) -> Node:
     node = Node("", [], {}, parent, (1, 1, 0))
     node.obj = element
     return node
+
+
+@contextmanager
+def without_collector() -> Iterator[None]:
+    """Keeps the collector from walking large data again and again while it grows."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()

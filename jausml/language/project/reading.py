@@ -1,23 +1,35 @@
-"""Models that a user names: found and read with all that they refer to, in one call."""
+"""Models read in one call: those that a user names, the library, and one document of a model."""
 
 from __future__ import annotations
 
 import os
 import re
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING
 
-from jausml.language.model.files import InputError, files_at, shown
-from jausml.language.model.library import SUFFIXES, shipped_as
-from jausml.language.model.project import walk
+from jausml.language.metamodel import load_jaus_metamodel
+from jausml.language.model.library import (
+    SUFFIXES,
+    XMI,
+    library_paths,
+    library_root,
+    place_in_library,
+    shipped_as,
+)
+from jausml.language.model.project import InputError, files_at, shown, walk
 from jausml.language.model.reading.reader import read_models
+from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
 from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from jausml.language.model.library import LibraryCache
+    from jausml.language.model.model import Model
     from jausml.language.model.notation import Notation
     from jausml.language.model.reading.reader import ReadResult
 
@@ -106,3 +118,80 @@ def _notations(files: Sequence[str], reading: Reading) -> Sequence[Notation]:
     if not files[0].endswith(SUFFIX):
         raise InputError(f"--bridge-address takes the maps of a {SUFFIX} file")
     return (Ros2Jaus(BridgeOfMaps(Path(files[0]).resolve(), address, reading.frequency)),)
+
+
+@dataclass(frozen=True)
+class OneDocument:
+    """A model without its files.
+
+    Attributes:
+        path: What the document is called; no such file has to be there.
+        library: The files of the library that were named themselves, by their places in it.
+    """
+
+    path: Path
+    text: str
+    library: tuple[str, ...] = ()
+
+    def read(self, cache: LibraryCache | None = None) -> ReadResult:
+        """Reads it, with what it needs of the library that is installed."""
+        own = {self.path: self.text.encode("utf-8")} if self.text else {}
+        return read_models(
+            [*own, *(library_root() / each for each in self.library)],
+            project_root=self.path.parent,
+            notations=NOTATIONS,
+            contents=own,
+            cache=cache,
+        )
+
+
+def one_document(model: Model) -> OneDocument:
+    """Returns a model as one document.
+
+    Raises:
+        UnwritableError: XMI has no form for a value of it.
+    """
+    path = model.documents[0].path.with_suffix(".xmi")
+    roots = [each for one in model.documents if not one.is_library for each in one.roots]
+    named = [each.path for each in model.documents if each.is_library and each.given]
+    text = to_xmi(roots, model, path) if roots else ""
+    return OneDocument(path, text, tuple(map(place_in_library, named)))
+
+
+_READING = Lock()
+
+
+def library(kind: str = "", *, with_maps: bool = True) -> Model:
+    """Returns the shipped library, read at the first call; all threads get the same.
+
+    Elements of the library with its ready maps are others than those of the one without.
+
+    Args:
+        kind: The folder that is wanted: `jaus`, `ros` or `mappings`; empty for all of them.
+        with_maps: Whether ready maps are wanted: they are text, and half of reading the library.
+    """
+    with _READING:
+        return _library(kind, SUFFIXES if with_maps else (XMI,))
+
+
+@cache
+def _library(kind: str, suffixes: tuple[str, ...]) -> Model:
+    paths = library_paths(kind, suffixes)
+    model = read_models(paths, project_root=library_root(), notations=NOTATIONS).model
+    for document in model.documents:
+        document.given = False
+    return model
+
+
+def services_alone() -> Model:
+    """Returns the service sets of the library in a model that knows of nothing but JAUS.
+
+    The metamodels of the rest take as long to load as these sets to read.
+    """
+    with _READING:
+        return _services_alone()
+
+
+@cache
+def _services_alone() -> Model:
+    return read_models(library_paths("jaus"), metamodels=load_jaus_metamodel()).model

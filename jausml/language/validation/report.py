@@ -11,9 +11,8 @@ from jausml.language.model.diagnostics import Diagnostic, Severity
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.model.diagnostics import Location
+    from jausml.language.model.diagnostics import Location, RuleInfo
     from jausml.language.model.model import Model
-    from jausml.language.model.rules import RuleInfo
 
 
 class Ground(Enum):

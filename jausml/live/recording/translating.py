@@ -16,7 +16,7 @@ from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_ROS
-from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.mcap_files import RecordingError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.language.validation.catalogue import PRODUCT_RULES
 from jausml.language.validation.formats import sarif
-from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.language.validation.report import Report
 from jausml.model_checking.checking import diagnostic_of
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.connections import stops
-from jausml.language.semantics.connections.freshness import freshness_of, holds_state, is_report
+from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
 from jausml.views.analysis.constants import runtime_constants
 from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
 

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls, stops
-from jausml.language.semantics.connections.freshness import passed_rate
-from jausml.language.semantics.connections.list_drivers import driver_messages
-from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.calls import driver_messages
+from jausml.language.semantics.connections.reports import joined_reports, passed_rate
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
-from jausml.language.semantics.memory import remembering
+from jausml.language.semantics.subject import remembering
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
 from jausml.views.analysis.cdr import ros_size
 from jausml.views.analysis.streams import Wire, is_to_ros

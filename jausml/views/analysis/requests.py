@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.jaus.services import find_query
 from jausml.views.analysis.streams import is_single, is_to_ros
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
     from jausml.views.analysis.streams import Asking
 

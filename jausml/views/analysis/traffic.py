@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.connections.freshness import passed_rate
-from jausml.language.semantics.connections.report_joins import requested_fields
+from jausml.language.semantics.connections.reports import passed_rate, requested_fields
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited

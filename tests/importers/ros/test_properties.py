@@ -19,8 +19,7 @@ from jausml.language.importers.ros import (
     placed,
 )
 from jausml.language.interfaces import parse_definition
-from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
-from jausml.language.interfaces.literals import integer_range
+from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType, integer_range
 from jausml.language.model import READER_RULES
 from jausml.language.model.xmi.writer import to_xmi
 from jausml_generators.ros_interfaces.definitions import package_files

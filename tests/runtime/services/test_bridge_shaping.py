@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.validation.rules.bridge import shaping as rules
+from jausml.language.validation.rules.bridge import joins as rules
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.bridge import Bridge

@@ -19,7 +19,7 @@ from jausml.language.semantics.conversions.angles import (
     NedHeadingToEnuYaw,
     WrapAngle,
 )
-from jausml.language.semantics.conversions.definition import Definition
+from jausml.language.semantics.conversions.conversion import Definition
 from jausml.language.semantics.conversions.orientations import (
     EnuQuaternionToNedAngles,
     FluQuaternionToFrdAngles,

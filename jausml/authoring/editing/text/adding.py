@@ -16,8 +16,7 @@ from jausml.language.text.tree import (
     Vector,
 )
 from jausml.language.text.writing.layout import shown_call
-from jausml.language.text.writing.maps import MAP, table_entry, vector_entry
-from jausml.language.text.writing.unparsing import IMPLIED_PARTS
+from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP, table_entry, vector_entry
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.text.edited import EditedText, InsertionPoints

@@ -21,12 +21,12 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import hang, link, new_object, point, set_value, set_values
 from jausml.language.model.names import name_of
 from jausml.language.model.values import convert
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import FEATURES, infer
+from jausml.language.semantics.names import snake_case
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.elements import ElementWriter
 from jausml.language.text.writing.layout import lines_of
-from jausml.language.text.writing.maps import MAP, MapWriter
+from jausml.language.text.writing.unparsing import MAP, MapWriter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

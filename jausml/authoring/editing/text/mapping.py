@@ -20,8 +20,8 @@ from jausml.language.text.tree import (
     VectorEntry,
 )
 from jausml.language.text.writing.layout import shown_call, shown_way, simple
-from jausml.language.text.writing.maps import table_entry, vector_entry
 from jausml.language.text.writing.spelling import path
+from jausml.language.text.writing.unparsing import table_entry, vector_entry
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

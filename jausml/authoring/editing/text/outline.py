@@ -6,9 +6,16 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.text.comments import is_documentation
 from jausml.language.text.reading.shaping import Items
-from jausml.language.text.tree import Assignment, Element, Feature, Item, Vector, lists_of
+from jausml.language.text.tree import (
+    Assignment,
+    Element,
+    Feature,
+    Item,
+    Vector,
+    is_documentation,
+    lists_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

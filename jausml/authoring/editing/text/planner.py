@@ -17,8 +17,8 @@ from jausml.language.model.names import name_of
 from jausml.language.model.notation import BY_NAME
 from jausml.language.text.tree import Assignment, Element, Entry, Ignored, Name, Table, Vector
 from jausml.language.text.writing.layout import simple
-from jausml.language.text.writing.maps import MAP
 from jausml.language.text.writing.spelling import is_comment, is_name
+from jausml.language.text.writing.unparsing import MAP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.splices import FileText, Splice
-from jausml.language.text.comments import comments_in
 from jausml.language.text.reading.scanning import with_line_feeds
+from jausml.language.text.tree import comments_in
 
 if TYPE_CHECKING:
     from jausml.language.model.documents import Document

@@ -14,8 +14,8 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.model import refs
 from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.reading.classes import XSI, is_xmi
+from jausml.language.model.refs import FragmentFinder
 from jausml.language.model.uris import UriFault, UriResolver
-from jausml.language.model.xmi.fragments import FragmentFinder
 from jausml.language.model.xmi.writer import attribute_text, element_text
 
 if TYPE_CHECKING:

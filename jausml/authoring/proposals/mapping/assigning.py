@@ -32,8 +32,7 @@ from jausml.language.semantics.conversions import (
     UnitEffect,
     conversions_between,
 )
-from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
-from jausml.language.semantics.paths.named_values import compared
+from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS, compared
 from jausml.language.semantics.paths.scopes import is_many, outer_scope
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.model.words import words
 from jausml.language.semantics.assignments.frames import axis_of, direction
 from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP
 
 if TYPE_CHECKING:

@@ -18,10 +18,10 @@ from jausml.authoring.proposals.mapping.tabling import additions, tabled
 from jausml.authoring.proposals.mapping.trial import judge, judge_together
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.model.words import words
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.conversions.numbers import CovarianceToRms, Square
+from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope, parse_path, target_paths

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.fresh import free_name
 from jausml.language.semantics.conversions.authored import LookUp
+from jausml.language.semantics.paths.attributes import compared, table_entries
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.named_values import compared, table_entries
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.model.refs import Ref
-    from jausml.language.semantics.paths.named_values import Comparison
+    from jausml.language.semantics.paths.attributes import Comparison
 
 _TABLES, _TABLE = "tables", "table"
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.authoring.editing.commands import Set
 from jausml.authoring.proposals.elements import literal, values_of
-from jausml.language.model.words import in_words
+from jausml.language.semantics.names import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

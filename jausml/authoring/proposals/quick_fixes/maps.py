@@ -10,8 +10,8 @@ from jausml.authoring.proposals.elements import map_around
 from jausml.authoring.proposals.quick_fixes.found import QuickFix, renamed_as_meant, unset
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import place

@@ -13,9 +13,9 @@ from jausml.authoring.studio.views.crossing import bridged, carried, further_pee
 from jausml.authoring.studio.views.spots import all_spots
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

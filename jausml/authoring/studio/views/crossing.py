@@ -21,10 +21,10 @@ from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.services import find_same
+from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from jausml.authoring.studio.views.moving import usual_texts
 from jausml.authoring.studio.views.shapes import Child, Children, Field, Form, Kind
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
 from jausml.language.model.refs import LIBRARY
-from jausml.language.model.words import in_words
+from jausml.language.semantics.names import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

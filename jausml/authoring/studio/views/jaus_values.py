@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
-from jausml.language.semantics.jaus.layouts import is_group
+from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.embedded import as_it_is, parts

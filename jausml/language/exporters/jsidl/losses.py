@@ -12,15 +12,12 @@ from jausml.language.exporters.jsidl.behaviour import arguments_of
 from jausml.language.importers.jsidl.attributes import folded
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
-from jausml.language.semantics.jaus.inherited_machines import (
-    Machine,
-    machine_with,
-    states_of,
-)
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
+from jausml.language.semantics.jaus.inherited_machines import Machine, machine_with, states_of
 from jausml.language.semantics.jaus.machines import described, is_core_trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.language.exporters.jsidl.elements import Documented
     from jausml.language.metamodel import Metamodels
@@ -132,3 +129,34 @@ def _note(found: Facts, at: str, element: Documented, **values: str | None) -> N
     """Notes what an element says; of several states of one path what all of them say."""
     for feature, value in {**values, "documentation": element.documentation}.items():
         found.setdefault((at, feature), ([], element))[0].append(folded(value))
+
+
+_RULES = {
+    "JML631": RuleInfo(
+        "no place in JSIDL",
+        "AS5684 has no element or attribute for it: axes of fields, commands that move nothing, "
+        "what a set or a format says about itself. The bytes on the wire and the behaviour are the "
+        "same without it; an import of the files does not bring it back.",
+        Severity.INFO,
+    ),
+    "JML632": RuleInfo(
+        "changed by JSIDL",
+        "An import of the files makes something else of it than the model says. JSIDL sends by one "
+        "action Send: the names of the methods that make the messages are lost, and a message that "
+        "is sent on an internal event becomes a method that sends it.",
+        Severity.WARNING,
+    ),
+    "JML633": RuleInfo(
+        "no JSIDL",
+        "What would be written is no JSIDL that an importer takes: two services of one URN and "
+        "version, a character that XML cannot hold, a list that is always empty.",
+    ),
+}
+
+JSIDL_EXPORT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
+"""The rules of the JSIDL exporter by id. Ids are never used again for something else."""
+
+
+def finding(rule: str, location: Location, message: str) -> Diagnostic:
+    """Returns a finding of the export."""
+    return Diagnostic(rule, JSIDL_EXPORT_RULES[rule].severity, location, message)

@@ -17,22 +17,20 @@ from jausml.language.importers.jsidl.building import (
     TooMuchError,
 )
 from jausml.language.importers.jsidl.fields import FieldBuilder
-from jausml.language.importers.jsidl.inheritance import (
-    BehaviourNames,
-    finish_machines,
-    services_by_urn,
-)
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scopes
 from jausml.language.importers.jsidl.services import (
+    BehaviourNames,
     ByUrn,
     ImportedService,
     ServiceBuilder,
     SetOfServices,
     find_inherited,
+    finish_machines,
     grouped,
     identifiers,
     index,
+    services_by_urn,
 )
 from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
@@ -44,7 +42,7 @@ from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
-from jausml.language.project.library import library
+from jausml.language.project.reading import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

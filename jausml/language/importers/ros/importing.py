@@ -7,20 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.ros.building import Builder, Use
-from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.importers.ros.building import ROS_RULES, Builder, Use
 from jausml.language.importers.ros.sources import InterfaceFile, PackageSource, installed_source
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
-from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.rules import READER_RULES
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.project.library import library
+from jausml.language.project.reading import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Location, Related
-from jausml.language.model.rules import READER_RULES
+from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Related
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Severity
+    from jausml.language.model.diagnostics import RuleInfo, Severity
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.model.rules import RuleInfo
     from jausml.language.model.xmi.parsing import Node
 
 XmlAttribute = tuple[str, str]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
-from jausml.language.model import conflicts
+from jausml.language.model import inputs
 
 MAX_DEPTH = 200
 
@@ -237,9 +237,9 @@ def _accident(data: bytes) -> ParseFault | None:
 
 def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     line, column = max(error.lineno, 1), error.offset + 1
-    conflict, first = conflicts.unmerged(data)
+    conflict, first = inputs.unmerged(data)
     if conflict:
-        return ParseFault(conflicts.RULE, conflict, conflicts.HINT, first)
+        return ParseFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:

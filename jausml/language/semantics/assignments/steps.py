@@ -18,9 +18,9 @@ from jausml.language.semantics.conversions import (
     conversion_of,
 )
 from jausml.language.semantics.conversions.authored import Expression, Formula
-from jausml.language.semantics.memory import remembered
 from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
 from jausml.language.semantics.paths.scopes import COUNTERS
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

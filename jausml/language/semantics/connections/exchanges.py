@@ -16,7 +16,7 @@ from jausml.language.semantics.jaus.services import (
     searched_services,
     with_inherited,
 )
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -12,10 +12,10 @@ from jausml.language.semantics.conversions.conversion import (
     RADIAN,
     TURN,
     Conversion,
+    Definition,
     Effect,
     linear_interval,
 )
-from jausml.language.semantics.conversions.definition import Definition
 
 if TYPE_CHECKING:
     from jausml.language.attributes.intervals import Interval

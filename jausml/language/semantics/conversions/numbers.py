@@ -12,12 +12,12 @@ from jausml.language.semantics.conversions.conversion import (
     PERCENT,
     Argument,
     Conversion,
+    Definition,
     Effect,
     NoValueError,
     UnitEffect,
     linear_interval,
 )
-from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 

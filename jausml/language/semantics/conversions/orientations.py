@@ -15,12 +15,13 @@ from jausml.language.semantics.conversions.conversion import (
     FRD,
     NED,
     ONE,
+    QUATERNION,
     RADIAN,
     TURN,
     Conversion,
+    Definition,
     Effect,
 )
-from jausml.language.semantics.conversions.definition import QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 QUARTER = (-math.pi / 2, math.pi / 2)

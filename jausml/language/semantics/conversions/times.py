@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from datetime import datetime, timedelta, timezone
 
-from jausml.language.semantics.conversions.conversion import Conversion, NoValueError
-from jausml.language.semantics.conversions.definition import Definition
+from jausml.language.semantics.conversions.conversion import Conversion, Definition, NoValueError
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 Instant = tuple[int, int]

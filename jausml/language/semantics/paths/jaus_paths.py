@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.layouts import attributes, class_name, is_group
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.jaus.services import attributes, class_name, is_group
 from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBER,
@@ -22,6 +21,7 @@ from jausml.language.semantics.paths.attributes import (
     PathFault,
     nearest_name,
 )
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.memory import remembered
 from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBER,
@@ -20,6 +19,7 @@ from jausml.language.semantics.paths.attributes import (
     nearest_name,
     primitive,
 )
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Container

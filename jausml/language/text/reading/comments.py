@@ -9,9 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.text.comments import documentation_text, is_documentation
 from jausml.language.text.reading.shaping import Items
-from jausml.language.text.tree import Item, SyntaxTree, Vector, lists_of
+from jausml.language.text.tree import (
+    Item,
+    SyntaxTree,
+    Vector,
+    documentation_text,
+    is_documentation,
+    lists_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
-from jausml.language.semantics.jaus.layouts import attributes, class_name
+from jausml.language.semantics.jaus.services import attributes, class_name
 from jausml.language.text.keywords import snake_case
-from jausml.language.text.reading.declarations.jaus import VALUE
 from jausml.language.text.reading.declarations.types import (
     ANY,
     BOOL,
     DEEPEST,
     STRING,
+    VALUE,
     Size,
     shown_type,
     size_of,

@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from jausml import __version__
 from jausml.language.model.diagnostics import Severity
-from jausml.language.text.rules import TEXT_RULES
+from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
 
 if TYPE_CHECKING:

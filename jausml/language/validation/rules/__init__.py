@@ -1,26 +1,17 @@
-"""All rules: what the decorator `rule` has made in the modules that the folders list."""
+"""All rules: what the decorator `rule` has made in the modules of this folder and those below."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import pkgutil
+from functools import cache
+from importlib import import_module
 
 from jausml.language.validation.rule import Rule
-from jausml.language.validation.rules import bridge, jaus, names, ros, system
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
-MODULES: tuple[ModuleType, ...] = (
-    *jaus.MODULES,
-    *ros.MODULES,
-    *bridge.MODULES,
-    names,
-    system,
-)
-"""The modules whose rules are in force."""
 
 
+@cache
 def all_rules() -> tuple[Rule, ...]:
     """Returns all rules, ordered by id."""
-    found = (each for module in MODULES for each in vars(module).values())
+    modules = (import_module(each.name) for each in pkgutil.walk_packages(__path__, f"{__name__}."))
+    found = (each for module in modules for each in vars(module).values())
     return tuple(sorted((each for each in found if isinstance(each, Rule)), key=lambda e: e.id))

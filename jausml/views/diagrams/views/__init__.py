@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes.system import System
 from jausml.language.model.values import nearest
-from jausml.language.semantics.memory import remembering
+from jausml.language.semantics.subject import remembering
 from jausml.views.diagrams.views import machines, maps, services, system
 from jausml.views.diagrams.views.context import Context
 

@@ -12,10 +12,8 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.elements import ElementReader
-    from jausml.language.text.reading.nodes import NodeMaker
-    from jausml.language.text.tree import Member, Name, Span
-
+    from jausml.language.text.reading.elements import ElementReader, NodeMaker
+    from jausml.language.text.tree import End, Feature, Member, Name, Span
 
 ANY_SIZE = "*"
 BOOL = "bool"
@@ -202,3 +200,178 @@ class MemberBuilder:
         message = f"{show(member.size)} is no number of elements"
         self.nodes.fault("JML712", member.span, message, hint)
         return True
+
+
+_PRESENCE = {8: "uint8", 16: "uint16", 32: "uint32", 64: "uint64"}
+_COUNTS = {0xFF: "uint8", 0xFFFF: "uint16", 0xFFFFFFFF: "uint32"}
+_LIMITS = frozenset({"lower", "upper"})
+_OF_THE_WHOLE = frozenset({"optional", "frame", "documentation"})
+_ANY_LENGTH = 0xFFFF
+
+VALUE = "value"
+"""The member of the records of a list of plain values."""
+
+
+class JausFields(MemberBuilder):
+    """Builds the fields of new JAUS messages."""
+
+    def body(self, message: Node, end: End) -> None:
+        """Gives a message its body: a record of the members of its end."""
+        record = self.new(message, "body", "jaus.Record", end.span)
+        self.nodes.value(record, "name", f"{end.type.text}Rec", end.type.span)
+        self._members(record, end.members or [])
+
+    def _members(self, record: Node, members: Sequence[Member]) -> None:
+        """Gives a record its fields, and the presence vector that its optional ones need."""
+        for member in self.named(members):
+            self._field(record, "fields", member, member)
+        if members:
+            self.drop_without(record, "fields")
+        optional = [each for each in members if _is_optional(each)]
+        if not optional:
+            return
+        width = next((bits for bits in _PRESENCE if bits >= len(optional)), None)
+        if width is None:
+            message = f"{len(optional)} optional members; a presence vector has at most 64 bits"
+            hint = "put some of them into a struct"
+            self.nodes.fault("JML712", optional[64].span, message, hint, owner=record)
+            return
+        self.nodes.value(record, "presenceVector", _PRESENCE[width], optional[0].span)
+
+    def _field(self, owner: Node, feature: str, member: Member, definition: Member) -> None:
+        """Builds the field of a member."""
+        if self.is_too_much(member) or self.is_wrong_size(definition):
+            return
+        size = size_of(definition)
+        name = member.name.text if member.name is not None else ""
+        if size is None:
+            node = self._single(owner, feature, name, definition.type, member, member.features)
+            if node is not None:
+                self.elements.document(node, member)
+            return
+        is_array = size.is_fixed and not self._is_container(definition.type)
+        many = self._array if is_array else self._list
+        node = many(owner, feature, size, definition.span)
+        self.nodes.value(node, "name", name, member.span)
+        self.elements.document(node, member)
+        whole = [each for each in member.features if each.name.text in _OF_THE_WHOLE]
+        self.elements.items(node, whole)
+        facts = [each for each in member.features if each not in whole]
+        if not is_array and not self._is_container(definition.type):
+            # The elements of a list are containers (AS5684).
+            record = self.new(node, "element", "jaus.Record", definition.span)
+            self.nodes.value(record, "name", f"{name}Rec", definition.span)
+            self._single(record, "fields", VALUE, definition.type, member, facts)
+        else:
+            self._single(node, "element", f"{name}Element", definition.type, member, facts)
+        self.drop_without(node, "element")
+
+    def _is_container(self, type_: Name | list[Member]) -> bool:
+        """Tells whether a type becomes a record or a list, which arrays cannot have."""
+        seen: set[str] = set()
+        while not isinstance(type_, list) and type_.text in self.types.named:
+            if type_.text in seen:
+                return False
+            seen.add(type_.text)
+            definition = self.types.named[type_.text]
+            if definition.size and not definition.size.isdigit():
+                return True
+            type_ = definition.type
+        return isinstance(type_, list)
+
+    def _array(self, owner: Node, feature: str, size: Size, span: Span) -> Node:
+        node = self.new(owner, feature, "jaus.Array", span)
+        self.nodes.value(node, "dimensions", str(size.count), span)
+        return node
+
+    def _list(self, owner: Node, feature: str, size: Size, span: Span) -> Node:
+        node = self.new(owner, feature, "jaus.List", span)
+        self.nodes.value(node, "countType", _count_type(size.count or _ANY_LENGTH), span)
+        if size.count:
+            self.nodes.value(node, "maximumCount", str(size.count), span)
+        if size.is_fixed:
+            self.nodes.value(node, "minimumCount", str(size.count), span)
+        return node
+
+    def _single(
+        self,
+        owner: Node,
+        feature: str,
+        name: str,
+        type_: Name | list[Member],
+        member: Member,
+        facts: Sequence[Feature],
+    ) -> Node | None:
+        """Builds a field of one value; returns None where a named type makes the field."""
+        span = member.name.span if member.name is not None else member.span
+        if isinstance(type_, list):
+            node = self.new(owner, feature, "jaus.Record", span)
+            self.nodes.value(node, "name", name, span)
+            self.elements.items(node, facts)
+            self._members(node, type_)
+            return node
+        word = type_word(type_.text)
+        if word.word in NUMBERS or word.word == BOOL:
+            node = self._number(owner, feature, word.word, facts, span)
+        elif word.word == STRING:
+            node = self._string(owner, feature, word.bound, facts, span)
+        else:
+            self._named_type(owner, feature, type_, member)
+            return None
+        self.nodes.value(node, "name", name, span)
+        return node
+
+    def _number(
+        self, owner: Node, feature: str, word: str, facts: Sequence[Feature], span: Span
+    ) -> Node:
+        node = self.new(owner, feature, "jaus.FixedField", span)
+        self.nodes.value(node, "type", "uint8" if word == BOOL else word, span)
+        limits = [each for each in facts if each.name.text in _LIMITS]
+        self.elements.items(node, [each for each in facts if each not in limits])
+        if limits and word.startswith("float"):
+            values = self.new(node, "values", "jaus.ValueSet", span)
+            self.elements.items(self.new(values, "values", "jaus.ValueRange", span), limits)
+        elif limits and word != BOOL:
+            self.elements.items(self.new(node, "scale", "jaus.ScaleRange", span), limits)
+        elif limits:
+            message = "a bool has no limits"
+            self.nodes.fault("JML712", limits[0].span, message, owner=node)
+        if word == BOOL:
+            self._booleans(node, span)
+        return node
+
+    def _booleans(self, node: Node, span: Span) -> None:
+        values = self.new(node, "values", "jaus.ValueSet", span)
+        for value, name in enumerate(("FALSE", "TRUE")):
+            literal = self.new(values, "values", "jaus.EnumeratedValue", span)
+            self.nodes.value(literal, "name", name, span)
+            self.nodes.value(literal, "value", str(value), span)
+
+    def _string(
+        self, owner: Node, feature: str, bound: int, facts: Sequence[Feature], span: Span
+    ) -> Node:
+        node = self.new(owner, feature, "jaus.VariableLengthString", span)
+        self.nodes.value(node, "countType", _count_type(bound or _ANY_LENGTH), span)
+        if bound:
+            self.nodes.value(node, "maximumLength", str(bound), span)
+        self.elements.items(node, facts)
+        return node
+
+    def _named_type(self, owner: Node, feature: str, type_: Name, member: Member) -> None:
+        definition = self.definition(type_)
+        if definition is None:
+            return
+        self.types.open.append(type_.text)
+        self._field(owner, feature, member, definition)
+        self.types.open.pop()
+
+
+def _is_optional(member: Member) -> bool:
+    return any(
+        each.name.text == "optional" and [getattr(v, "text", "") for v in each.values] == ["true"]
+        for each in member.features
+    )
+
+
+def _count_type(greatest: int) -> str:
+    return next(word for limit, word in _COUNTS.items() if greatest <= limit)

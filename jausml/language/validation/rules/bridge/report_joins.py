@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.connections.report_joins import joined_reports, report_join_of
-from jausml.language.semantics.jaus.layouts import attributes
+from jausml.language.semantics.connections.reports import joined_reports, report_join_of
 from jausml.language.semantics.jaus.services import (
+    attributes,
     find_output,
     is_known,
     query_name,
@@ -22,7 +22,7 @@ from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provi
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject

@@ -8,8 +8,7 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces.definitions import TEXTS, FieldType
-from jausml.language.interfaces.literals import ValueTextError, write_value
+from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
