@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation import GenerationError, load_targets, render, select
 from jausml.language.model import Severity
-from jausml.language.model.library import LibraryCache
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work

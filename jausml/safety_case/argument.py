@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from jausml import __version__
 from jausml.generation.system import name_of
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model.documents import digests
+from jausml.language.model.model import digests
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.safety_case.evidence import RULES, Evidence
 from jausml.safety_case.hazards import ASSUMPTIONS, HAZARDS, Answer, carried_maps

@@ -11,7 +11,8 @@ import pytest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models, uris
 from jausml.language.model.comparison import compare
-from jausml.language.model.library import LIBRARY_URI, LibraryCache
+from jausml.language.model.library import LIBRARY_URI
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.text.notation import Ros2Jaus
 
 NOTATIONS = (Ros2Jaus(),)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.language.model import read_models
-from jausml.language.model.library import LibraryCache
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.project import index
 
 if TYPE_CHECKING:

@@ -82,7 +82,7 @@ def serve(listener: socket.socket) -> None:
 def _prepare() -> None:
     """Reads the library and compiles all templates."""
     from jausml.generation import load_targets, render, select
-    from jausml.language.model.library import LibraryCache
+    from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import read_models
     from jausml.language.project import index
     from jausml.language.validation.engine import check_project

@@ -105,7 +105,7 @@ def _errors(report: Report) -> list[Diagnostic]:
 def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCase, dict[str, str]]:
     """Returns the case with files, named from a folder on, and why some of them cannot be read."""
     from jausml.generation.errors import GenerationError
-    from jausml.language.model.documents import digests
+    from jausml.language.model.model import digests
     from jausml.safety_case.argument import safety_case
     from jausml.safety_case.evidence import EvidenceError, read_evidence
     from jausml.safety_case.generated import generated_tests

@@ -78,7 +78,7 @@ def command(
     """
     import json
 
-    from jausml.language.model.documents import digests
+    from jausml.language.model.model import digests
     from jausml.mutating import text
     from jausml.mutating.mutations import mutations, sample
     from jausml.mutating.outcomes import Campaign

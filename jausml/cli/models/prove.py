@@ -142,7 +142,7 @@ def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> 
 def _json(results: Sequence[MapResult], judged: Report) -> str:
     import json
 
-    from jausml.language.model.documents import digests
+    from jausml.language.model.model import digests
     from jausml.proving.findings import by_map
 
     short = by_map(judged)

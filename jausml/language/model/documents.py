@@ -1,9 +1,7 @@
-"""Documents: the files of a model, parsed, and digests of them."""
+"""Documents: the files of a model, parsed."""
 
 from __future__ import annotations
 
-import os
-from hashlib import sha256
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Location
@@ -13,7 +11,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
     from jausml.language.model.notation import Notation, Written
     from jausml.language.model.xmi.parsing import Node
 
@@ -91,18 +88,3 @@ class Document:
                 index.setdefault(child.tag, []).append(child)
             self._by_tag[node] = index  # whole: another thread may ask meanwhile
         return index.get(tag, [])
-
-
-def digests(model: Model) -> dict[str, str]:
-    """Returns the sha256 of each file of a model, those of the library left out, as `sha256sum`.
-
-    Returns:
-        Digests by path, relative to the folder of the first file, in the order of the paths.
-    """
-    own = [each for each in model.documents if not each.is_library]
-    folder = model.documents[0].path.parent
-    found = {
-        os.path.relpath(each.path, folder).replace(os.sep, "/"): sha256(each.data).hexdigest()
-        for each in own
-    }
-    return dict(sorted(found.items()))

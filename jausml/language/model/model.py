@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gc
+import os
 from contextlib import contextmanager
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
@@ -282,3 +284,18 @@ def without_collector() -> Iterator[None]:
     finally:
         if was_enabled:
             gc.enable()
+
+
+def digests(model: Model) -> dict[str, str]:
+    """Returns the sha256 of each file of a model, those of the library left out, as `sha256sum`.
+
+    Returns:
+        Digests by path, relative to the folder of the first file, in the order of the paths.
+    """
+    own = [each for each in model.documents if not each.is_library]
+    folder = model.documents[0].path.parent
+    found = {
+        os.path.relpath(each.path, folder).replace(os.sep, "/"): sha256(each.data).hexdigest()
+        for each in own
+    }
+    return dict(sorted(found.items()))

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.language.model.inputs import read_input
-from jausml.language.model.library import LibraryCache
 from jausml.language.model.project import InputError, made_project, model_files, project_folder
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import NOTATIONS

@@ -28,9 +28,9 @@ from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml.language.model.library import LibraryCache
     from jausml.language.model.model import Model
     from jausml.language.model.notation import Notation
+    from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import ReadResult
 
 _ADDRESS = re.compile(r"\d+\.\d+\.\d+")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.model.documents import digests
+from jausml.language.model.model import digests
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

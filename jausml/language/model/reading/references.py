@@ -16,11 +16,11 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.filling import holds, link, point
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
-from jausml.language.model.library import NotShareableError
 from jausml.language.model.names import NameFinder, depth, library_codes, qualified_name
 from jausml.language.model.notation import Explanation
 from jausml.language.model.reading.classes import target_class
 from jausml.language.model.reading.elements import Mention
+from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.refs import Found, FragmentFinder
 from jausml.language.model.uris import UriFault
 from jausml.language.model.values import show

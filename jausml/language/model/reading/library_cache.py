@@ -1,0 +1,95 @@
+"""Documents of the shipped library that several readings share.
+
+What the library says does not depend on who refers to it, so it need not be read for each state of
+a model that somebody edits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+    from pathlib import Path
+
+    from jausml.language.model.documents import Document
+    from jausml.language.model.model import Model, Origins
+    from jausml.language.model.uris import FileTarget
+
+    Opened = Mapping[Document, Mapping[str, Document | None]]
+    """What the references of documents led to, by URI; None for nowhere."""
+
+
+_MOST = 500
+"""Documents; more are of projects that nobody works with any more."""
+
+
+class NotShareableError(Exception):
+    """A model does to the library what others must not see: it needs a library of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class CachedDocument:
+    """A document that is kept.
+
+    Attributes:
+        document: The document, whose elements do not change any more.
+        uris: The URIs that its references name, each once, in order.
+    """
+
+    document: Document
+    uris: tuple[str, ...]
+    origins: Origins
+
+
+class LibraryCache:
+    """Documents of the library in XMI that were read without findings, with all they refer to.
+
+    Elements of the library do not know who of another document refers to them, and nobody may
+    change them. A document is kept for each name that messages call it by: that of the library, or
+    of its copy in a project. One reading uses a cache at a time.
+    """
+
+    def __init__(self) -> None:
+        self._documents: dict[tuple[Path, str], CachedDocument] = {}
+        self._stamps: dict[Path, tuple[int, int]] = {}
+
+    def prepare(self, held: Collection[Path]) -> None:
+        """Forgets everything when a file has changed: what refers to it has its elements."""
+        paths = {path for path, _ in self._documents}
+        is_current = all(self._stamps[each] == _stamp(each) for each in paths)
+        if not is_current or not paths.isdisjoint(held) or len(self._documents) > _MOST:
+            self._documents.clear()
+
+    def find(self, target: FileTarget) -> CachedDocument | None:
+        """Returns the document of a file, None when it is not there."""
+        return self._documents.get((target.path, target.display))
+
+    def note(self, path: Path) -> None:
+        """Remembers how the file of a document is, which is read next."""
+        self._stamps[path] = _stamp(path)
+
+    def put(self, model: Model, opened: Opened, faulty: Collection[str]) -> None:
+        """Puts the documents of a model there that may be shared, if all of them are sound."""
+        shared = [each for each in model.documents if each.is_shared]
+        if all(_is_sound(each, opened, faulty) for each in shared):
+            for each in shared:
+                uris = tuple(opened.get(each, ()))
+                kept = CachedDocument(each, uris, model.origins_of(each))
+                self._documents.setdefault((each.path, each.display), kept)
+
+
+def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:
+    if not document.readable or document.display in faulty:
+        return False
+    return all(other and other.is_shared for other in opened.get(document, {}).values())
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Returns time and size of a file, noughts for one that is not there."""
+    try:
+        found = path.stat()
+    except OSError:
+        return (0, 0)
+    return (found.st_mtime_ns, found.st_size)
