@@ -421,7 +421,7 @@ def test_signs(conversion, data):
 def test_integers_are_kept(conversion, data):
     if not conversion.keeps_integers:
         return
-    value = data.draw(st.integers(-(2**62), 2**62))
+    value = data.draw(st.integers(-(2**53), 2**53))
     arguments = [round(each) for each in data.draw(ARGUMENTS.get(conversion.name, st.just(())))]
     found = conversion.forward(value, *arguments)
     assert found == int(found)

@@ -14,17 +14,15 @@ from jausml.language.attributes.expressions import FUNCTIONS, operations
 from jausml.language.cdr import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.angles import (
-    EnuYawToNedHeading,
-    NedHeadingToEnuYaw,
-    WrapAngle,
-)
 from jausml.language.semantics.conversions.conversion import Definition
 from jausml.language.semantics.conversions.orientations import (
     EnuQuaternionToNedAngles,
+    EnuYawToNedHeading,
     FluQuaternionToFrdAngles,
     FrdAnglesToFluQuaternion,
     NedAnglesToEnuQuaternion,
+    NedHeadingToEnuYaw,
+    WrapAngle,
 )
 from jausml.language.semantics.conversions.times import TimestampToTime, TimeToTimestamp
 from jausml_generators.bridge.translation import expressions as values

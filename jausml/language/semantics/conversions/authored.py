@@ -60,14 +60,6 @@ class WithUnits(Conversion):
     effect = Effect.SAME
     definition = Definition("value", "value")
 
-    def forward(self, value: float, _units: str = "") -> float:
-        """The value itself."""
-        return value
-
-    def interval(self, value: Interval, _units: str = "") -> Interval:
-        """Its range itself."""
-        return value
-
 
 class LookUp(Conversion):
     """The counterpart of the value in a table of the map.
@@ -142,6 +134,3 @@ class User(Conversion):
     def forward(self, *_given: Any) -> Any:
         """Nobody but the user knows."""
         raise NoValueError(self.name)
-
-
-CONVERSIONS = (WithUnits(), LookUp(), Expression(), User())

@@ -9,13 +9,20 @@ sine has none of an infinite angle, the definition chooses or refuses before.
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from jausml.language.attributes.expressions import operations, parse_expression, variables
+from jausml.language.attributes.expressions import (
+    EvaluationError,
+    evaluate,
+    interval,
+    operations,
+    parse_expression,
+    variables,
+)
 from jausml.language.attributes.intervals import (
     EMPTY,
     EVERYTHING,
@@ -220,12 +227,12 @@ class Effect(Enum):
 _SIGNS = {Effect.SAME: 1, Effect.LINEAR: 1, Effect.NEGATED: -1}
 
 
-class Conversion(ABC):
+class Conversion:
     """What one literal of `bridge.ConversionKind` means.
 
     The runtime has a function of the same name, which bridges call; here stands what the toolchain
-    knows of it. `forward` computes the same on another way, so that generated tests and the tests
-    of the runtime compare two computations.
+    knows of it. `forward` evaluates the definition, so that generated tests compare two
+    computations.
 
     Attributes:
         inputs: Kinds of the values that it takes; a `+` behind one stands for one or more.
@@ -251,17 +258,43 @@ class Conversion(ABC):
     inverse: ClassVar[str] = ""
     limits: ClassVar[tuple[Interval, ...]] = ()
 
-    @abstractmethod
-    def forward(self, *given: Any, **named: Any) -> Any:
-        """Returns the result: a tuple of parts for messages and for several outputs."""
+    def forward(self, *given: Any, near: tuple[float, ...] = ()) -> Any:
+        """Returns the result: a tuple of parts for messages and for several outputs.
 
-    def interval(self, *_given: Any, **_named: Any) -> Interval:
+        Raises:
+            NoValueError: There is none.
+        """
+        definition = self.definition
+        if not isinstance(definition, Definition):
+            raise NoValueError(self.name)
+        parts: list[float] = []
+        for kind, value in zip_longest(self.inputs, given):
+            parts += value if kind in PARTS else [value]
+        known = dict(zip(definition.parameters, [*parts, *near], strict=False))
+        try:
+            if definition.refusal is not None and evaluate(definition.refusal, known):
+                raise NoValueError(self.name)
+            for name, step in definition.steps.items():
+                known[name] = evaluate(step, known)
+            results = tuple(evaluate(each, known) for each in definition.results)
+        except EvaluationError as error:
+            raise NoValueError(self.name) from error
+        return results if self.outputs[0] in PARTS or len(results) > 1 else results[0]
+
+    def interval(self, *given: Any) -> Interval:
         """Returns the range of the result, never narrower than the truth.
 
         Args:
-            _given: Ranges of the inputs, none of which is empty, then the arguments.
+            given: Ranges of the inputs, none of which is empty, then the arguments.
         """
-        return EVERYTHING
+        definition = self.definition
+        if not isinstance(definition, Definition) or {*self.inputs, *self.outputs} != {NUMBER}:
+            return EVERYTHING
+        known = dict(zip(definition.parameters, given, strict=False))
+        known |= {name: (each, each) for name, each in known.items() if not isinstance(each, tuple)}
+        for name, step in definition.steps.items():
+            known[name] = interval(step, known) or EMPTY
+        return interval(definition.results[0], known) or EMPTY
 
     def back(self, *_given: Any, **_named: Any) -> float:
         """Returns the only input that gives a result, where no other conversion leads back.
@@ -356,7 +389,8 @@ class Conversion(ABC):
             return list(self.limits)
         if any(map(is_empty, known)):
             return [EMPTY]
-        if len(known) != len(self.inputs) and not self._takes_several:
+        has_inputs = self._takes_several or len(known) == len(self.inputs)
+        if not has_inputs or self.fault(*arguments):
             return [EVERYTHING]
         return [self.interval(*known, *arguments)]
 
