@@ -18,7 +18,7 @@ from jausml.language.metamodel import (
     load_metamodels,
 )
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.conversion import Definition, NoArithmetic
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

@@ -14,7 +14,7 @@ from for_each import for_each
 
 from jausml.language.attributes.expressions import variables
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.conversion import PARTS, Definition, NoArithmetic
+from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
 from jausml.runtime import conversions as runtime
 from jausml.runtime.conversions import arithmetic, columns
 from jausml_generators.bridge.translation.together import COLUMNS

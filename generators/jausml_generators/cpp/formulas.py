@@ -17,7 +17,7 @@ from jausml.language.attributes.expressions import (
     Operation,
     Variable,
 )
-from jausml.language.semantics.conversions.conversion import PARTS, QUATERNION, Definition
+from jausml.language.semantics.conversions.definition import PARTS, QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.conversion import PARTS, QUATERNION
+from jausml.language.semantics.conversions.definition import PARTS, QUATERNION
 from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values

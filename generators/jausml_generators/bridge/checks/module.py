@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal
-from jausml.language.semantics.conversions.conversion import QUATERNION
+from jausml.language.semantics.conversions.definition import QUATERNION
 from jausml_generators.bridge.checks.check import NAME, Check, frame_stand_in, store, tidy
 from jausml_generators.bridge.checks.connection_checks import (
     absences,

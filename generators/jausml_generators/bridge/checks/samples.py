@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.conversions import NoValueError, conversion
+from jausml.language.semantics.conversions import NoValueError, definition
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths import attributes
 from jausml_generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
@@ -36,7 +36,7 @@ _ORIENTATION = (0.037691419902595585, 0.13380222188108606, 0.17693718867453465, 
 _MOMENT = datetime(2024, 2, 29, 23, 59, 58, 987_000, tzinfo=timezone.utc)
 _INSTANT = (int(_MOMENT.timestamp()), _MOMENT.microsecond * 1000)
 _PARTS = {
-    conversion.QUATERNION: ("x", "y", "z", "w"),
+    definition.QUATERNION: ("x", "y", "z", "w"),
     attributes.TIME: ("sec", "nanosec"),
     attributes.TIME_STAMP: ("Milliseconds", "Seconds", "Minutes", "Hour", "Day"),
 }

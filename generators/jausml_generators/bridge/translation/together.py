@@ -14,7 +14,7 @@ from jausml.language.attributes.expressions import FUNCTIONS, operations
 from jausml.language.cdr import PRIMITIVES, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.conversions.conversion import Definition
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.conversions.orientations import (
     EnuQuaternionToNedAngles,
     EnuYawToNedHeading,

@@ -19,12 +19,11 @@ from jausml.language.semantics.conversions.conversion import (
     Argument,
     ArgumentKind,
     Conversion,
-    Definition,
     Effect,
-    NoArithmetic,
     NoValueError,
     UnitEffect,
 )
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -1,27 +1,15 @@
-"""What a conversion is, and what it computes, in the language of expressions.
-
-A definition is all that a printer, an evaluation or a proof has to know of a conversion. Its parts,
-local values and results are real numbers of 64 bits (IEEE 754): the whole numbers of times and time
-stamps are such too, since each that occurs is below 2^53. Where an operation has no value, as a
-sine has none of an infinite angle, the definition chooses or refuses before.
-"""
+"""What a conversion is: what it takes and yields, and what becomes of units and of numbers."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from jausml.language.attributes.expressions import (
     EvaluationError,
-    evaluate,
-    interval,
-    operations,
-    parse_expression,
-    variables,
 )
 from jausml.language.attributes.intervals import (
     EMPTY,
@@ -31,113 +19,18 @@ from jausml.language.attributes.intervals import (
     product,
     total,
 )
+from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
 from jausml.language.semantics.paths.attributes import (
     BOOL,
     LIST,
     NUMBER,
     NUMBERS,
     TEXT,
-    TIME,
     TIME_STAMP,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.attributes.expressions import Expression
-
-QUATERNION = "geometry_msgs/Quaternion"
-
-PARTS: Mapping[str, tuple[str, ...]] = {
-    QUATERNION: ("x", "y", "z", "w"),
-    TIME: ("sec", "nanosec"),
-    TIME_STAMP: ("milliseconds", "seconds", "minutes", "hour", "day"),
-}
-"""The parts of values that are no single number, as definitions take and give them."""
-
-_OF_LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot", "^"})
-
-
-class NoArithmetic(Enum):
-    """What a conversion does that has no arithmetic of its own."""
-
-    ORDER = "gives the elements of a list in another order"
-    TABLE = "finds the value in a table of the map"
-    AUTHORED = "computes an expression of the map"
-    USER = "calls a method that the user writes"
-
-
-@dataclass(frozen=True)
-class Definition:
-    """Arithmetic on the parts of values.
-
-    Where a conversion keeps integers, its operations are those of integers as well.
-
-    Attributes:
-        takes: Names of the parts of the inputs, then of the arguments, then those of `near`.
-        text: Lines `name = expression` of local values, then a line for each result.
-        refused: Where there is no result, a condition on what it takes; empty for nowhere.
-        reason: Why there is none.
-    """
-
-    takes: str
-    text: str
-    refused: str = ""
-    reason: str = ""
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """The names of what it takes, in order."""
-        return tuple(self.takes.split(", "))
-
-    @cached_property
-    def refusal(self) -> Expression | None:
-        """The condition under which there is no result."""
-        return parse_expression(self.refused) if self.refused else None
-
-    @cached_property
-    def steps(self) -> Mapping[str, Expression]:
-        """The local values by name, in order, that results need: each is made of those before."""
-        needed = {name for each in self.results for name in variables(each)}
-        found: dict[str, Expression] = {}
-        for line in reversed(self._lines):
-            name, is_step, text = line.partition(" = ")
-            if is_step and name in needed:
-                found[name] = parse_expression(text)
-                needed.update(variables(found[name]))
-        return dict(reversed(found.items()))
-
-    @cached_property
-    def results(self) -> tuple[Expression, ...]:
-        """The parts of the results, in order."""
-        return tuple(parse_expression(line) for line in self._lines if " = " not in line)
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """The lines of the text that the results need."""
-        return tuple(
-            each
-            for each in self._lines
-            if " = " not in each or each.partition(" = ")[0] in self.steps
-        )
-
-    @property
-    def _lines(self) -> tuple[str, ...]:
-        return tuple(filter(None, map(str.strip, self.text.splitlines())))
-
-    @property
-    def is_rational(self) -> bool:
-        """Whether it is sums, products and quotients alone, which columns of numbers have too."""
-        return not self.refused and self._operations <= {"+", "-", "*", "/"}
-
-    @property
-    def is_portable(self) -> bool:
-        """Whether IEEE 754 fixes each bit of the results: a C library decides on those of sines."""
-        return self._operations.isdisjoint(_OF_LIBRARY)
-
-    @property
-    def _operations(self) -> frozenset[str]:
-        return frozenset[str]().union(*map(operations, (*self.steps.values(), *self.results)))
+    from collections.abc import Sequence
 
 
 FLU, FRD = "forwardLeftUp", "forwardRightDown"
@@ -264,19 +157,13 @@ class Conversion:
         Raises:
             NoValueError: There is none.
         """
-        definition = self.definition
-        if not isinstance(definition, Definition):
+        if not isinstance(self.definition, Definition):
             raise NoValueError(self.name)
         parts: list[float] = []
         for kind, value in zip_longest(self.inputs, given):
             parts += value if kind in PARTS else [value]
-        known = dict(zip(definition.parameters, [*parts, *near], strict=False))
         try:
-            if definition.refusal is not None and evaluate(definition.refusal, known):
-                raise NoValueError(self.name)
-            for name, step in definition.steps.items():
-                known[name] = evaluate(step, known)
-            results = tuple(evaluate(each, known) for each in definition.results)
+            results = self.definition.compute([*parts, *near])
         except EvaluationError as error:
             raise NoValueError(self.name) from error
         return results if self.outputs[0] in PARTS or len(results) > 1 else results[0]
@@ -287,14 +174,11 @@ class Conversion:
         Args:
             given: Ranges of the inputs, none of which is empty, then the arguments.
         """
-        definition = self.definition
-        if not isinstance(definition, Definition) or {*self.inputs, *self.outputs} != {NUMBER}:
-            return EVERYTHING
-        known = dict(zip(definition.parameters, given, strict=False))
-        known |= {name: (each, each) for name, each in known.items() if not isinstance(each, tuple)}
-        for name, step in definition.steps.items():
-            known[name] = interval(step, known) or EMPTY
-        return interval(definition.results[0], known) or EMPTY
+        if isinstance(self.definition, Definition) and {*self.inputs, *self.outputs} == {NUMBER}:
+            return self.definition.bound(
+                [each if isinstance(each, tuple) else (each, each) for each in given]
+            )
+        return EVERYTHING
 
     def back(self, *_given: Any, **_named: Any) -> float:
         """Returns the only input that gives a result, where no other conversion leads back.

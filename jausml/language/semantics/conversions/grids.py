@@ -5,13 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.conversions.conversion import (
-    Conversion,
-    Definition,
-    NoArithmetic,
-    NoValueError,
-    UnitEffect,
-)
+from jausml.language.semantics.conversions.conversion import Conversion, NoValueError, UnitEffect
+from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ from jausml.language.semantics.conversions.conversion import (
     PERCENT,
     Argument,
     Conversion,
-    Definition,
     Effect,
     UnitEffect,
 )
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 if TYPE_CHECKING:

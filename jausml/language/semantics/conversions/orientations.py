@@ -16,13 +16,12 @@ from jausml.language.semantics.conversions.conversion import (
     FRD,
     NED,
     ONE,
-    QUATERNION,
     RADIAN,
     TURN,
     Conversion,
-    Definition,
     Effect,
 )
+from jausml.language.semantics.conversions.definition import QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ seconds, minutes, hour and day of the month (AS6009).
 
 from __future__ import annotations
 
-from jausml.language.semantics.conversions.conversion import Conversion, Definition
+from jausml.language.semantics.conversions.conversion import Conversion
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 # Years begin in March here, so that the leap day is the last of a year; months count from that of
