@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.ros_types import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.semantics.subject import Subject
 from jausml.mutating.operators import OPERATORS, Site
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.native import COMPILERS, compiler
-from jausml.language.project.reading import OneDocument, one_document
+from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError

@@ -9,7 +9,7 @@ import pytest
 
 from jausml.authoring.editor.positions import Place
 from jausml.authoring.editor.workbench import Workbench
-from jausml.language.project.reading import library
+from jausml.language.project import library
 
 
 @pytest.fixture(scope="session")

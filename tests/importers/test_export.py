@@ -8,7 +8,7 @@ from jsidl_support import ROOT, SHARED, WINCH, winch
 from lxml import etree
 
 from jausml.language.exporters.jsidl import export_jsidl
-from jausml.language.exporters.jsidl.losses import differences
+from jausml.language.exporters.jsidl.exporting import differences
 from jausml.language.importers.jsidl import Source, import_jsidl, import_sources
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models

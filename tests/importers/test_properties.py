@@ -13,8 +13,7 @@ from jsidl_support import WINCH
 from lxml import etree
 
 from jausml.language.importers.jsidl import JSIDL_RULES, Source, import_sources
-from jausml.language.importers.jsidl.numbers import NumberError, evaluate
-from jausml.language.importers.jsidl.scopes import matches, pick_version
+from jausml.language.importers.jsidl.scopes import NumberError, evaluate, matches, pick_version
 from jausml.language.model import READER_RULES
 from jausml.language.model.xmi.writer import to_xmi
 

@@ -6,7 +6,7 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.project import InputError
-from jausml.language.project.index import Index, Models, index_around, own_instances
+from jausml.language.project import Index, Models, index_around, own_instances
 from jausml.language.text.notation import NOTATIONS
 
 PACKAGE = """\

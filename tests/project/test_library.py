@@ -14,9 +14,9 @@ from click.testing import CliRunner
 import jausml
 import jausml_generators
 from jausml.cli.authoring.new_parts import component, node, service
+from jausml.language import project as of_library
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.library import has_package, library_paths, library_root, module_of
-from jausml.language.project import reading as of_library
 
 GUARDS = ("jausml", "generators")
 SOURCES = [Path(each.__file__).parent for each in (jausml, jausml_generators)]

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from jausml.language import project
 from jausml.language.model import read_models
 from jausml.language.model.reading.library_cache import LibraryCache
-from jausml.language.project import index
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +35,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(read_models.__kwdefaults__, "cache", cache)
         if not _is_in(item.path, IN_THREADS):
-            patch.setattr(index, "LibraryCache", lambda: cache)
+            patch.setattr(project, "LibraryCache", lambda: cache)
         return (yield)
 
 

@@ -82,15 +82,15 @@ def serve(listener: socket.socket) -> None:
 def _prepare() -> None:
     """Reads the library and compiles all templates."""
     from jausml.generation import load_targets, render, select
+    from jausml.language import project
     from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import read_models
-    from jausml.language.project import index
     from jausml.language.validation.engine import check_project
 
     cache = LibraryCache()
     assert read_models.__kwdefaults__ is not None
     read_models.__kwdefaults__["cache"] = cache
-    index.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
+    project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
     model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
     render(check_project([model]).model, select(load_targets()).targets)
 

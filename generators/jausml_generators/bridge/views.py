@@ -14,8 +14,8 @@ from jausml.generation.system import source_of, system_of
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields
-from jausml.language.semantics.installed import package_of
-from jausml.language.semantics.paths.directions import used_maps
+from jausml.language.semantics.paths.scopes import used_maps
+from jausml.language.semantics.ros_types import package_of
 from jausml_generators.bridge.actions import (
     ActionView,
     answers_of_driver,

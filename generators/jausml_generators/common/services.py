@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import jaus
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import CORE, NEWEST_SET
 from jausml_generators.common.components import services_of, with_inherited
 

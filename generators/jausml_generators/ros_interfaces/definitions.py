@@ -9,12 +9,12 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.language.interfaces.definitions import FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.installed import kind_of, package_of, parts_of
+from jausml.language.semantics.ros_types import kind_of, package_of, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from jausml.language.model.library import library_root
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.xmi.parsing import parse as parse_xmi
-from jausml.language.project.index import Index, Models
+from jausml.language.project import Index, Models
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 
 if TYPE_CHECKING:

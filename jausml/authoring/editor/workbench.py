@@ -17,8 +17,7 @@ from jausml.language.model.library import LIBRARY_URI, library_root, module_of
 from jausml.language.model.names import qualified_name
 from jausml.language.model.project import made_project
 from jausml.language.model.reading.reader import ReadResult, read_models
-from jausml.language.project.index import Index, Models, own_instances, stored_files
-from jausml.language.project.reading import library
+from jausml.language.project import Index, Models, library, own_instances, stored_files
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import Parsed, joined, parse, parse_segment, segments_of

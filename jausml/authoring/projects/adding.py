@@ -15,8 +15,7 @@ from jausml.authoring.proposals.participants import new_bridge, new_connections
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import replace_file
-from jausml.language.project.index import Index
-from jausml.language.project.reading import library
+from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from jausml.language.model.library import LIBRARY_URI, SUFFIXES, library_root
 from jausml.language.model.project import InputError, project_folder
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.writer import replace_file
-from jausml.language.project.index import index_around
+from jausml.language.project import index_around
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 

@@ -12,7 +12,7 @@ from jausml.authoring.proposals.fresh import name_among
 from jausml.authoring.proposals.open_points import OpenPoint, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.connections.calls import REQUEST, RESPONSE
 from jausml.language.semantics.jaus.commands import (
     is_command,

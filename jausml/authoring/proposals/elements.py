@@ -10,8 +10,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
-from jausml.language.project.index import own_instances
-from jausml.language.project.reading import library
+from jausml.language.project import library, own_instances
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from jausml.authoring.editing.commands import Add
 from jausml.authoring.proposals.bridging import copied
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

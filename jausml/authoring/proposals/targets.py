@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.proposals.elements import Scope, label_of
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.jaus.services import lineage, outputs
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
 from jausml.authoring.proposals.named_elements import are_examples, frames_in
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.connections.calls import unanswered
 from jausml.language.semantics.connections.exchanges import EVENT
 from jausml.language.semantics.jaus.commands import is_command, told_by_command
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import words
-from jausml.language.semantics.paths.directions import used_maps
 from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

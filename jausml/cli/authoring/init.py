@@ -145,7 +145,7 @@ def _from_topics(
 ) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.authoring.projects.creating import start_from_topics
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.project.reading import library
+    from jausml.language.project import library
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)

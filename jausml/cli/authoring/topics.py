@@ -116,7 +116,7 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
     from jausml.language.metamodel.classes import bridge
-    from jausml.language.project.reading import library
+    from jausml.language.project import library
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)

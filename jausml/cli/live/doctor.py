@@ -22,7 +22,7 @@ from jausml.cli.shared.terminal import painted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.live.machine.finding import Finding
 
 

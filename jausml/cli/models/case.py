@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from jausml.language.model import Diagnostic
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.language.validation.report import Report
     from jausml.safety_case.argument import SafetyCase
     from jausml.safety_case.comparing import Former

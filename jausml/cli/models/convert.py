@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
 
 _XMI, _TEXT = SUFFIXES
 

@@ -12,7 +12,7 @@ from jausml.cli.shared.models import checked, fail, model_argument, reading_opti
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.views.diagrams.graph import Graph
 
 SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")

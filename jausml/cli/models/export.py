@@ -22,7 +22,7 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.model.model import Model
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
 
 
 @click.group("export")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from jausml.generation import Artifact, NoSystemError, Plan, Result, Selection, Target
     from jausml.language.model.model import Model
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
 
     Rendering = Callable[..., list[Artifact]]
 

@@ -136,7 +136,7 @@ def _differences(result: jsidl_importer.ImportResult) -> Iterator[str]:
     from jausml.language.importers.jsidl.scopes import pick_version
     from jausml.language.importers.jsidl.services import services_by_urn
     from jausml.language.model.comparison import ON_THE_WIRE, compare
-    from jausml.language.project.reading import library
+    from jausml.language.project import library
 
     shipped = services_by_urn(library("jaus"))
     for service in (each for root in result.sets for each in root.services):

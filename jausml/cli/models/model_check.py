@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.model_checking.checking import Outcome
 
 FORMATS = ("text", "json", "sarif")

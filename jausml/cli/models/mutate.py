@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project.reading import OneDocument, Reading
+    from jausml.language.project import OneDocument, Reading
     from jausml.mutating.outcomes import Campaign, Outcome
     from jausml.mutating.running import Settings
 
@@ -131,7 +131,7 @@ def _check_names(names: Sequence[str]) -> None:
 
 def _document(model: Model) -> OneDocument:
     from jausml.language.model.xmi.writer import UnwritableError
-    from jausml.language.project.reading import one_document
+    from jausml.language.project import one_document
 
     try:
         return one_document(model)

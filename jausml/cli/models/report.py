@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.views.analysis.assumptions import Assumptions
 
 Number = TypeVar("Number", int, float)

@@ -19,7 +19,7 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 from jausml.cli.shared.terminal import painted_findings
 
 if TYPE_CHECKING:
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.language.validation.report import Report
 
 

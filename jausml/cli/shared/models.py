@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.language.model import Model, ReadResult
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.language.validation.report import Report
     from jausml.live.messages import Catalogue
 
@@ -53,7 +53,7 @@ def _or_only_system(_: click.Context, __: click.Parameter, value: str) -> str:
 
 
 def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     index = None if value or not is_in_project() else Index.here()
     if index is None or not index.files_with_systems:
@@ -72,7 +72,7 @@ def only_system(argument: str) -> str:
         EnvironmentFault: There is none, or more than one.
         UsageError: No project is here.
     """
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     with _usable_input():
         return from_here(Index(_project(argument)).only_system())
@@ -125,7 +125,7 @@ def project_files() -> list[str]:
     """Returns the models of the project of the current folder, none where it is in none."""
     if not is_in_project():
         return []
-    from jausml.language.project.index import Index
+    from jausml.language.project import Index
 
     index = Index.here()
     return [from_here(index.root / each) for each in sorted(index.contents)] if index else []
@@ -168,7 +168,7 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
         bridge_frequency: float | None = None,
         **others: object,
     ) -> None:
-        from jausml.language.project.reading import Reading
+        from jausml.language.project import Reading
 
         reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
         command(*arguments, reading=reading, **others)
@@ -244,7 +244,7 @@ def read(
     Raises:
         EnvironmentFault: A path cannot be read.
     """
-    from jausml.language.project.reading import read_project
+    from jausml.language.project import read_project
 
     with _usable_input():
         return read_project(paths, reading, is_one=is_one)
@@ -324,7 +324,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
 
     found: list[str] = []
     if paths:
-        from jausml.language.project.reading import find_models
+        from jausml.language.project import find_models
 
         with _usable_input():
             found = find_models(paths)

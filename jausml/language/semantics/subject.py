@@ -17,10 +17,13 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
+    from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model.model import Model
+
+    AskedT = TypeVar("AskedT", bound=Hashable)
+    AnswerT = TypeVar("AnswerT")
 
 ElementT = TypeVar("ElementT", bound="EObject")
 Fact = TypeVar("Fact")
@@ -155,12 +158,6 @@ class Subject:
 def _joined(first: _Unread, second: _Unread) -> _Unread:
     return None if first is None or second is None else first | second
 
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterator
-
-    AskedT = TypeVar("AskedT", bound=Hashable)
-    AnswerT = TypeVar("AnswerT")
 
 _MEMORY: ContextVar[dict[Any, dict[Any, Any]] | None] = ContextVar("memory", default=None)
 

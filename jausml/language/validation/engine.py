@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Diagnostic, Related
 from jausml.language.model.model import without_collector
-from jausml.language.project.reading import read_project
+from jausml.language.project import read_project
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
 from jausml.language.validation.report import Report
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.model import ReadResult
-    from jausml.language.project.reading import Reading
+    from jausml.language.project import Reading
     from jausml.language.validation.rule import Finding, Rule
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from jausml.language.interfaces.installed import Installation
+from jausml.language.interfaces.parsing import Installation
 from jausml.live.machine.finding import Finding, Outcome
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from jausml.language.model import read_models
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.model.model import without_collector
-from jausml.language.project.reading import services_alone
+from jausml.language.project import services_alone
 from jausml.live.messages.embedded import MAXIMUM_DEPTH, as_it_is
 from jausml.live.messages.entries import DecodedMessage, MessageEntry, ServiceEntry, read_code
 from jausml.live.messages.errors import (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.ros_types import package_of
 from jausml.live.systems.state import DeclaredConnection, TopicName
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 
 from jausml.language.importers.ros import import_packages, installed_source
 from jausml.language.interfaces import Installation, parse_definition
-from jausml.language.interfaces.installed import definition_files
+from jausml.language.interfaces.parsing import definition_files
 
 PACKAGES = [each for each in Installation().packages() if each != "rmw_dds_common"]
 """All but one whose Python classes are not installed."""

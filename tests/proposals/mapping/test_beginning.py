@@ -11,7 +11,7 @@ from jausml.authoring.proposals.elements import Scope, message_of, type_of
 from jausml.authoring.proposals.mapping.beginning import Wish, begin_map
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.paths.scopes import source_paths, target_paths
 
 EMPTY = "bridge ears { address: 100.1.1 }\n"

@@ -17,7 +17,7 @@ from jausml.authoring.proposals.mapping.filling import fill_map
 from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.validation.engine import check
 

@@ -14,7 +14,7 @@ from jausml.authoring.studio.views.inheriting import cut, heritage, join
 from jausml.authoring.studio.views.moving import lead
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.validation.engine import check
 from jausml.views.diagrams.views import graph_of
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.semantics.paths.directions import used_maps
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import source_paths, used_maps
 from jausml_generators.bridge.checks.check import store
 from jausml_generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage

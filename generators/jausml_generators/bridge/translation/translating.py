@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from jausml.language.metamodel.classes import bridge, ecore
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.stops import has_stop
-from jausml.language.semantics.paths.directions import used_maps
+from jausml.language.semantics.paths.scopes import used_maps
 from jausml_generators.bridge.ros_classes import RosClasses
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed

@@ -24,8 +24,8 @@ from jausml.language.model.values import convert
 from jausml.language.semantics.connections.exchanges import FEATURES, infer
 from jausml.language.semantics.names import snake_case
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
-from jausml.language.text.writing.elements import ElementWriter
 from jausml.language.text.writing.layout import lines_of
+from jausml.language.text.writing.references import ElementWriter
 from jausml.language.text.writing.unparsing import MAP, MapWriter
 
 if TYPE_CHECKING:

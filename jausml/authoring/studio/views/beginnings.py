@@ -13,7 +13,7 @@ from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE
 from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import package_key
-from jausml.language.text.reading.declarations.messages import FIRST_CODE
+from jausml.language.text.reading.declared_messages import FIRST_CODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

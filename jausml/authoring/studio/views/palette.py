@@ -19,7 +19,7 @@ from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
-from jausml.language.project.reading import library
+from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.names import in_words, snake_case, words
 from jausml.language.semantics.paths.ros_paths import ros_name

@@ -11,13 +11,11 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import snake_case
 
 if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
-
-if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from xml.etree.ElementTree import Element
 
     Documented: TypeAlias = jaus.NamedElement | jaus.Value | jaus.Transition | jaus.Action
+
 
 NAMESPACE = "urn:jaus:jsidl:1.1"
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.numbers import NumberError
-from jausml.language.importers.jsidl.scopes import MissingError
+from jausml.language.importers.jsidl.scopes import MissingError, NumberError
 from jausml.language.importers.jsidl.vocabulary import VOCABULARY
 from jausml.language.model.values import show, suggest
 

@@ -42,7 +42,7 @@ from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
-from jausml.language.project.reading import library
+from jausml.language.project import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

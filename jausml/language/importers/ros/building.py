@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
 
 _FEATURES = {"msg": "messages", "srv": "services", "action": "actions"}
 ElementT = TypeVar("ElementT", bound="EObject")

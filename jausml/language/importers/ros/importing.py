@@ -18,14 +18,14 @@ from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.project.reading import library
+from jausml.language.project import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.language.interfaces.installed import Installation
+    from jausml.language.interfaces.parsing import Installation
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
 
 
 MOST_BYTES = 1024 * 1024

@@ -151,7 +151,7 @@ class Conversion:
     inverse: ClassVar[str] = ""
     limits: ClassVar[tuple[Interval, ...]] = ()
 
-    def forward(self, *given: Any, near: tuple[float, ...] = ()) -> Any:
+    def forward(self, *given: Any, **named: Any) -> Any:
         """Returns the result: a tuple of parts for messages and for several outputs.
 
         Raises:
@@ -163,7 +163,7 @@ class Conversion:
         for kind, value in zip_longest(self.inputs, given):
             parts += value if kind in PARTS else [value]
         try:
-            results = self.definition.compute([*parts, *near])
+            results = self.definition.compute([*parts, *named.get("near", ())])
         except EvaluationError as error:
             raise NoValueError(self.name) from error
         return results if self.outputs[0] in PARTS or len(results) > 1 else results[0]

@@ -28,10 +28,8 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     Guard = Literal["ANY", "CONTROLLED", "READY"]
+
 
 # Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
 _STANDBY_MESSAGES = frozenset(

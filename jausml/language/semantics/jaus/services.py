@@ -10,14 +10,19 @@ from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
     from typing import TypeAlias
 
     from typing_extensions import TypeIs
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.subject import Subject
 
     Group: TypeAlias = jaus.Record | jaus.Sequence
     Container: TypeAlias = Group | jaus.List | jaus.Variant
+    Provider = jaus.Component | jaus.PeerSearch
+    """Who provides services: a component, or whatever a search finds."""
 
 # What does not change the bytes of a legal message.
 _BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})
@@ -66,15 +71,6 @@ def signature(message: jaus.MessageDef) -> object:
     except wire.LayoutError:
         return None
 
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.subject import Subject
-
-    Provider = jaus.Component | jaus.PeerSearch
-    """Who provides services: a component, or whatever a search finds."""
 
 ACCESS_CONTROL = "AccessControl"
 

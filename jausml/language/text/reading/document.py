@@ -17,7 +17,7 @@ from jausml.language.semantics.names import package_name, system_name
 from jausml.language.semantics.subject import remembered, remembering
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
-from jausml.language.text.reading.declarations.declarer import Declarer
+from jausml.language.text.reading.declarer import Declarer
 from jausml.language.text.reading.elements import ElementReader, NodeMaker
 from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader

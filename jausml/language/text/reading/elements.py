@@ -23,11 +23,13 @@ from jausml.language.text.tree import (
 )
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel import ClassTable, Metamodels
-    from jausml.language.text.tree import Call, Item
+    from collections.abc import Callable, Sequence
+
+    from jausml.language.text.tree import Call, Item, Value
 
     Source: TypeAlias = Item | Call
     """What of a text may stand for an element."""
+    Special = Callable[[Node, Item], None]
 
 _TYPE = f"{XSI} type"
 
@@ -132,14 +134,6 @@ class NodeMaker:
             owner.children.append(node)
         return node
 
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.language.text.reading.elements import NodeMaker
-    from jausml.language.text.tree import Item, Value
-
-    Special = Callable[[Node, Item], None]
 
 _LOST = "jausml format keeps it, but no model has it"
 _MOST_DIGITS = 100

@@ -17,9 +17,9 @@ from typing import Any
 
 from lark import Token, UnexpectedToken
 
-from jausml.language.text.reading.comments import attach
 from jausml.language.text.reading.scanning import (
     SyntaxFault,
+    attach,
     describe,
     language,
     scan,

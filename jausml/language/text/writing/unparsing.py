@@ -37,9 +37,8 @@ from jausml.language.text.tree import (
     lists_of,
 )
 from jausml.language.text.writing import layout
-from jausml.language.text.writing.elements import ElementWriter
 from jausml.language.text.writing.layout import space_document
-from jausml.language.text.writing.references import ReferenceNames
+from jausml.language.text.writing.references import ElementWriter, ReferenceNames
 from jausml.language.text.writing.spelling import (
     IN_THE_HEAD,
     constant,
@@ -52,20 +51,16 @@ from jausml.language.text.writing.spelling import (
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from typing import TypeAlias
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.model import Model
     from jausml.language.text.writing.references import DocumentNames
 
     Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
+
 
 MAP = "bridge.AttributeMap"
 _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})

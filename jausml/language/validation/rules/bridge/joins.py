@@ -10,9 +10,8 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
 from jausml.language.semantics.paths.attributes import Attribute
-from jausml.language.semantics.paths.directions import directions, sound_connections
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import directions, sound_connections, source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from jausml.language.semantics.paths.attributes import (
     PathFault,
     constant_fault,
 )
-from jausml.language.semantics.paths.directions import directions
-from jausml.language.semantics.paths.scopes import PathScope, outer_scope
+from jausml.language.semantics.paths.scopes import PathScope, directions, outer_scope
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from jausml.language.semantics.paths.attributes import (
     Attribute,
     Found,
 )
-from jausml.language.semantics.paths.directions import direction_of, directions
+from jausml.language.semantics.paths.scopes import direction_of, directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

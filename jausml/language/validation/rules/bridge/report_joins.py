@@ -14,8 +14,7 @@ from jausml.language.semantics.jaus.services import (
     is_known,
     query_name,
 )
-from jausml.language.semantics.paths.directions import directions
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import directions, source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
 

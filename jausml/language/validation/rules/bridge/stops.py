@@ -11,7 +11,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.stops import has_stop, is_command
 from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
-from jausml.language.semantics.paths.directions import sound_connections
+from jausml.language.semantics.paths.scopes import sound_connections
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from jausml.language.semantics.paths.attributes import (
     named_values,
     table_text,
 )
-from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

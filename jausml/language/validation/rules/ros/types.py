@@ -27,7 +27,7 @@ from jausml.language.semantics.paths.attributes import (
     primitive,
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.type_extents import excesses
+from jausml.language.semantics.ros_types import excesses
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

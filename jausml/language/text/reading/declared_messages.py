@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.semantics.names import service_name, snake_case, system_name
-from jausml.language.text.reading.declarations.types import JausFields
+from jausml.language.text.reading.declared_types import JausFields
 from jausml.language.text.tree import Element, Feature
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declarations.types import Types
+    from jausml.language.text.reading.declared_types import Types
     from jausml.language.text.reading.elements import ElementReader, NodeMaker
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.tree import End, Span

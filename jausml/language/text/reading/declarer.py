@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.library import has_package
 from jausml.language.semantics.names import package_name, words
-from jausml.language.text.reading.declarations.messages import OwnService
-from jausml.language.text.reading.declarations.types import (
+from jausml.language.text.reading.declared_messages import OwnService
+from jausml.language.text.reading.declared_types import (
     BOOL,
     DEEPEST,
     NUMBERS,
