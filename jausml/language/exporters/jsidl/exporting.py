@@ -1,4 +1,4 @@
-"""Export of services as JSIDL files, and what gets lost on the way: what an import does not find."""
+"""Export of services as JSIDL files, and what gets lost on the way."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Scanner: cuts text into tokens and comments, and says what was expected in place of others.
 
-Comments are put to the items that they belong to.
+A comment belongs to the item behind it, but on the last line of an item to that one. One within an
+item that has no list there goes before the item. What stands before a closing bracket stays there.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Shortest names of elements in ros2jaus text, and what it must import for them.
+"""Elements as uniform blocks of ros2jaus text, with the shortest names of others and their imports.
 
 Which name leads where is decided by `NameFinder`, as for text that is read.
 """
