@@ -75,11 +75,7 @@ class _Kept:
 
 
 class Models:
-    """Models of the files of a project; one is read again when what it was read of has changed.
-
-    Args:
-        root: The folder that files are relative to, links followed.
-    """
+    """Models of the files of a project; one is read again when what it was read of has changed."""
 
     def __init__(self, root: Path, notations: Sequence[Notation] = NOTATIONS) -> None:
         self._root = root
@@ -88,11 +84,7 @@ class Models:
         self._cache = LibraryCache()
 
     def read(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> ReadResult:
-        """Returns the model of files and of all that they refer to.
-
-        Args:
-            contents: What the files of the project hold, by their paths.
-        """
+        """Returns the model of files and of all that they refer to."""
         # Of models of several files few are kept, whichever these are.
         kept = self._kept.setdefault(files[0] if len(files) == 1 else "", [])
         found = next((each for each in kept if each.is_of(files, contents)), None)
@@ -116,10 +108,8 @@ class Index:
     """The files of a project, and the models of them.
 
     Args:
-        root: The folder of the project, links followed.
         contents: What its model files hold, by their paths relative to it; None for what is
             stored.
-        models: Where models are kept that were read before.
     """
 
     def __init__(
@@ -165,9 +155,6 @@ class Index:
     def only_system(self, option: str = "") -> Path:
         """Returns the one file that has a system.
 
-        Args:
-            option: The option by which a user names one.
-
         Raises:
             InputError: There is none, or more than one.
         """
@@ -189,11 +176,7 @@ class Index:
 
 
 def index_around(folder: Path) -> Index:
-    """Returns the index of the project that a folder is in, or of the folder where it is in none.
-
-    Args:
-        folder: The folder, links followed.
-    """
+    """Returns the index of the project that a folder is in, else of the folder itself."""
     return Index(project_folder(folder / "any") or folder)
 
 
@@ -234,7 +217,6 @@ class Reading:
 
     Attributes:
         project_root: Folder that references may not leave; None for the one around the files.
-        projects: Folders of Eclipse projects by name.
         bridge_address: JAUS id of a bridge that carries all maps of a text; None for none.
         frequency: Messages each second of that bridge; None for the default.
     """
@@ -274,9 +256,6 @@ def find_models(paths: Iterable[str]) -> list[str]:
 
     Hidden folders are left out, and the shipped library with its copies in projects, unless a
     folder holds nothing else.
-
-    Raises:
-        InputError: A path cannot be read, or a folder holds no model.
     """
     hint = "; 'jausml init DIR' makes a project of models"
     return [file for path in paths for file in _own_models(files_at(path, SUFFIXES, hint))]
@@ -359,7 +338,6 @@ def library(kind: str = "", *, with_maps: bool = True) -> Model:
     Elements of the library with its ready maps are others than those of the one without.
 
     Args:
-        kind: The folder that is wanted: `jaus`, `ros` or `mappings`; empty for all of them.
         with_maps: Whether ready maps are wanted: they are text, and half of reading the library.
     """
     with _READING:

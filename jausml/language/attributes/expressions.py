@@ -207,7 +207,6 @@ def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
     Raises:
         EvaluationError: It has none there: it divides by zero, or a function is outside of its
             domain.
-        KeyError: A variable has no value.
     """
     if isinstance(expression, Number):
         return expression.value
@@ -235,12 +234,6 @@ def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Inter
 
     The result is never narrower than the truth, but may be wider: a variable that stands in several
     places counts there as several.
-
-    Args:
-        intervals: Least and greatest value of each variable; they may be infinite.
-
-    Raises:
-        KeyError: A variable has no interval.
     """
     found = _bound(expression, intervals)
     return None if spans.is_empty(found) else found

@@ -36,7 +36,6 @@ class FieldType:
     """The type of a field.
 
     Attributes:
-        name: A primitive type, or the name of a message type.
         package: Package of the message type; empty for a primitive type, and for a message type
             that the definition names without one.
         string_bound: Largest length of a string in characters; 0 when there is none.

@@ -135,22 +135,12 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders.
 
     Hidden folders and those of builds are left out.
-
-    Raises:
-        InputError: A path does not exist or cannot be read, or a folder holds no such file.
     """
     return [file for path in paths for file in files_at(path, suffixes)]
 
 
 def files_at(path: str, suffixes: tuple[str, ...], hint: str = "") -> Sequence[str]:
-    """Returns a file, or the files with certain endings below a folder, sorted.
-
-    Args:
-        hint: What stands behind the error of a folder without such a file.
-
-    Raises:
-        InputError: As by `find_files`.
-    """
+    """Returns a file, or the files with certain endings below a folder, sorted."""
     try:
         if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
             found = sorted(walk(path, suffixes))

@@ -68,7 +68,6 @@ class Item:
     """Something that stands on lines of its own.
 
     Attributes:
-        documentation: The text of the documentation comment before it, empty when there is none.
         comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).
         spaced: Whether an empty line stands before it and its comments.
     """
@@ -94,7 +93,6 @@ class Element(Item):
     Attributes:
         keyword: The class in small letters (`bridge`, `service_connection`); None where one word
             alone stands before the block, which is `name` then: a map's name or a class.
-        name: Name of the element; None for one without.
     """
 
     keyword: Name | None
@@ -118,7 +116,6 @@ class Member(Item):
     Attributes:
         type: The type word with its bound, such as `string<=20`; a list of members for a struct.
         size: Number of elements of an array; empty for a single member.
-        name: The name; None for a struct without one.
     """
 
     type: Name | list[Member]

@@ -64,11 +64,7 @@ def settled(
     rules: Collection[str],
     today: date | None = None,
 ) -> tuple[list[Diagnostic], list[SetAside]]:
-    """Returns the findings that count, those about allowances among them, and the others.
-
-    Args:
-        today: The day on which allowances must still hold, that of the computer when None.
-    """
+    """Returns the findings that count, those about allowances among them, and the others."""
     documents = [each for each in model.documents if _may_allow(each)]
     if not documents:
         return list(diagnostics), []

@@ -40,7 +40,6 @@ def read(path: Path) -> Counter[Identity]:
 
     Raises:
         BaselineError: It is no baseline, or one of another schema.
-        OSError: It cannot be read.
     """
     try:
         content = json.loads(read_input(path))

@@ -32,11 +32,7 @@ class RuleError(Exception):
 
 
 def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
-    """Checks a model that was read.
-
-    Args:
-        rules: The rules, all of them when None.
-    """
+    """Checks a model that was read."""
     findings = list(result.diagnostics)
     rules = all_rules() if rules is None else rules
     with without_collector(), remembering():
@@ -92,12 +88,7 @@ def check_project(
     """Reads models with all that they refer to, and judges them by all rules.
 
     Args:
-        is_one: Whether a single file is wanted and no folder.
         frequency: Messages each second of every bridge; None for what the models say.
-
-    Raises:
-        InputError: As by `read_project`.
-        RuleError: A rule failed, which is a fault of jausml.
     """
     read = read_project(paths, reading, is_one=is_one)
     if frequency is not None:

@@ -43,7 +43,6 @@ class Report:
     """All findings about some models.
 
     Attributes:
-        diagnostics: The findings by file, line, column, rule and message.
         rules: Rules of findings about something else than models.
     """
 

@@ -55,11 +55,7 @@ _BYTE = UNSIGNED["uint8"]
 
 
 def resolve(message: jaus.MessageDef) -> Message:
-    """Returns the layout of a message.
-
-    Raises:
-        LayoutError: The definition cannot be encoded.
-    """
+    """Returns the layout of a message."""
     owner = message.eContainer()
     try:
         body = resolve_field(message.body) if message.body is not None else None

@@ -219,11 +219,7 @@ _NOT_IN_FILES = re.compile("[^A-Za-z0-9_.-]+")
 
 @dataclass(frozen=True, slots=True)
 class ExportResult:
-    """The outcome of an export.
-
-    Attributes:
-        documents: The documents by the names of their files: one for each service.
-    """
+    """The outcome of an export."""
 
     documents: Mapping[str, bytes]
     diagnostics: list[Diagnostic]

@@ -217,11 +217,7 @@ class Builder:
         return obj
 
     def set(self, obj: EObject, name: str, value: Any) -> None:
-        """Sets a feature of an element, or adds to one with many values.
-
-        Args:
-            obj: The element.
-        """
+        """Sets a feature of an element, or adds to one with many values."""
         feature = self.model.metamodels.class_of(obj).features[name]
         if feature.kind is not FeatureKind.ATTRIBUTE:
             for each in value if feature.many else [value]:

@@ -351,11 +351,7 @@ class Scopes:
 
 
 def pick_version(wanted: str, versions: Iterable[str]) -> str:
-    """Returns the version of something that is there which fits best.
-
-    Args:
-        versions: The versions that are there, at least one.
-    """
+    """Returns the version of something that is there which fits best."""
     known = sorted(versions, key=_version_key)
     fitting = [version for version in known if matches(wanted, version)]
     return (fitting or known)[-1]

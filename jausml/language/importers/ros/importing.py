@@ -263,9 +263,6 @@ def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePac
 
     An id is the name of the type; where a document holds several packages, the package stands
     before it.
-
-    Args:
-        result: What was imported.
     """
     shipped = [document for document in result.model.documents if document.is_library]
     model = Model(shipped, result.model.metamodels)

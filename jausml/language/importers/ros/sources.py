@@ -20,11 +20,7 @@ SUFFIXES = tuple(f".{kind}" for kind in PARTS)
 
 @dataclass(frozen=True, slots=True)
 class InterfaceFile:
-    """A definition file.
-
-    Attributes:
-        fault: Why it cannot be read.
-    """
+    """A definition file."""
 
     path: str
     data: bytes | None

@@ -92,9 +92,7 @@ def read_models(
 
     Args:
         project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
-        allow_outside: True to let hrefs leave it.
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
-        metamodels: The metamodels, by default the shipped ones.
         notations: What reads files that are no XMI, by the endings of their names.
         contents: What an editor holds of files, by real path; it is read instead of what is stored.
         cache: Where documents of the library are kept for the next reading with it. Whoever gives

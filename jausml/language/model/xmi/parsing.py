@@ -21,12 +21,7 @@ _LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 class Node:
-    """An XML element.
-
-    Attributes:
-        namespace: Namespace URI, empty when it has none.
-        children: Child elements in order.
-    """
+    """An XML element."""
 
     __slots__ = (
         "attributes",
@@ -124,9 +119,6 @@ def parse(data: bytes) -> ParseResult:
 
 def element_ends(data: bytes) -> dict[int, int]:
     """Returns where the elements of a document end, by the offsets of their start tags.
-
-    Args:
-        data: A document that `parse` has parsed.
 
     Returns:
         For an element with an end tag, the byte offset of that tag; else that behind its one tag.

@@ -51,7 +51,6 @@ def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str])
 
     Args:
         roots: The root elements of the document. Several are written inside `xmi:XMI`.
-        model: Knows their ids, and where elements of other documents stand.
         path: The file that the text is meant for. Hrefs to other documents are relative to it;
             the library is named by its URI, but by a path in the shipped models themselves.
 
@@ -63,15 +62,7 @@ def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str])
 
 
 def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> None:
-    """Writes root elements to a file, which is either old or new at any moment.
-
-    Args:
-        model: Knows their ids, and where elements of other documents stand.
-
-    Raises:
-        UnwritableError: As `to_xmi` says; the file is left alone.
-        OSError: The file cannot be written; it is left as it was.
-    """
+    """Writes root elements to a file, which is either old or new at any moment."""
     replace_file(Path(path), to_xmi(roots, model, path).encode("utf-8"))
 
 
@@ -80,7 +71,6 @@ def replace_file(path: Path, data: bytes) -> None:
 
     Args:
         path: The file; a symbolic link is followed. A file that is there keeps its permissions.
-        data: Its new content.
 
     Raises:
         OSError: The file cannot be written; it is left as it was.

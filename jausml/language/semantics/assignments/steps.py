@@ -142,7 +142,6 @@ def step_of(
     """Returns a conversion of a model with its arguments.
 
     Args:
-        names: What the names of an expression stand for: positions of its inputs, or -1.
         quantities: What stands in the place of quantities of the map, by name.
     """
     conversion = conversion_of(element)

@@ -174,11 +174,7 @@ def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.Message
 
 
 def sent_reports(owner: bridge.Bridge) -> set[int]:
-    """Returns the codes of the reports that a bridge answers with.
-
-    Args:
-        owner: The bridge, with all that its connections refer to.
-    """
+    """Returns the codes of the reports that a bridge answers with."""
     commands = map(command_answer, owner.bridgeConnections)
     return {
         *map(code, _carried(owner)),

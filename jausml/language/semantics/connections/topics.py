@@ -23,11 +23,7 @@ _LONGEST = 255
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """A publisher or a subscription, of a node or of a bridge.
-
-    Attributes:
-        reliability: Its reliability policy, decided where the model leaves that open.
-    """
+    """A publisher or a subscription, of a node or of a bridge."""
 
     element: ros.TopicEndpoint | bridge.Topic
     feature: str
@@ -152,11 +148,7 @@ def _tokens_fault(tokens: list[str]) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flow:
-    """A connection with its bridge.
-
-    Attributes:
-        topics: Full names of the topics that are named legally.
-    """
+    """A connection with its bridge."""
 
     connection: bridge.Connection
     owner: bridge.Bridge

@@ -39,11 +39,7 @@ _NOT_NEGATIVE = (0.0, float("inf"))
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """An expression of the model.
-
-    Attributes:
-        names: What its names stand for: positions of inputs, -1 for a counter of list elements.
-    """
+    """An expression of the model."""
 
     expression: expressions.Expression
     names: Mapping[str, int]

@@ -132,10 +132,7 @@ class Conversion:
         units: What becomes of the unit, or the units that it takes and yields.
         frames: Frames that it takes and yields, empty when it has nothing to do with frames.
         takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
-        effect: What becomes of a number, its unit left aside.
-        inverse: Name of the conversion that leads back, with the same arguments; may be empty.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
-        definition: What the function of the runtime computes.
     """
 
     name: ClassVar[str]
@@ -181,11 +178,7 @@ class Conversion:
         return EVERYTHING
 
     def back(self, *_given: Any, **_named: Any) -> float:
-        """Returns the only input that gives a result, where no other conversion leads back.
-
-        Args:
-            _given: The result, then the arguments.
-        """
+        """Returns the only input that gives a result, where no other conversion leads back."""
         raise NoValueError(self.name)
 
     def leads_back(self, *_arguments: Any) -> bool:
@@ -193,11 +186,7 @@ class Conversion:
         return bool(self.inverse) and self._is_plain
 
     def loses(self, *_given: Any, **_named: Any) -> bool:
-        """Tells whether it takes something of an input away on purpose.
-
-        Args:
-            _given: The inputs, then the arguments.
-        """
+        """Tells whether it takes something of an input away on purpose."""
         return False
 
     def sign(self, *_arguments: Any) -> int | None:

@@ -60,7 +60,6 @@ class Definition:
         takes: Names of the parts of the inputs, then of the arguments, then those of `near`.
         text: Lines `name = expression` of local values, then a line for each result.
         refused: Where there is no result, a condition on what it takes; empty for nowhere.
-        reason: Why there is none.
     """
 
     takes: str
@@ -119,11 +118,7 @@ class Definition:
         return self._operations.isdisjoint(_OF_LIBRARY)
 
     def compute(self, given: Sequence[float]) -> tuple[float, ...]:
-        """Returns the parts of the results.
-
-        Raises:
-            EvaluationError: There are none.
-        """
+        """Returns the parts of the results."""
         known = dict(zip(self.parameters, given, strict=False))
         if self.refusal is not None and evaluate(self.refusal, known):
             raise EvaluationError(self.reason)

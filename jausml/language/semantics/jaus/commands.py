@@ -134,11 +134,7 @@ class Answer:
 
 
 def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer | None:
-    """Returns the answer that a report of a service is; None when nobody can ask for it.
-
-    Args:
-        report: The report; None where there is none.
-    """
+    """Returns the answer that a report of a service is; None when nobody can ask for it."""
     if report is None:
         return None
     query = named(query_name(report), (m for each in lineage(service) for m in each.inputs))

@@ -48,16 +48,12 @@ class Attribute:
     Attributes:
         kind: `number`, `numbers`, `bool`, `text`, `octets`, `list`, `TimeStamp`, the full name of a
             ROS type (`geometry_msgs/Quaternion`), or empty for what no assignment can fill or read.
-        lower: Smallest legal number, None for no limit.
-        upper: Largest legal number, None for no limit.
         length: Largest number of bytes or characters of a text, None for no limit.
         optional: Whether it is a JAUS field that a message may leave out.
-        named: Whether the value set of a number gives single values a meaning.
         step: Distance between neighbouring numbers: 1 for integers, the least significant bit of
             scaled JAUS fields; None for floating point.
         units: Unit of its numbers as the model writes it, empty when none is known.
         count: Number of elements of a fixed array, None for others.
-        field: The field or sub-field of the model, None where there is none.
     """
 
     kind: str
@@ -126,11 +122,7 @@ _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 def constant_fault(text: str, attribute: Attribute, names: Mapping[str, str] | None = None) -> str:
-    """Says why a text is no value of an attribute, or returns an empty string.
-
-    Args:
-        names: The constants of the attribute, from who asks for many texts.
-    """
+    """Says why a text is no value of an attribute, or returns an empty string."""
     if attribute.kind == NUMBER:
         names = dict(attribute.constants) if names is None else names
         named = names.get(text.strip(), text)

@@ -37,7 +37,6 @@ class JausPlace:
     """A place in a JAUS message, from which paths go on.
 
     Attributes:
-        message: The `jaus.MessageDef` for its whole body, else None.
         field: What stands there, references resolved: a field, a sub-field, an alternative or a
             format.
     """

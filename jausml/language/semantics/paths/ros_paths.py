@@ -42,9 +42,6 @@ class RosPlace:
     Attributes:
         type: The `ros.MessageType` of the message that stands here; None for primitive values and
             for arrays as a whole.
-        field: The `ros.Field`, None for the whole message.
-        is_array: Whether it is an array as a whole.
-        label: Name of the innermost field.
         in_sequence: Whether it is an element of a sequence, or in one, that may be shorter.
     """
 

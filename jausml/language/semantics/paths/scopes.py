@@ -154,11 +154,7 @@ def outer_scope(
     to_ros: bool,
     followed: Followed | None = None,
 ) -> PathScope:
-    """Returns the scope of the assignments of a map.
-
-    Args:
-        followed: The paths that were followed in other maps; None for none.
-    """
+    """Returns the scope of the assignments of a map."""
     ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
     source, target = ends if to_ros else reversed(ends)
     followed = Followed() if followed is None else followed
@@ -277,11 +273,7 @@ class Direction:
     ) -> tuple[Placed[FirstT | SecondT], ...]: ...
 
     def of_kind(self, *kinds: type[bridge.Assignment]) -> tuple[Placed[Any], ...]:
-        """Returns the assignments of some classes.
-
-        Args:
-            kinds: The classes, such as `bridge.FieldAssignment`.
-        """
+        """Returns the assignments of some classes."""
         if not self.assignments:
             return ()
         found = self._by_kind.get(kinds)

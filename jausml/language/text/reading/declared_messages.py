@@ -32,11 +32,7 @@ _REPORT, _QUERY = "Report", "Query"
 
 
 class OwnService:
-    """Makes the service that has the new messages of a text.
-
-    Args:
-        path: The file, which names the service where the text does not.
-    """
+    """Makes the service that has the new messages of a text."""
 
     def __init__(
         self,

@@ -60,11 +60,7 @@ ANY = Size(0, is_fixed=False)
 
 @dataclass(frozen=True, slots=True)
 class TypeWord:
-    """The type word of a member.
-
-    Attributes:
-        bound: Greatest length of a string, 0 for none.
-    """
+    """The type word of a member."""
 
     word: str
     bound: int = 0

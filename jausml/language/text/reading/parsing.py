@@ -43,11 +43,7 @@ _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BR
 
 @dataclass(slots=True)
 class Parsed:
-    """The outcome of parsing a text.
-
-    Attributes:
-        tokens: The tokens of the text, without comments.
-    """
+    """The outcome of parsing a text."""
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)

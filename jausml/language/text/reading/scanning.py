@@ -272,11 +272,7 @@ class _Body:
 
 
 def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
-    """Puts comments to the items of a document, and tells items that stand behind an empty line.
-
-    Args:
-        document: The document, without comments.
-    """
+    """Puts comments to the items of a document, and tells items that stand behind an empty line."""
     far = (1 << 60, 0)
     _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
 
@@ -331,11 +327,7 @@ def _take(pending: list[Token], end: tuple[int, int]) -> list[Token]:
 
 
 def _lead(item: Item, comments: Sequence[Token], line: int) -> None:
-    """Puts the comments before an item to it.
-
-    Args:
-        line: Where the item before it ends; 0 for the first.
-    """
+    """Puts the comments before an item to it."""
     first = (comments[0].line if comments else item.span.line) or 1
     item.spaced = bool(line) and first > line + 1
     documenting = next((each for each in reversed(comments) if is_documentation(each)), None)

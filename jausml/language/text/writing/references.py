@@ -51,11 +51,7 @@ _PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
 
 
 class DocumentNames:
-    """Names elements for a document that was read.
-
-    Args:
-        model: Knows where elements of other documents stand.
-    """
+    """Names elements for a document that was read."""
 
     def __init__(self, model: Model, document: Document) -> None:
         self._model = model

@@ -24,8 +24,6 @@ class Case:
 
     Attributes:
         failure: Why it failed, on one line; None where it did not.
-        details: More about the failure, on several lines.
-        output: What else is to be known of it, on several lines.
         seconds: How long it took; None where nothing was measured.
     """
 

@@ -35,9 +35,6 @@ def render(report: Report, help_uri: str | None = None) -> str:
     """Returns a SARIF log of one run, with every rule of jausml.
 
     Paths are written as the user gave them: give them relative to the root of the repository.
-
-    Args:
-        help_uri: Where the page of all rules is, for a link to the part of each; None for none.
     """
     rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES, report.rules)]
     places = {str(rule["id"]): number for number, rule in enumerate(rules)}
