@@ -13,9 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from fractions import Fraction
 
-    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.importers.jsidl.scopes import Scope, Scopes
-    from jausml.language.model.reading.problems import NodePlace
+    from jausml.language.model.reading.problems import Findings, NodePlace
     from jausml.language.model.xmi.parsing import Node
 
 NUMERIC_TYPES: Mapping[str, str] = MappingProxyType(

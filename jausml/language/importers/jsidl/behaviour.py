@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
 from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
-from jausml.language.importers.jsidl.building import DEEPEST, Findings
+from jausml.language.importers.jsidl.building import DEEPEST
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from jausml.language.importers.jsidl.building import Builder
     from jausml.language.importers.jsidl.services import BehaviourNames
+    from jausml.language.model.reading.problems import Findings
     from jausml.language.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")

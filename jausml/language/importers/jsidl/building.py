@@ -1,17 +1,12 @@
-"""What all builders share: findings by the rules of the importer, and how elements are made."""
+"""What all builders share: how elements are made, and the rules of the importer."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from jausml.language.metamodel import FeatureKind, ValueKind
-from jausml.language.metamodel.filling import link, new_object, set_value, set_values
+from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.diagnostics import (
-    READER_RULES,
-    Diagnostic,
-    Location,
-    Related,
     RuleInfo,
     Severity,
 )
@@ -151,36 +146,6 @@ JSIDL_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the JSIDL importer by id. Ids are never used again for something else."""
 
 
-class Findings:
-    """The findings of one import."""
-
-    def __init__(self) -> None:
-        self._found: dict[Diagnostic, None] = {}
-        self.has_errors = False
-
-    def report(
-        self,
-        rule: str,
-        place: NodePlace | Location,
-        message: str,
-        hint: str = "",
-        related: tuple[Related, ...] = (),
-    ) -> None:
-        """Reports a finding; its severity is that of the rule.
-
-        A declaration that several messages use is looked at for each of them: what is found there
-        again is one finding.
-        """
-        location = place if isinstance(place, Location) else place.location
-        severity = (JSIDL_RULES.get(rule) or READER_RULES[rule]).severity
-        self.has_errors = self.has_errors or severity is Severity.ERROR
-        self._found[Diagnostic(rule, severity, location, message, hint, related=related)] = None
-
-    def diagnostics(self) -> list[Diagnostic]:
-        """Returns the findings, sorted by place."""
-        return sorted(self._found)
-
-
 ElementT = TypeVar("ElementT", bound="EObject")
 
 MOST_ELEMENTS = 50_000
@@ -218,14 +183,4 @@ class Builder:
 
     def set(self, obj: EObject, name: str, value: Any) -> None:
         """Sets a feature of an element, or adds to one with many values."""
-        feature = self.model.metamodels.class_of(obj).features[name]
-        if feature.kind is not FeatureKind.ATTRIBUTE:
-            for each in value if feature.many else [value]:
-                link(obj, feature, each)
-        elif feature.many:
-            set_values(obj, feature, value)
-        else:
-            data_type = feature.data_type
-            if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
-                value = data_type.literals[value]
-            set_value(obj, feature, value)
+        assign(obj, self.model.metamodels.class_of(obj).features[name], value)

@@ -21,11 +21,12 @@ from jausml.language.semantics.names import snake_case
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Hashable, Iterable, Mapping
 
-    from jausml.language.importers.jsidl.building import Builder, Findings
+    from jausml.language.importers.jsidl.building import Builder
     from jausml.language.importers.jsidl.messages import MessageBuilder
     from jausml.language.importers.jsidl.scopes import Scope
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.language.model.reading.problems import Findings
 
 MadeT = TypeVar("MadeT")
 

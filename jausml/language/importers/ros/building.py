@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
 from jausml.language.interfaces.parsing import PARTS
-from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.classes import ros
-from jausml.language.metamodel.filling import link, new_object, set_value
+from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.xmi.parsing import Node
 
@@ -77,13 +76,9 @@ class Builder:
             head.comment = ""
             for part, section in zip(PARTS[kind], definition.sections, strict=True):
                 message = self._message(f"{name}_{part.capitalize()}", section, *place)
-                self._set(element, part, message)
-        self._set(package, _FEATURES[kind], element)
+                self.set(element, part, message)
+        self.set(package, _FEATURES[kind], element)
         return element
-
-    def set(self, element: EObject, name: str, value: Any) -> None:
-        """Sets a feature, or adds to one with many values."""
-        self._set(element, name, value)
 
     def _message(
         self, name: str, section: Section, package: str, document: Document
@@ -94,7 +89,7 @@ class Builder:
         for field in section.fields:
             element = self._field(field)
             self._adopt(element, document, field.line, field.column)
-            self._set(message, "fields", element)
+            self.set(message, "fields", element)
             if isinstance(element, ros.MessageField):
                 self.uses.append(Use(element, field, message, package, document))
         for constant in section.constants:
@@ -102,7 +97,7 @@ class Builder:
             made = self._new(ros.Constant, **features)
             self._adopt(made, document, constant.line, constant.column)
             self._document(made, constant.comment)
-            self._set(message, "constants", made)
+            self.set(message, "constants", made)
         return message
 
     def _field(self, field: FieldDefinition) -> ros.Field:
@@ -114,33 +109,27 @@ class Builder:
                 ros.PrimitiveField, **common, type=kind.name, stringBound=kind.string_bound
             )
             if field.default is not None:
-                self._set(element, "defaultValue", field.default)
+                self.set(element, "defaultValue", field.default)
         else:
             element = self._new(ros.MessageField, **common)
         self._document(element, field.comment)
         if self._with_comments and _is_unit(field.units):
-            self._set(element, "units", field.units)
+            self.set(element, "units", field.units)
         return element
 
     def _document(self, element: EObject, comment: str) -> None:
         if comment and self._with_comments:
-            self._set(element, "documentation", comment)
+            self.set(element, "documentation", comment)
 
     def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
         element: ElementT = new_object(self._model.metamodels.class_of(kind))
         for name, value in features.items():
-            self._set(element, name, value)
+            self.set(element, name, value)
         return element
 
-    def _set(self, element: EObject, name: str, value: Any) -> None:
-        feature = self._model.metamodels.class_of(element).features[name]
-        if feature.kind is not FeatureKind.ATTRIBUTE:
-            link(element, feature, value)
-            return
-        data_type = feature.data_type
-        if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
-            value = data_type.literals[value]
-        set_value(element, feature, value)
+    def set(self, element: EObject, name: str, value: Any) -> None:
+        """Sets a feature, or adds to one with many values."""
+        assign(element, self._model.metamodels.class_of(element).features[name], value)
 
     def _adopt(self, element: EObject, document: Document, line: int, column: int) -> Node:
         node = Node(str(element.eClass.name), [], {}, None, (line, column, 0))

@@ -13,9 +13,10 @@ from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
-from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
+from jausml.language.model.reading.problems import Findings
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.project import library
@@ -84,7 +85,8 @@ class _Import:
         self._types: dict[tuple[str, str], ros.MessageType] = {}
         self._library: dict[tuple[str, str], ros.MessageType] | None = None
         self._packages: dict[str, ros.InterfacePackage] = {}
-        self._found: dict[Diagnostic, None] = {}
+        self._findings = Findings(ROS_RULES)
+        self._report = self._findings.report
 
     def run(self, sources: list[PackageSource]) -> ImportResult:
         for source in sources:
@@ -95,7 +97,7 @@ class _Import:
                 self._link(use)
         self._report_cycles()
         packages = list(self._packages.values())
-        return ImportResult(self._model, packages, sorted(self._found))
+        return ImportResult(self._model, packages, self._findings.diagnostics())
 
     # -- files -----------------------------------------------------------------------------------
 
@@ -208,10 +210,6 @@ class _Import:
                 path = " -> ".join(str(each.name) for each in cycle)
                 place = self._model.location(message)
                 self._report("JML650", place, f"{package}/{name} contains itself: {path}")
-
-    def _report(self, rule: str, place: Location, message: str, hint: str = "") -> None:
-        severity = (ROS_RULES.get(rule) or READER_RULES[rule]).severity
-        self._found[Diagnostic(rule, severity, place, message, hint)] = None
 
 
 def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
