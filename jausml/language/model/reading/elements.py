@@ -114,7 +114,7 @@ class ElementBuilder:
             if feature is None:
                 self._other_attribute(node, table, name, attributes[index + 1])
             elif not feature.settable:
-                self._refuse(node, table, feature, ("", name), node)
+                self._refuse(node, feature, NodePlace(self._document, node, ("", name)))
             else:
                 given.add(name)
                 self._assign_attribute(node, feature, attributes[index + 1])
@@ -173,7 +173,7 @@ class ElementBuilder:
             if feature is None or (child.namespace and child.namespace not in self._packages):
                 self._unknown_feature(node, table, child, child.tag)
             elif not feature.settable:
-                self._refuse(child, table, feature, None, node)
+                self._refuse(node, feature, NodePlace(self._document, child))
             elif feature.many or feature.name not in given:
                 given.add(feature.name)
                 self._child(node, child, feature, waiting)
@@ -212,33 +212,23 @@ class ElementBuilder:
         else:
             link(node.obj, feature, child.obj)
 
-    def _refuse(
-        self,
-        node: Node,
-        table: ClassTable,
-        feature: FeatureTable,
-        attribute: XmlAttribute | None,
-        owner: Node,
-    ) -> None:
-        message = f"feature '{feature.name}' of {table.name} cannot be set"
+    def _refuse(self, owner: Node, feature: FeatureTable, place: NodePlace) -> None:
+        message = f"feature '{feature.name}' of {_class(owner)} cannot be set"
         hint = "remove it: its value follows from the rest of the model"
-        place = NodePlace(self._document, node, attribute)
         self._lose(owner.obj, feature, "JML112", place, message, hint)
 
     def _assign_attribute(self, node: Node, feature: FeatureTable, text: str) -> None:
         """Takes the value of an XML attribute."""
-        attribute = ("", feature.name)
-        if feature.kind is FeatureKind.ATTRIBUTE:
-            if feature.many:
-                self._set_all(node, attribute, node.obj, feature, text.split())
-            else:
-                self._set(node, attribute, node.obj, feature, text)
-        elif feature.kind is FeatureKind.CONTAINMENT:
+        place = NodePlace(self._document, node, ("", feature.name))
+        if feature.kind is FeatureKind.CONTAINMENT:
             message = f"feature '{feature.name}' of {_class(node)} owns its elements"
-            place = NodePlace(self._document, node, attribute)
             self._lose(node.obj, feature, "JML114", place, message, "write them as child elements")
+        elif feature.kind is not FeatureKind.ATTRIBUTE:
+            self._note_all(place, node.obj, feature, text)
+        elif feature.many:
+            self._set_all(place, node.obj, feature, text.split())
         else:
-            self._note_all(NodePlace(self._document, node, attribute), node.obj, feature, text)
+            self._set(place, node.obj, feature, text)
 
     def _assign_value(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes the text of a child element as the value of an attribute."""
@@ -251,9 +241,9 @@ class ElementBuilder:
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._lose(node.obj, feature, "JML103", inner, message)
         elif feature.many:
-            self._set_all(child, None, node.obj, feature, [child.text])
+            self._set_all(NodePlace(self._document, child), node.obj, feature, [child.text])
         else:
-            self._set(child, None, node.obj, feature, child.text)
+            self._set(NodePlace(self._document, child), node.obj, feature, child.text)
 
     def _assign_reference(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes a child element of a reference: `href`, `xmi:idref` or xsi:nil."""
@@ -320,29 +310,16 @@ class ElementBuilder:
         self._lose(obj, feature, "JML104", place, message, hint)
         return False
 
-    def _set(
-        self,
-        node: Node,
-        attribute: XmlAttribute | None,
-        obj: EObject,
-        feature: FeatureTable,
-        text: str,
-    ) -> None:
+    def _set(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
         value, fault = convert(text, cast("DataTypeTable", feature.data_type))
         if fault is None:
             set_value(obj, feature, value)
         else:
-            self._report_value(NodePlace(self._document, node, attribute), obj, feature, fault)
+            self._report_value(place, obj, feature, fault)
 
     def _set_all(
-        self,
-        node: Node,
-        attribute: XmlAttribute | None,
-        obj: EObject,
-        feature: FeatureTable,
-        texts: list[str],
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, texts: list[str]
     ) -> None:
-        place = NodePlace(self._document, node, attribute)
         data_type = cast("DataTypeTable", feature.data_type)
         values = []
         for text in texts:

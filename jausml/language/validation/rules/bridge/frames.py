@@ -1,4 +1,4 @@
-"""Rules about axes: what points forward, left and up in ROS, forward, right and down in JAUS."""
+"""Rules about axes and coordinates: what points where in ROS and in JAUS, and ROS headers."""
 
 from __future__ import annotations
 
@@ -113,10 +113,8 @@ def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
 
 def _makes_another_quantity(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Whether a factor makes one kind of quantity of another, such as speed of a turning rate."""
-    measures = [
-        attribute_measure(each[0]) for each in (placed.source_attributes, placed.target_attributes)
-    ]
-    dimensions = {each.unit.dimension for each in measures if each is not None}
+    ends = placed.source_attributes[0], placed.target_attributes[0]
+    dimensions = {each.unit.dimension for each in map(attribute_measure, ends) if each is not None}
     return len(dimensions - {()}) > 1
 
 
@@ -205,10 +203,8 @@ def _ends_problem(source: Axis | None, target: Axis | None, taken: str, given: s
         if axis is None:
             continue
         verb = "the source is" if axis is source else "the target is"
-        if IS_DOWN[axis.frame] != IS_DOWN[wanted]:
-            return f"{verb} {axis.frame}"
-        families = {FAMILIES[axis.frame], FAMILIES[wanted]}
-        if families == {BODY, EARTH} and FAMILIES[axis.frame] == BODY:
+        is_of_body = FAMILIES[axis.frame] == BODY and FAMILIES[wanted] == EARTH
+        if is_of_body or IS_DOWN[axis.frame] != IS_DOWN[wanted]:
             return f"{verb} {axis.frame}"
     if source is None or target is None:
         return ""
