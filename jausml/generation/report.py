@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.generation.workspace import Result
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 def with_code(report: Report, result: Result, out: Path) -> Report:

@@ -15,7 +15,7 @@ from jausml.proving.running import Settings, prove
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 _BUDGET = 1.0
 """Seconds for all values of wide numbers; a mistake shows in the chosen ones."""

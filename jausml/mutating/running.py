@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from jausml.generation import Target
     from jausml.language.model import Diagnostic, Model
     from jausml.language.project import OneDocument
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.mutating.mutations import Mutation
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.results import FieldResult, MapResult
     from jausml.proving.round_trips import RoundTrip
 

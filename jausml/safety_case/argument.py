@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.model import Location
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.safety_case.generated import GeneratedTests
     from jausml.safety_case.hazards import Hazard, Row
 

@@ -12,7 +12,7 @@ from jausml.safety_case import evidence as kinds
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.safety_case.evidence import Evidence
     from jausml.safety_case.hazards import Answer, Hazard, Row
 

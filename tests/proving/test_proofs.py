@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.compiled_form import Tally
     from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.results import FieldResult

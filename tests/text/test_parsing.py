@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.parsing import MOST_FAULTS, parse
 from jausml.language.text.tree import (
     DEEPEST,
+    KEYWORDS,
     LONGEST,
     Assignment,
     Clock,

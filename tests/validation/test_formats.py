@@ -7,7 +7,7 @@ import json
 from jausml.language.model import Diagnostic, Location, Related, Severity
 from jausml.language.validation.formats import json as json_format
 from jausml.language.validation.formats import text
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
 
 FINDING = Diagnostic(
     rule="JML302",

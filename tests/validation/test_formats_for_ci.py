@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from jausml.language.model import Diagnostic, Location, Related, Severity
 from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.catalogue import catalogue
 from jausml.language.validation.formats import github, junit, sarif
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
+from jausml.language.validation.rules import catalogue
 
 ERROR = Diagnostic(
     rule="JML302",

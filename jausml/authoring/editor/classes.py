@@ -6,8 +6,15 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
-from jausml.language.text.keywords import classes_by_keyword
-from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Member
+from jausml.language.text.tree import (
+    Assignment,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Member,
+    classes_by_keyword,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

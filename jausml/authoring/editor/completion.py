@@ -17,9 +17,17 @@ from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.imports import library_files, library_maps
-from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Import, Name
+from jausml.language.text.tree import (
+    Assignment,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Import,
+    Name,
+    snake_case,
+)
 from jausml.language.text.writing.spelling import path as written_path
 from jausml.language.text.writing.spelling import word as written_word
 

@@ -10,9 +10,8 @@ from jausml.authoring.editor.names import Declaration, find
 from jausml.authoring.editor.paths import sides_at
 from jausml.authoring.editor.positions import Place, is_within
 from jausml.authoring.editor.workbench import imported_file, names_in, pieces_parsed
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import span_of, word_text
-from jausml.language.text.tree import Import, Span
+from jausml.language.text.tree import Import, Span, snake_case
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -15,9 +15,8 @@ from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import word_text
-from jausml.language.text.tree import Direction, Element, End
+from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.definitions import rows_of
 from jausml.live.messages.errors import DefinitionError
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.language.validation.engine import RuleError, check
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

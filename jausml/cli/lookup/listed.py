@@ -19,7 +19,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.connections.map_overview import MapOverview, overview
 from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.catalogue import PRODUCT_RULES, catalogue
+from jausml.language.validation.rules import PRODUCT_RULES, catalogue
 from jausml.live.messages import UnknownServiceError
 from jausml.proving.findings import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES

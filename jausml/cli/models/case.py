@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Diagnostic
     from jausml.language.project import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.safety_case.argument import SafetyCase
     from jausml.safety_case.comparing import Former
 

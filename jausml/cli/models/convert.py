@@ -104,7 +104,7 @@ def _check_paths(source: str, target: str) -> None:
 def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     """Shows what was found in reading, and ends when the model cannot be used."""
     from jausml.language.model.diagnostics import Severity
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     report = Report(result.model, (source,), tuple(result.diagnostics))
     shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
@@ -122,7 +122,7 @@ def _check_written(
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
     from jausml.language.validation.engine import check
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     held = {Path(os.path.realpath(path)): data for path, data in contents.items()}
     result = read_models(

@@ -60,7 +60,7 @@ def jsidl(
     from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES, export_jsidl
     from jausml.language.semantics.jaus import services
     from jausml.language.validation.formats import RENDERERS, text
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     read = valid_model(model, reading, outcome="nothing written")
     chosen = _services(read)

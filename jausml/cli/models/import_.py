@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jausml.language.interfaces import Installation
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ros import InterfacePackage
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 JSIDL_SUFFIXES = (".xml", ".jsidl")
 """The endings of JSIDL files."""
@@ -123,7 +123,7 @@ def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult)
     """Returns the findings of the importer; without errors, those of the rules too."""
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.validation.engine import check
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.language.project import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.results import MapResult
     from jausml.proving.round_trips import RoundTrip
     from jausml.proving.running import Settings

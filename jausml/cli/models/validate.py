@@ -20,7 +20,7 @@ from jausml.cli.shared.terminal import painted_findings
 
 if TYPE_CHECKING:
     from jausml.language.project import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 @click.command("validate")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model, ReadResult
     from jausml.language.project import Reading
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.live.messages import Catalogue
 
 SUFFIXES = (".xmi", ".ros2jaus")

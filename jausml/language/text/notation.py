@@ -10,7 +10,7 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.model import inputs
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.notation import Fault, Notation
-from jausml.language.text.keywords import snake_case
+from jausml.language.text.tree import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

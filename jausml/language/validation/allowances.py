@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Severity
 from jausml.language.model.values import show, suggest
 from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.catalogue import ALLOWANCE_RULES, PRODUCT_RULES
-from jausml.language.validation.report import Ground, SetAside
-from jausml.language.validation.rules import all_rules
+from jausml.language.validation.rule import Ground, SetAside
+from jausml.language.validation.rules import ALLOWANCE_RULES, PRODUCT_RULES, all_rules
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence

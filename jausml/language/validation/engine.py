@@ -11,7 +11,7 @@ from jausml.language.model.model import without_collector
 from jausml.language.project import read_project
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
 from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.validation.catalogue import PRODUCT_RULES
 from jausml.language.validation.formats import sarif
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
+from jausml.language.validation.rules import PRODUCT_RULES
 from jausml.model_checking.checking import diagnostic_of
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.validation.catalogue import PRODUCT_RULES
+from jausml.language.validation.rules import PRODUCT_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

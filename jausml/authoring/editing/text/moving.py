@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, cast
 from jausml.authoring.editing.commands import EditError
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.text.keywords import owning_features, snake_case
 from jausml.language.text.tree import (
     Assignment,
     Call,
@@ -17,6 +16,8 @@ from jausml.language.text.tree import (
     Ignored,
     Item,
     Name,
+    owning_features,
+    snake_case,
 )
 
 if TYPE_CHECKING:

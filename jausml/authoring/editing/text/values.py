@@ -8,7 +8,6 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.splices import common_ends
 from jausml.language.metamodel.filling import contents
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.tree import (
     Assignment,
     Element,
@@ -19,6 +18,7 @@ from jausml.language.text.tree import (
     Text,
     Value,
     Vector,
+    snake_case,
 )
 from jausml.language.text.writing.layout import WIDTH, simple
 from jausml.language.text.writing.spelling import documentation, is_comment, is_name, word

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from jausml.language.validation.formats import text
 
 if TYPE_CHECKING:
     from jausml.generation.contract.finding import Finding
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 _WORDS = {
     ActionKind.CREATE: "create",

@@ -9,8 +9,8 @@ from jausml.language.model.notation import BY_NAME, Fault
 from jausml.language.model.reading.classes import XSI, target_class
 from jausml.language.model.values import nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import MAX_DEPTH, Node
-from jausml.language.text.keywords import KEYWORDS, classes_by_keyword, owning_features, snake_case
 from jausml.language.text.tree import (
+    KEYWORDS,
     Element,
     Feature,
     Href,
@@ -18,8 +18,11 @@ from jausml.language.text.tree import (
     Number,
     Span,
     Text,
+    classes_by_keyword,
     is_bare,
     is_map,
+    owning_features,
+    snake_case,
 )
 
 if TYPE_CHECKING:

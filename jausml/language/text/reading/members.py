@@ -10,7 +10,6 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
 from jausml.language.semantics.jaus.services import attributes, class_name
-from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.declared_types import (
     ANY,
     BOOL,
@@ -22,6 +21,7 @@ from jausml.language.text.reading.declared_types import (
     size_of,
     type_word,
 )
+from jausml.language.text.tree import snake_case
 from jausml.language.wire import target_of
 
 if TYPE_CHECKING:

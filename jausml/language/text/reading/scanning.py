@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lark import Lark
 
 from jausml.language.model.values import nearest
-from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.shaping import Items, Shaper, span_of
 from jausml.language.text.tree import (
+    KEYWORDS,
     Item,
     Span,
     SyntaxTree,

@@ -21,8 +21,18 @@ from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href, is_written
 from jausml.language.semantics.connections.exchanges import FEATURES, unstated
-from jausml.language.text.keywords import owning_features, snake_case
-from jausml.language.text.tree import BlockItem, Element, Feature, Href, Name, Text, Value, is_map
+from jausml.language.text.tree import (
+    BlockItem,
+    Element,
+    Feature,
+    Href,
+    Name,
+    Text,
+    Value,
+    is_map,
+    owning_features,
+    snake_case,
+)
 from jausml.language.text.writing.layout import space
 from jausml.language.text.writing.spelling import (
     IN_THE_HEAD,

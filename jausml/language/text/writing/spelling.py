@@ -7,8 +7,8 @@ import re
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from jausml.language.metamodel import FeatureTable, ValueKind
-from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.tree import (
+    KEYWORDS,
     Href,
     Item,
     Name,

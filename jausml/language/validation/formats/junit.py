@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True, slots=True)

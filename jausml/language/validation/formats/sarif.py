@@ -13,14 +13,14 @@ from urllib.parse import quote
 from jausml import __version__
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.catalogue import catalogue
+from jausml.language.validation.rules import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model.diagnostics import Diagnostic, Location
-    from jausml.language.validation.catalogue import CatalogueEntry
-    from jausml.language.validation.report import Report, SetAside
+    from jausml.language.validation.rule import Report, SetAside
+    from jausml.language.validation.rules import CatalogueEntry
 
 SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
