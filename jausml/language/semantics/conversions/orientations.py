@@ -30,6 +30,72 @@ if TYPE_CHECKING:
 QUARTER = (-math.pi / 2, math.pi / 2)
 
 
+class DegreesToRadians(Conversion):
+    """Degrees to radians."""
+
+    name = "degrees_to_radians"
+    units = (DEGREE, RADIAN)
+    inverse = "radians_to_degrees"
+    effect = Effect.LINEAR
+    definition = Definition("value", "value * (pi / 180)")
+
+
+class RadiansToDegrees(Conversion):
+    """Radians to degrees."""
+
+    name = "radians_to_degrees"
+    units = (RADIAN, DEGREE)
+    inverse = "degrees_to_radians"
+    effect = Effect.LINEAR
+    definition = Definition("value", "value * (180 / pi)")
+
+
+class NedHeadingToEnuYaw(Conversion):
+    """Heading clockwise from north to yaw counter-clockwise from east, wrapped to [-pi, pi]."""
+
+    name = "ned_heading_to_enu_yaw"
+    units = (RADIAN, RADIAN)
+    frames = (NED, ENU)
+    takes_axes = gives_axes = ("z",)
+    inverse = "enu_yaw_to_ned_heading"
+    limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        yaw = pi / 2 - value
+        if(isfinite(yaw), remainder(yaw, 2 * pi), nan)
+        """,
+    )
+
+
+class EnuYawToNedHeading(Conversion):
+    """Yaw counter-clockwise from east to heading clockwise from north, wrapped to [-pi, pi]."""
+
+    name = "enu_yaw_to_ned_heading"
+    units = (RADIAN, RADIAN)
+    frames = (ENU, NED)
+    takes_axes = gives_axes = ("z",)
+    inverse = "ned_heading_to_enu_yaw"
+    limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        heading = pi / 2 - value
+        if(isfinite(heading), remainder(heading, 2 * pi), nan)
+        """,
+    )
+
+
+class WrapAngle(Conversion):
+    """An angle in radians wrapped to [-pi, pi]."""
+
+    name = "wrap_angle"
+    units = (RADIAN, RADIAN)
+    limits = (TURN,)
+    effect = Effect.SAME
+    definition = Definition("value", "if(isfinite(value), remainder(value, 2 * pi), nan)")
+
+
 # The turn about one axis, or about all of them, by half angles; an infinite angle gives none.
 _TURN = """
         half_z = if(isfinite(about_z), about_z / 2, nan)
@@ -245,69 +311,3 @@ class EnuQuaternionToNedAngles(_ToAngles):
         remainder(pi / 2 + yaw, 2 * pi)
         """,
     )
-
-
-class DegreesToRadians(Conversion):
-    """Degrees to radians."""
-
-    name = "degrees_to_radians"
-    units = (DEGREE, RADIAN)
-    inverse = "radians_to_degrees"
-    effect = Effect.LINEAR
-    definition = Definition("value", "value * (pi / 180)")
-
-
-class RadiansToDegrees(Conversion):
-    """Radians to degrees."""
-
-    name = "radians_to_degrees"
-    units = (RADIAN, DEGREE)
-    inverse = "degrees_to_radians"
-    effect = Effect.LINEAR
-    definition = Definition("value", "value * (180 / pi)")
-
-
-class NedHeadingToEnuYaw(Conversion):
-    """Heading clockwise from north to yaw counter-clockwise from east, wrapped to [-pi, pi]."""
-
-    name = "ned_heading_to_enu_yaw"
-    units = (RADIAN, RADIAN)
-    frames = (NED, ENU)
-    takes_axes = gives_axes = ("z",)
-    inverse = "enu_yaw_to_ned_heading"
-    limits = (TURN,)
-    definition = Definition(
-        "value",
-        """
-        yaw = pi / 2 - value
-        if(isfinite(yaw), remainder(yaw, 2 * pi), nan)
-        """,
-    )
-
-
-class EnuYawToNedHeading(Conversion):
-    """Yaw counter-clockwise from east to heading clockwise from north, wrapped to [-pi, pi]."""
-
-    name = "enu_yaw_to_ned_heading"
-    units = (RADIAN, RADIAN)
-    frames = (ENU, NED)
-    takes_axes = gives_axes = ("z",)
-    inverse = "ned_heading_to_enu_yaw"
-    limits = (TURN,)
-    definition = Definition(
-        "value",
-        """
-        heading = pi / 2 - value
-        if(isfinite(heading), remainder(heading, 2 * pi), nan)
-        """,
-    )
-
-
-class WrapAngle(Conversion):
-    """An angle in radians wrapped to [-pi, pi]."""
-
-    name = "wrap_angle"
-    units = (RADIAN, RADIAN)
-    limits = (TURN,)
-    effect = Effect.SAME
-    definition = Definition("value", "if(isfinite(value), remainder(value, 2 * pi), nan)")
