@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.ros_types import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -57,10 +57,8 @@ class FieldLayout:
 
     Attributes:
         array: `single`, `fixedArray`, `boundedSequence` or `unboundedSequence`.
-        primitive: Its type of numbers; None for texts and messages.
         text: `string` or `wstring`; empty for others.
         bound: Most characters of a text; 0 without a limit.
-        message: Its message type; None for others.
         default: Default of the model as Python value; None without one.
     """
 

@@ -22,7 +22,8 @@ from jausml_generators.python.expressions import python_condition, python_expres
 
 GUARDS = (
     "jausml/language/semantics/conversions",
-    "jausml/language/attributes/expressions",
+    "jausml/language/attributes/expressions.py",
+    "jausml/language/attributes/expression_tree.py",
     "jausml/runtime/conversions",
 )
 

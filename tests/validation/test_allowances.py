@@ -11,10 +11,11 @@ import pytest
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.allowances import ALLOWANCE_RULES, settled
+from jausml.language.validation.allowances import settled
 from jausml.language.validation.engine import check
 from jausml.language.validation.formats import sarif, text
 from jausml.language.validation.rule import Ground
+from jausml.language.validation.rules import ALLOWANCE_RULES
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 DOUBTFUL = (

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 
 import pytest
-from jausml.language.semantics.ros_types import InstalledTypes
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.library import library_root
+from jausml.language.semantics.ros_types import InstalledTypes
 from jausml.language.validation.engine import check_project
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>

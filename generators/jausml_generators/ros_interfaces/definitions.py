@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.ros_types import kind_of, package_of, parts_of
-
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.language.interfaces.definitions import FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.ros_types import kind_of, package_of, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

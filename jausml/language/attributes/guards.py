@@ -74,11 +74,7 @@ Guard = Condition | Negation | AllOf | AnyOf
 
 
 def parse_guard(text: str | None) -> Guard | None:
-    """Returns the guard that a text describes, None for an empty one.
-
-    Args:
-        text: Feature `guard` of a transition.
-    """
+    """Returns the guard that a text describes, None for an empty one."""
     if text is None or not text.strip():
         return None
     return _Parser(text).whole()

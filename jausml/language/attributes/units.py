@@ -68,11 +68,7 @@ class Unit:
 
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> Unit:
-    """Returns the unit that a text names.
-
-    Raises:
-        UnitError: The text is no unit; `nearest_units` has suggestions.
-    """
+    """Returns the unit that a text names."""
     return _Parser(text).whole()
 
 

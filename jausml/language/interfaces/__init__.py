@@ -11,8 +11,7 @@ from jausml.language.interfaces.definitions import (
     FieldType,
     Section,
 )
-from jausml.language.interfaces.installed import Installation
-from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.interfaces.parsing import PARTS, Installation, parse_definition
 
 __all__ = [
     "PARTS",

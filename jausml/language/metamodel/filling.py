@@ -16,7 +16,7 @@ from ordered_set import OrderedSet
 from pyecore.innerutils import InternalSet
 from pyecore.valuecontainer import ECollection, EList, EValue
 
-from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable
+from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable, ValueKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -58,6 +58,20 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
     """Adds values to a multi-valued attribute."""
     _extend(_collection(obj, table), values)
     obj._isset[table.feature] = None
+
+
+def assign(obj: Any, table: FeatureTable, value: Any) -> None:
+    """Sets a feature, or adds to one with many values; an enumeration by the name of a literal."""
+    if table.kind is not FeatureKind.ATTRIBUTE:
+        for each in value if table.many and isinstance(value, list | tuple) else [value]:
+            link(obj, table, each)
+    elif table.many:
+        set_values(obj, table, value)
+    else:
+        data_type = table.data_type
+        if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
+            value = data_type.literals[value]
+        set_value(obj, table, value)
 
 
 def link(obj: Any, table: FeatureTable, target: Any) -> None:

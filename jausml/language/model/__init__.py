@@ -5,14 +5,14 @@ from typing import Any
 
 _HOMES = {
     "LIBRARY_URI": "jausml.language.model.library",
-    "READER_RULES": "jausml.language.model.rules",
+    "READER_RULES": "jausml.language.model.diagnostics",
     "Diagnostic": "jausml.language.model.diagnostics",
     "Document": "jausml.language.model.documents",
     "Location": "jausml.language.model.diagnostics",
     "Model": "jausml.language.model.model",
     "ReadResult": "jausml.language.model.reading.reader",
     "Related": "jausml.language.model.diagnostics",
-    "RuleInfo": "jausml.language.model.rules",
+    "RuleInfo": "jausml.language.model.diagnostics",
     "Severity": "jausml.language.model.diagnostics",
     "find_project_root": "jausml.language.model.project",
     "library_root": "jausml.language.model.library",

@@ -1,6 +1,8 @@
+from jausml.language.model.diagnostics import READER_RULES as READER_RULES
 from jausml.language.model.diagnostics import Diagnostic as Diagnostic
 from jausml.language.model.diagnostics import Location as Location
 from jausml.language.model.diagnostics import Related as Related
+from jausml.language.model.diagnostics import RuleInfo as RuleInfo
 from jausml.language.model.diagnostics import Severity as Severity
 from jausml.language.model.documents import Document as Document
 from jausml.language.model.library import LIBRARY_URI as LIBRARY_URI
@@ -9,5 +11,3 @@ from jausml.language.model.model import Model as Model
 from jausml.language.model.project import find_project_root as find_project_root
 from jausml.language.model.reading.reader import ReadResult as ReadResult
 from jausml.language.model.reading.reader import read_models as read_models
-from jausml.language.model.rules import READER_RULES as READER_RULES
-from jausml.language.model.rules import RuleInfo as RuleInfo

@@ -55,11 +55,7 @@ def _seal(name: str, state: str, body: bytes) -> bytes:
 
 
 def _key() -> bytes:
-    """Returns the key of the user, which is made when it is first asked for.
-
-    Raises:
-        PermissionError: Others could read it.
-    """
+    """Returns the key of the user, which is made when it is first asked for."""
     state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     path = Path(state) / "jausml" / "seal"
     if not path.exists():

@@ -58,12 +58,7 @@ digits with which they are written.
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference between two models.
-
-    Attributes:
-        first_element: The element of the first model, None when it has none.
-        second_element: The element of the second model, None when it has none.
-    """
+    """One difference between two models."""
 
     path: str
     feature: str

@@ -21,7 +21,6 @@ class Document:
     """One file of a model.
 
     Attributes:
-        path: The file; absolute, symbolic links followed.
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
         lacks_imports: True when a document that it imports could not be read.
         is_shared: True when other models may have its elements too.

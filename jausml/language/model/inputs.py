@@ -3,15 +3,20 @@
 A link to a device, or a pipe in a folder that is checked, would otherwise stop a tool or fill the
 memory of its machine. Recordings and captures are large on purpose, and may come by a pipe:
 they are read as streams, in bounded pieces, by `cli/live/recordings.py` and `recording`.
+What a merge of lines leaves in files is found here too.
 """
 
 from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 MOST_MIB = 64
 """The largest file that is read at once, in MiB, unless `LIMIT` says otherwise."""
@@ -90,3 +95,42 @@ def _is_null(descriptor: int) -> bool:
 def _most_mib() -> int:
     given = os.environ.get(LIMIT, "")
     return int(given) if given.isdecimal() and given.isascii() and int(given) else MOST_MIB
+
+
+_MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
+_MOST_NAMED = 5
+
+UNMERGED = "JML009"
+UNMERGED_HINT = "keep what is meant, and remove the marks"
+
+
+def unmerged(data: bytes) -> tuple[str, int]:
+    """Returns what is said of all markers of conflicts, and the line of the first; empty for none.
+
+    To be asked where a file cannot be read: some texts may hold such lines.
+    """
+    found = list(_conflicts(data))
+    if not found:
+        return "", 0
+    places = [f"{first}-{last}" if last > first else f"{first}" for first, last in found]
+    more = [f"and {len(places) - _MOST_NAMED} more"] if len(places) > _MOST_NAMED else []
+    shown = ", ".join([*places[:_MOST_NAMED], *more])
+    return f"an unmerged conflict stands in lines {shown}", found[0][0]
+
+
+def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:
+    """Yields the first and the last line of each conflict."""
+    first = last = at = 0
+    line = 1
+    for marker in _MARKER.finditer(data):
+        line += data.count(b"\n", at, marker.start())
+        at = marker.start()
+        if first and marker[1].startswith(b"<"):
+            yield first, last
+            first = 0
+        first, last = first or line, line
+        if marker[1].startswith(b">"):
+            yield first, last
+            first = 0
+    if first:
+        yield first, last

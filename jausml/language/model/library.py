@@ -1,6 +1,6 @@
 """The shipped library: its files, each found once in a process, and the copies that projects have.
 
-What the files say is read by `jausml.language.project.library`.
+What the files say is read by `jausml.language.project`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import gc
+import os
+from contextlib import contextmanager
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
@@ -18,7 +22,6 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
@@ -269,3 +272,30 @@ def _node(element: EObject, parent: Node | None) -> Node:
     node = Node("", [], {}, parent, (1, 1, 0))
     node.obj = element
     return node
+
+
+@contextmanager
+def without_collector() -> Iterator[None]:
+    """Keeps the collector from walking large data again and again while it grows."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def digests(model: Model) -> dict[str, str]:
+    """Returns the sha256 of each file of a model, those of the library left out, as `sha256sum`.
+
+    Returns:
+        Digests by path, relative to the folder of the first file, in the order of the paths.
+    """
+    own = [each for each in model.documents if not each.is_library]
+    folder = model.documents[0].path.parent
+    found = {
+        os.path.relpath(each.path, folder).replace(os.sep, "/"): sha256(each.data).hexdigest()
+        for each in own
+    }
+    return dict(sorted(found.items()))

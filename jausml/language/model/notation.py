@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.rules import RuleInfo
+    from jausml.language.model.diagnostics import RuleInfo
     from jausml.language.model.xmi.parsing import Node
 
 NOTATION = "http://www.jausml.org/notation"

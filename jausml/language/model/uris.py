@@ -59,8 +59,6 @@ class UriResolver:
     """Resolves the URIs of hrefs, without their fragments.
 
     Args:
-        project_root: The folder that hrefs may not leave.
-        allow_outside: True when they may.
         projects: Folders of Eclipse projects by name, for platform:/resource/ URIs. Projects in the
             root, and beside the one that holds a document, are found by themselves.
     """
@@ -90,9 +88,6 @@ class UriResolver:
 
     def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
         """Resolves the URI of an href.
-
-        Args:
-            uri: The URI, percent-encoded, without fragment.
 
         Returns:
             The file, which need not exist, or the reason why the URI names none.
@@ -203,11 +198,7 @@ _MOST_FOLDERS = 10_000
 
 
 def projects_around(path: Path) -> dict[str, Path]:
-    """Returns the project that holds a file, and those beside it, by name.
-
-    Args:
-        path: The file, with links resolved.
-    """
+    """Returns the project that holds a file, and those beside it, by name."""
     project = enclosing_project(path)
     return {} if project is None else projects_in(project.parent)
 

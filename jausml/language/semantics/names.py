@@ -1,12 +1,43 @@
-"""Names in generated code: identifiers, package names, and what is taken already."""
+"""Names: their words, what generated code makes of them, and those that a file implies."""
 
 from __future__ import annotations
 
 import keyword
 import re
 import sys
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from jausml.language.model.words import snake_case
+if TYPE_CHECKING:
+    from pathlib import Path
+
+LONGEST = 60
+"""Characters to which names of generated code are cut."""
+
+_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
+_NOT_NAME = re.compile("[^A-Za-z0-9]+")
+
+
+def parts(name: str) -> list[str]:
+    """Returns what stands between characters that no name can have."""
+    return [part for part in _NOT_NAME.split(name) if part]
+
+
+def words(name: str) -> list[str]:
+    """Returns the words of a name: at capitals, digits stay with the word before them."""
+    return [word for part in parts(name) for word in _WORD_START.split(part) if word]
+
+
+@lru_cache(maxsize=1 << 16)
+def snake_case(name: str) -> str:
+    """Returns the words in small letters, joined by underscores; empty without any word."""
+    return "_".join(words(name)).lower()[:LONGEST].rstrip("_")
+
+
+def in_words(name: str) -> str:
+    """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
+    return " ".join(word if word.isupper() else word.lower() for word in words(name))
+
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
@@ -55,3 +86,27 @@ def urn_fault(urn: str) -> str:
     if len(urn) > _LONGEST_URN:
         return f"is longer than {_LONGEST_URN} characters"
     return "" if _URN.fullmatch(urn) else "is no URN"
+
+
+_NO_FILE = "model"
+
+
+def system_name(path: Path) -> str:
+    """Returns the name of the implicit system, map library or service set of a file."""
+    name = path.stem
+    return name if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name) else _valid(name)
+
+
+def service_name(path: Path) -> str:
+    """Returns the name of the service of the messages that a file declares: `DemoBridge`."""
+    return "".join(word.capitalize() for word in words(system_name(path)))
+
+
+def package_name(path: Path) -> str:
+    """Returns the name of the package of the ROS types that a file declares."""
+    return f"{system_name(path)}_interfaces"
+
+
+def _valid(name: str) -> str:
+    found = snake_case(name) or _NO_FILE
+    return found if found[0].isalpha() else f"{_NO_FILE}_{found}"

@@ -1,8 +1,15 @@
-"""Subject of the rules: a model, and which of its elements were read without an error."""
+"""Subject of the rules: a model, and which of its elements were read without an error.
+
+What a component provides or where a number points follows from the model, and rules ask for it
+again and again. Whoever knows that nothing changes for a while says so by `remembering`.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,10 +17,13 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
+    from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model.model import Model
+
+    AskedT = TypeVar("AskedT", bound=Hashable)
+    AnswerT = TypeVar("AnswerT")
 
 ElementT = TypeVar("ElementT", bound="EObject")
 Fact = TypeVar("Fact")
@@ -147,3 +157,35 @@ class Subject:
 
 def _joined(first: _Unread, second: _Unread) -> _Unread:
     return None if first is None or second is None else first | second
+
+
+_MEMORY: ContextVar[dict[Any, dict[Any, Any]] | None] = ContextVar("memory", default=None)
+
+
+@contextmanager
+def remembering() -> Iterator[None]:
+    """Has what is asked within it remembered until its end, in this thread alone."""
+    token = _MEMORY.set({})
+    try:
+        yield
+    finally:
+        _MEMORY.reset(token)
+
+
+def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], AnswerT]:
+    """Has a function remember its answers while there is `remembering`."""
+
+    @wraps(function)
+    def answer(asked: AskedT) -> AnswerT:
+        memory = _MEMORY.get()
+        if memory is None:
+            return function(asked)
+        answers = memory.get(function)
+        if answers is None:
+            answers = memory[function] = {}
+        if asked not in answers:
+            answers[asked] = function(asked)
+        found: AnswerT = answers[asked]
+        return found
+
+    return answer

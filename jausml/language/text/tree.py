@@ -6,12 +6,16 @@ out anew without a loss. Names stand in it without back quotes, texts without qu
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+from jausml.language.metamodel import FeatureKind
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel import ClassTable, Metamodels
 
 UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
@@ -68,7 +72,6 @@ class Item:
     """Something that stands on lines of its own.
 
     Attributes:
-        documentation: The text of the documentation comment before it, empty when there is none.
         comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).
         spaced: Whether an empty line stands before it and its comments.
     """
@@ -94,7 +97,6 @@ class Element(Item):
     Attributes:
         keyword: The class in small letters (`bridge`, `service_connection`); None where one word
             alone stands before the block, which is `name` then: a map's name or a class.
-        name: Name of the element; None for one without.
     """
 
     keyword: Name | None
@@ -118,7 +120,6 @@ class Member(Item):
     Attributes:
         type: The type word with its bound, such as `string<=20`; a list of members for a struct.
         size: Number of elements of an array; empty for a single member.
-        name: The name; None for a struct without one.
     """
 
     type: Name | list[Member]
@@ -280,3 +281,85 @@ LONGEST = 4 * 1024 * 1024
 """Characters that a text may have."""
 DEEPEST = 64
 """How deep brackets may be nested."""
+
+
+_APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
+"""Texts, quoted names and comments: within one there is none of the others."""
+_LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")
+_LINE_BREAK = re.compile(r"(?<!\n)\n(?!\n)")
+_ESCAPED_END = re.compile(r"\*\\(\\*)/")
+
+
+def is_documentation(comment: str) -> bool:
+    """Tells whether a comment documents what stands behind it."""
+    is_marked = comment.startswith("/**") and comment[3] not in "*/"
+    return is_marked and bool(documentation_text(comment))
+
+
+def ordinary_comments(text: str) -> list[str]:
+    """Returns the comments of a text that document nothing, in order."""
+    found = (match.group() for match in comments_in(text))
+    return [each for each in found if not is_documentation(each)]
+
+
+def comments_in(text: str) -> Iterator[re.Match[str]]:
+    """Yields the comments of a text, with their marks and places."""
+    return (match for match in _APART.finditer(text) if match.group()[0] == "/")
+
+
+def documentation_text(comment: str) -> str:
+    r"""Returns what a documentation comment says, without its marks and the stars of its lines.
+
+    A line break stands for a blank; empty lines stand between paragraphs.
+    """
+    first, *further = comment[3:-2].split("\n")
+    lines = [each.strip(" \t\r") for each in (first, *map(_without_star, further))]
+    text = "\n".join(lines).strip("\n")
+    return _ESCAPED_END.sub(r"*\1/", _LINE_BREAK.sub(" ", text))
+
+
+def _without_star(line: str) -> str:
+    match = _LINE_START.match(line)
+    if match is None or "*" not in match.group():
+        return line.lstrip(" \t\r")
+    return line[match.end() :]
+
+
+KEYWORDS = ("import", "JAUS", "ROS", "struct", "table", "vector", "ignore", "clock", "new")
+"""Words that are names only in back quotes."""
+
+_WORD_STARTS = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])")
+_QUALITY_OF_SERVICE = ("QoS", "Qos")
+
+
+def snake_case(class_name: str) -> str:
+    """Returns the name of a class in small letters with underscores, as `message_def`."""
+    return _WORD_STARTS.sub("_", class_name.replace(*_QUALITY_OF_SERVICE)).lower()
+
+
+def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
+    """Returns the classes that have elements, by the keywords that stand for them.
+
+    A keyword that several classes share stands for none: they are named with their packages
+    (`ros.node`), which every class may be.
+    """
+    concrete = [table for table in metamodels.classes.values() if not table.abstract]
+    names = [snake_case(table.name) for table in concrete]
+    found = {f"{each.package.name}.{snake_case(each.name)}": each for each in concrete}
+    short = zip(names, concrete, strict=True)
+    return found | {name: table for name, table in short if names.count(name) == 1}
+
+
+def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
+    """Returns the features of a class that may own an element of another class.
+
+    The feature of the very class goes before one of a class that it specialises: a bridge of a
+    system is one of its bridges, and not just one of its components.
+    """
+    taking = {
+        name: feature.target
+        for name, feature in owner.features.items()
+        if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
+    }
+    exact = [name for name, target in taking.items() if target is table]
+    return exact or list(taking)

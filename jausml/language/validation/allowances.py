@@ -10,19 +10,16 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from datetime import date
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Severity
-from jausml.language.model.rules import READER_RULES, RuleInfo
+from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Severity
 from jausml.language.model.values import show, suggest
-from jausml.language.text.rules import TEXT_RULES
-from jausml.language.validation.product_rules import PRODUCT_RULES
-from jausml.language.validation.report import Ground, SetAside
-from jausml.language.validation.rules import all_rules
+from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.rule import Ground, SetAside
+from jausml.language.validation.rules import ALLOWANCE_RULES, PRODUCT_RULES, all_rules
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from jausml.language.model.diagnostics import Location
     from jausml.language.model.documents import Document
@@ -35,33 +32,6 @@ _TAG = re.compile(r"@allow\b(?P<said>.*?)(?=@allow\b|\n\s*\n|\Z)", re.DOTALL)
 _SAID = re.compile(
     r"\s+(?P<rule>JML\d{3})\s+until\s+(?P<until>\d{4}-\d\d-\d\d)\s*:\s*(?P<why>.+)", re.DOTALL
 )
-
-_RULES = {
-    "JML801": RuleInfo(
-        "allowance that cannot be read",
-        "An @allow in the documentation of an element names one rule, the last day on which it "
-        "holds, and a reason. It is about findings at the element and at what it owns. Bad: "
-        "`@allow JML426`. Good: `@allow JML426 until 2027-06-30: the tablet is off at night`.",
-        Severity.WARNING,
-    ),
-    "JML802": RuleInfo(
-        "allowance that has expired",
-        "The last day of an @allow has passed, so its findings count again. Fix them, or check the "
-        "reason again and write a later day. Bad: `until 2020-01-31`. Good: a day in the future, "
-        "on which somebody will check again.",
-        Severity.WARNING,
-    ),
-    "JML803": RuleInfo(
-        "allowance of nothing",
-        "The element and what it owns no longer have a finding of the rule, or the findings are "
-        "errors, which cannot be allowed: nothing is generated from a model with errors. An "
-        "allowance that is left behind would hide the next finding. Good: remove it.",
-        Severity.WARNING,
-    ),
-}
-
-ALLOWANCE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
-"""The rules of allowances by id."""
 
 
 @dataclass(eq=False, slots=True)
@@ -93,11 +63,7 @@ def settled(
     rules: Collection[str],
     today: date | None = None,
 ) -> tuple[list[Diagnostic], list[SetAside]]:
-    """Returns the findings that count, those about allowances among them, and the others.
-
-    Args:
-        today: The day on which allowances must still hold, that of the computer when None.
-    """
+    """Returns the findings that count, those about allowances among them, and the others."""
     documents = [each for each in model.documents if _may_allow(each)]
     if not documents:
         return list(diagnostics), []

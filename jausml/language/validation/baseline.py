@@ -15,13 +15,13 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.model.inputs import read_input
-from jausml.language.validation.report import Ground, SetAside
+from jausml.language.validation.rule import Ground, SetAside
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 SCHEMA = 1
 _POSITION = re.compile(r"\[\d+\]")
@@ -40,7 +40,6 @@ def read(path: Path) -> Counter[Identity]:
 
     Raises:
         BaselineError: It is no baseline, or one of another schema.
-        OSError: It cannot be read.
     """
     try:
         content = json.loads(read_input(path))

@@ -1,22 +1,25 @@
-"""Engine of validation: runs the rules over a model."""
+"""Engine of validation: reads models and runs the rules over them."""
 
 from __future__ import annotations
 
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Diagnostic, Related
-from jausml.language.model.collector import without_collector
-from jausml.language.semantics.memory import remembering
-from jausml.language.semantics.subject import Subject
+from jausml.language.model.model import without_collector
+from jausml.language.project import read_project
+from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
 from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    import os
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.model import ReadResult
+    from jausml.language.project import Reading
     from jausml.language.validation.rule import Finding, Rule
 
 
@@ -29,11 +32,7 @@ class RuleError(Exception):
 
 
 def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
-    """Checks a model that was read.
-
-    Args:
-        rules: The rules, all of them when None.
-    """
+    """Checks a model that was read."""
     findings = list(result.diagnostics)
     rules = all_rules() if rules is None else rules
     with without_collector(), remembering():
@@ -77,3 +76,22 @@ def _diagnostic(rule: Rule, finding: Finding, subject: Subject) -> Diagnostic:
             for note in finding.related
         ),
     )
+
+
+def check_project(
+    paths: Iterable[str | os.PathLike[str]],
+    reading: Reading | None = None,
+    *,
+    is_one: bool = False,
+    frequency: float | None = None,
+) -> Report:
+    """Reads models with all that they refer to, and judges them by all rules.
+
+    Args:
+        frequency: Messages each second of every bridge; None for what the models say.
+    """
+    read = read_project(paths, reading, is_one=is_one)
+    if frequency is not None:
+        for owner in read.model.instances(bridge.Bridge):
+            owner.frequency = frequency
+    return check(read)

@@ -5,7 +5,6 @@ message is encoded (codecs of every language, dissectors, interface packages, ru
 result.
 """
 
-from jausml.language.wire.errors import LayoutError, LimitError
 from jausml.language.wire.kinds import (
     JAUS_MESSAGE,
     Alternative,
@@ -30,7 +29,7 @@ from jausml.language.wire.kinds import (
     Variant,
     comparable,
 )
-from jausml.language.wire.legal import legal_integers, merged, offset_of
+from jausml.language.wire.legal import LayoutError, LimitError, legal_integers, merged, offset_of
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,

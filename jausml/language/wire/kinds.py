@@ -213,7 +213,6 @@ class Field:
     """A field in its place: a body, a member, an element or an option.
 
     Attributes:
-        name: Name in the model: that of the outermost reference to a declared type.
         bit: Its bit in the presence vector, e.g. 4; 0 for what is always there.
     """
 
@@ -332,8 +331,6 @@ class Message:
     """A message.
 
     Attributes:
-        is_command: Whether it is of the command class (AS5710, AccessControl).
-        body: The body; None for a message of its code alone.
         service: URN of the service that defines it; empty outside of services.
     """
 

@@ -1,4 +1,4 @@
-"""Resolution of value sets to the legal values of numbers (SAE AS5684, value_set)."""
+"""Legal values of numbers, resolved from value sets (SAE AS5684), and errors of definitions."""
 
 from __future__ import annotations
 
@@ -7,13 +7,37 @@ import struct
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.wire.errors import LayoutError
 from jausml.language.wire.numbers import Interval, LegalIntegers, LegalReals, Listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from jausml.language.wire.numbers import Ranges, RealType
+
+
+class LayoutError(ValueError):
+    """A message definition that cannot be encoded; `jausml validate` tells more.
+
+    Attributes:
+        path: Names of the message and its fields down to the wrong one, joined by dots.
+    """
+
+    def __init__(self, reason: str, path: str = "") -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.path = path
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.reason}" if self.path else self.reason
+
+    def inside(self, step: str) -> LayoutError:
+        """Puts a step before the path and returns the error, on its way out of a container."""
+        self.path = f"{step}.{self.path}" if self.path else step
+        return self
+
+
+class LimitError(LayoutError):
+    """A message definition that has a layout, but one beyond what machines should work on."""
 
 
 def intervals_of(value_set: jaus.ValueSet | None) -> tuple[Interval, ...]:

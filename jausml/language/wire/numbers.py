@@ -14,11 +14,7 @@ _SLACK = 1e-3
 
 @dataclass(frozen=True)
 class IntegerType:
-    """An integer type.
-
-    Attributes:
-        name: Its name in the metamodel, e.g. `uint16`.
-    """
+    """An integer type."""
 
     name: str
     format: str
@@ -95,12 +91,7 @@ class Listed:
 
 @dataclass(frozen=True)
 class Interval:
-    """A range of legal values as the definition states it.
-
-    Attributes:
-        has_lower: Whether the lower limit is legal.
-        has_upper: Whether the upper limit is legal.
-    """
+    """A range of legal values as the definition states it."""
 
     lower: float
     upper: float
@@ -164,11 +155,7 @@ class LegalReals:
 
 @dataclass(frozen=True)
 class Integer:
-    """An integer (AS5684 fixed_field).
-
-    Attributes:
-        units: Unit, as the model says it; empty without one.
-    """
+    """An integer (AS5684 fixed_field)."""
 
     type: IntegerType
     legal: LegalIntegers

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.wire.errors import LayoutError, LimitError
 from jausml.language.wire.kinds import (
     Alternative,
     Array,
@@ -28,7 +27,7 @@ from jausml.language.wire.kinds import (
     VariableNumber,
     Variant,
 )
-from jausml.language.wire.legal import legal_integers, legal_reals
+from jausml.language.wire.legal import LayoutError, LimitError, legal_integers, legal_reals
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,
@@ -56,11 +55,7 @@ _BYTE = UNSIGNED["uint8"]
 
 
 def resolve(message: jaus.MessageDef) -> Message:
-    """Returns the layout of a message.
-
-    Raises:
-        LayoutError: The definition cannot be encoded.
-    """
+    """Returns the layout of a message."""
     owner = message.eContainer()
     try:
         body = resolve_field(message.body) if message.body is not None else None

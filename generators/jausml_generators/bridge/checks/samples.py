@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.conversions import NoValueError, definition
 from jausml.language.semantics.conversions.authored import LookUp
-from jausml.language.semantics.conversions.orientations import orientation
 from jausml.language.semantics.paths import attributes
 from jausml_generators.bridge.checks.check import Check, tidy
 from jausml_generators.bridge.checks.filling import (
@@ -44,7 +43,8 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.ends import Ends
 
-_ORIENTATION = orientation(roll=0.125, pitch=0.25, yaw=0.375)
+# A turn of 0.125 about x, then of 0.25 about y, then of 0.375 about z.
+_ORIENTATION = (0.037691419902595585, 0.13380222188108606, 0.17693718867453465, 0.9743559686014979)
 _MOMENT = datetime(2024, 2, 29, 23, 59, 58, 987_000, tzinfo=timezone.utc)
 _INSTANT = (int(_MOMENT.timestamp()), _MOMENT.microsecond * 1000)
 _PARTS = {

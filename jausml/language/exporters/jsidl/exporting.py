@@ -1,37 +1,225 @@
-"""Export of services as JSIDL files, with what gets lost on the way."""
+"""Export of services as JSIDL files, and what gets lost on the way."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections import Counter
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.exporters.jsidl.elements import document
-from jausml.language.exporters.jsidl.losses import UNSAID, differences
-from jausml.language.exporters.jsidl.rules import finding
-from jausml.language.exporters.jsidl.services import service_element
+from jausml.language.attributes.guards import parse_guard
+from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
+from jausml.language.exporters.jsidl.elements import FieldWriter, document, element, text_element
 from jausml.language.importers.jsidl import Source, import_sources
+from jausml.language.importers.jsidl.attributes import folded
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
+from jausml.language.semantics.jaus.inherited_machines import Machine, machine_with, states_of
+from jausml.language.semantics.jaus.machines import described, is_core_trigger
 from jausml.language.semantics.jaus.services import with_inherited
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+    from xml.etree.ElementTree import Element
 
+    from jausml.language.exporters.jsidl.elements import Documented
     from jausml.language.importers.jsidl import ImportResult
-    from jausml.language.model.comparison import Difference
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+
+UNSAID = MappingProxyType({"frame": "unstated", "moves": "True", "documentation": NOTHING})
+"""Features for which JSIDL has no place everywhere, and what an import says of them then.
+
+Messages and behaviour are the same without them.
+"""
+
+_POLICY = Policy(ignored=frozenset({"jaus.Service.machines"}))
+_OF_REFERENCE = ("name", "optional", "documentation")
+
+Facts: TypeAlias = "dict[tuple[str, str], tuple[list[str], Documented]]"
+"""What is said of places in machines, by place and feature, with an element that says it."""
+
+
+def differences(
+    service: jaus.Service, imported: jaus.Service, metamodels: Metamodels
+) -> list[Difference]:
+    """Returns in what a service differs from what was imported of its file.
+
+    Declared types count as what they stand for, and machines by what they do: states by their
+    paths, targets by where they lead. Runs of white space are one blank.
+    """
+    found = [*_declared(service, imported, metamodels), *_done(service, imported)]
+    return [e for e in found if folded(e.first) != folded(e.second) and not _is_same_code(e)]
+
+
+def _is_same_code(difference: Difference) -> bool:
+    return difference.feature == "code" and difference.first.upper() == difference.second.upper()
+
+
+def _declared(one: EObject, other: EObject, metamodels: Metamodels) -> Iterator[Difference]:
+    for each in compare(one, other, metamodels, _POLICY):
+        reference, unfolded = each.first_element, each.second_element
+        if not isinstance(reference, jaus.TypeReference) or unfolded is None:
+            yield each
+            continue
+        if reference.frame.name != "unstated":
+            yield replace(each, feature="frame", first=reference.frame.name, second=UNSAID["frame"])
+        for inner in _declared(reference.target, unfolded, metamodels):
+            _, _, below = inner.path.partition("/")
+            if below or inner.feature not in _OF_REFERENCE:
+                yield replace(inner, path=f"{each.path}/{below}".rstrip("/"))
+
+
+# -- behaviour -----------------------------------------------------------------------------------
+
+
+def _done(service: jaus.Service, imported: jaus.Service) -> Iterator[Difference]:
+    ours, theirs = _facts(service), _facts(imported)
+    for path, feature in dict.fromkeys([*ours, *theirs]):
+        first, element = ours.get((path, feature), ([], service))
+        second, _ = theirs.get((path, feature), ([], service))
+        ours_said, other = (" ".join(filter(None, each)) or NOTHING for each in (first, second))
+        yield Difference(f"{service.name}/{path}", feature, ours_said, other, element, imported)
+
+
+def _facts(service: jaus.Service) -> Facts:
+    found: Facts = {}
+    for machine in service.machines:
+        whole = machine_with(machine)
+        if whole is not None:
+            _note(found, str(machine.name), machine, machine=machine.name)
+            for path in ("", *whole.nodes):
+                inside = whole.initial(path)
+                if inside not in whole.core_states:  # of which the core itself says which is first
+                    found[f"{machine.name}/{path}", "initial"] = [inside or ""], machine
+            for path, state in states_of(machine):
+                _note_state(found, f"{machine.name}/{path}", path, state, whole)
+    return found
+
+
+def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Machine) -> None:
+    _note(found, at, state)
+    for feature in ("entry", "exit"):
+        _note_actions(found, f"{at}/{feature}", getattr(state, feature), has_sender=False)
+    for feature in ("transitions", "defaults"):
+        number: Counter[str] = Counter()
+        for each in getattr(state, feature):
+            if is_core_trigger(each):
+                continue  # an import leaves it out, as generators do
+            # The order counts of those that share a trigger; AS5684 has those for all last.
+            on = described(each)
+            number[on] += 1
+            where, kind, target = (
+                f"{at}/{feature} on {on} {number[on]}",
+                each.kind.name,
+                each.target,
+            )
+            leads_to = (whole.resolve(path, target) or target) if target else ""
+            guard = repr(parse_guard(each.guard))
+            _note(found, where, each, kind=kind, target=leads_to, guard=guard)
+            _note_actions(found, where, each.actions, has_sender=each.message is not None)
+
+
+def _note_actions(
+    found: Facts, at: str, actions: Iterable[jaus.Action], *, has_sender: bool
+) -> None:
+    for number, each in enumerate(actions, 1):
+        does = f"{each.name} sends {each.sends.name}" if each.sends is not None else each.name
+        arguments = ", ".join(arguments_of(each, has_sender=has_sender))
+        _note(found, f"{at}/action {number}", each, action=does, arguments=arguments)
+
+
+def _note(found: Facts, at: str, element: Documented, **values: str | None) -> None:
+    """Notes what an element says; of several states of one path what all of them say."""
+    for feature, value in {**values, "documentation": element.documentation}.items():
+        found.setdefault((at, feature), ([], element))[0].append(folded(value))
+
+
+_RULES = {
+    "JML631": RuleInfo(
+        "no place in JSIDL",
+        "AS5684 has no element or attribute for it: axes of fields, commands that move nothing, "
+        "what a set or a format says about itself. The bytes on the wire and the behaviour are the "
+        "same without it; an import of the files does not bring it back.",
+        Severity.INFO,
+    ),
+    "JML632": RuleInfo(
+        "changed by JSIDL",
+        "An import of the files makes something else of it than the model says. JSIDL sends by one "
+        "action Send: the names of the methods that make the messages are lost, and a message that "
+        "is sent on an internal event becomes a method that sends it.",
+        Severity.WARNING,
+    ),
+    "JML633": RuleInfo(
+        "no JSIDL",
+        "What would be written is no JSIDL that an importer takes: two services of one URN and "
+        "version, a character that XML cannot hold, a list that is always empty.",
+    ),
+}
+
+JSIDL_EXPORT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
+"""The rules of the JSIDL exporter by id. Ids are never used again for something else."""
+
+
+def finding(rule: str, location: Location, message: str) -> Diagnostic:
+    """Returns a finding of the export."""
+    return Diagnostic(rule, JSIDL_EXPORT_RULES[rule].severity, location, message)
+
+
+_CODE = {"field_type": "unsigned short integer", "field_units": "one"}
+
+
+def service_element(service: jaus.Service) -> Element:
+    """Returns a service with all that it says of its own; what it inherits is a reference."""
+    fields = FieldWriter()
+    inputs = [_message(each, fields) for each in service.inputs]
+    outputs = [_message(each, fields) for each in service.outputs]
+    events = [_definition("event_def", each, fields) for each in service.events]
+    parts = [text_element("description", service.documentation), element("assumptions")]
+    base = service.inherits
+    if base is not None:
+        name = reference_name(base)
+        inherits = element("inherits_from", name=name, id=base.urn, version=base.version)
+        parts.append(element("references", [inherits]))
+    if types := fields.declared_types():
+        parts.append(element("declared_type_set", types, name="types"))
+    sets = [element("input_set", inputs), element("output_set", outputs)]
+    parts += [element("message_set", sets), element("internal_events_set", events)]
+    parts.append(behaviour(service))
+    return element("service_def", parts, name=service.name, id=service.urn, version=service.version)
+
+
+def _message(message: jaus.MessageDef, fields: FieldWriter) -> Element:
+    made = _definition("message_def", message, fields)
+    made.set("message_id", str(message.code)[2:].upper())
+    made.set("is_command", str(bool(message.isCommand)).lower())
+    code = element("fixed_field", name="MessageID", optional=False, **_CODE)
+    made[1].append(element("record", [code], name="HeaderRec", optional=False))
+    return made
+
+
+def _definition(
+    tag: str, defined: jaus.MessageDef | jaus.InternalEvent, fields: FieldWriter
+) -> Element:
+    body = [] if defined.body is None else [fields.field(defined.body)]
+    parts = [
+        text_element("description", defined.documentation),
+        element("header", name="Header"),
+        element("body", body, name="Body"),
+        element("footer", name="Footer"),
+    ]
+    return element(tag, parts, name=defined.name)
+
 
 _NOT_IN_FILES = re.compile("[^A-Za-z0-9_.-]+")
 
 
 @dataclass(frozen=True, slots=True)
 class ExportResult:
-    """The outcome of an export.
-
-    Attributes:
-        documents: The documents by the names of their files: one for each service.
-    """
+    """The outcome of an export."""
 
     documents: Mapping[str, bytes]
     diagnostics: list[Diagnostic]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.numbers import NumberError
-from jausml.language.importers.jsidl.scopes import MissingError
+from jausml.language.importers.jsidl.scopes import MissingError, NumberError
 from jausml.language.importers.jsidl.vocabulary import VOCABULARY
 from jausml.language.model.values import show, suggest
 
@@ -14,9 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from fractions import Fraction
 
-    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.importers.jsidl.scopes import Scope, Scopes
-    from jausml.language.model.reading.problems import NodePlace
+    from jausml.language.model.reading.problems import Findings, NodePlace
     from jausml.language.model.xmi.parsing import Node
 
 NUMERIC_TYPES: Mapping[str, str] = MappingProxyType(

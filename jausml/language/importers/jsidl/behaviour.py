@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
 from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
-from jausml.language.importers.jsidl.building import DEEPEST, Findings
+from jausml.language.importers.jsidl.building import DEEPEST
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
-from jausml.language.model.words import parts, snake_case
+from jausml.language.semantics.names import parts, snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.inheritance import BehaviourNames
+    from jausml.language.importers.jsidl.services import BehaviourNames
+    from jausml.language.model.reading.problems import Findings
     from jausml.language.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")

@@ -17,7 +17,7 @@ from jausml.language.importers.jsidl.attributes import (
     joined,
     largest,
 )
-from jausml.language.importers.jsidl.building import DEEPEST, Builder, Findings
+from jausml.language.importers.jsidl.building import DEEPEST, Builder
 from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
 from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.language.metamodel.classes import jaus
@@ -26,6 +26,8 @@ from jausml.language.model.values import show
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+    from jausml.language.model.reading.problems import Findings
 
 _ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
 _BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}

@@ -11,28 +11,26 @@ from typing import TYPE_CHECKING
 from jausml.language.importers.jsidl.attributes import Values
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
+    JSIDL_RULES,
     MOST_ELEMENTS,
     Builder,
-    Findings,
     TooMuchError,
 )
 from jausml.language.importers.jsidl.fields import FieldBuilder
-from jausml.language.importers.jsidl.inheritance import (
-    BehaviourNames,
-    finish_machines,
-    services_by_urn,
-)
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scopes
 from jausml.language.importers.jsidl.services import (
+    BehaviourNames,
     ByUrn,
     ImportedService,
     ServiceBuilder,
     SetOfServices,
     find_inherited,
+    finish_machines,
     grouped,
     identifiers,
     index,
+    services_by_urn,
 )
 from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
@@ -41,10 +39,10 @@ from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
-from jausml.language.project.library import library
+from jausml.language.project import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -140,7 +138,7 @@ class _Import:
         self._name = name
         self._version = version
         self._with_behaviour = with_behaviour
-        self._findings = Findings()
+        self._findings = Findings(JSIDL_RULES)
         self._model = Model([], load_metamodels())
         self._builder = Builder(self._model)
         self._scopes = Scopes(self._findings)

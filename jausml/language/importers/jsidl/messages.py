@@ -13,8 +13,9 @@ from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 
 if TYPE_CHECKING:
-    from jausml.language.importers.jsidl.building import Builder, Findings
+    from jausml.language.importers.jsidl.building import Builder
     from jausml.language.importers.jsidl.fields import FieldBuilder
+    from jausml.language.model.reading.problems import Findings
 
 _HEADER_NOT_FOUND = "JML628"
 _CODE = re.compile("(?:0[xX])?([0-9A-Fa-f]{1,4})")

@@ -1,23 +1,129 @@
-"""Scopes of names in JSIDL: sets of types and constants, and the references to them."""
+"""Scopes of names in JSIDL: sets of types and constants, the references to them, and expressions.
+
+Numbers are exact fractions, so that limits of 64-bit integers keep their last digit.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.numbers import NumberError, evaluate
+from jausml.language.attributes.cursor import Language, TokenCursor
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from fractions import Fraction
 
-    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.model.documents import Document
+    from jausml.language.model.reading.problems import Findings
     from jausml.language.model.xmi.parsing import Node
+
+LONGEST = 1000
+"""Characters of an expression; more is none that a person wrote."""
+DEEPEST = 50
+"""Signs and parentheses within each other."""
+_LARGEST_EXPONENT = 400
+
+_NUMBER = re.compile(r"(?:[0-9]+|[0-9]{1,3}(?:,[0-9]{3})+)?\.?[0-9]*(?:[eE]([+-]?[0-9]+))?")
+
+Lookup = Callable[[str], Fraction]
+"""Returns the value of a constant by its dotted name; raises NumberError."""
+
+
+class NumberError(ValueError):
+    """A text is no expression, or has no value; the message says of the text why."""
+
+
+def _malformed(message: str, column: int) -> NumberError:
+    return NumberError(f"is no expression: {message} at column {column}")
+
+
+_LANGUAGE = Language(
+    noun="expression",
+    tokens=re.compile(
+        r"\s*(?:(?P<number>(?:[0-9][0-9,]*\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+        r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
+        r"|(?P<sign>[-+*/()]))"
+    ),
+    error=_malformed,
+    longest=LONGEST,
+    deepest=DEEPEST,
+)
+
+
+def evaluate(text: str, constant: Lookup) -> Fraction:
+    """Returns the value of an expression.
+
+    Raises:
+        NumberError: The text is no expression, divides by zero or is out of all bounds.
+    """
+    if not text.strip():
+        raise NumberError("is empty")
+    return _Parser(text, constant).whole()
+
+
+class _Parser:
+    """Recursive descent over the tokens, which computes as it reads."""
+
+    def __init__(self, text: str, constant: Lookup) -> None:
+        self._cursor = TokenCursor(text, _LANGUAGE)
+        self._constant = constant
+
+    def whole(self) -> Fraction:
+        value = self._total()
+        self._cursor.expect_end()
+        return value
+
+    def _total(self) -> Fraction:
+        value = self._product()
+        while sign := self._cursor.take("+", "-"):
+            right = self._product()
+            value = value + right if sign == "+" else value - right
+        return value
+
+    def _product(self) -> Fraction:
+        value = self._factor()
+        while sign := self._cursor.take("*", "/"):
+            right = self._factor()
+            if sign == "/" and not right:
+                raise NumberError("divides by zero")
+            value = value * right if sign == "*" else value / right
+            _check_size(value)
+        return value
+
+    def _factor(self) -> Fraction:
+        cursor = self._cursor
+        if sign := cursor.take("+", "-"):
+            value = cursor.nested(self._factor)
+            return -value if sign == "-" else value
+        if cursor.take("("):
+            return cursor.parenthesized(self._total)
+        if cursor.token.kind == "number":
+            return _number(cursor.advance().text)
+        if cursor.token.kind == "name":
+            return self._constant("".join(cursor.advance().text.split()))
+        raise cursor.error(f"a value is missing before {cursor.token}")
+
+
+def _number(text: str) -> Fraction:
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise NumberError(f"has '{text}', whose commas do not part thousands")
+    exponent = match.group(1) or "0"
+    if len(exponent) > 4 or abs(int(exponent)) > _LARGEST_EXPONENT:
+        raise NumberError(f"has '{text}', which is out of all bounds")
+    return Fraction(text.replace(",", ""))
+
+
+def _check_size(value: Fraction) -> None:
+    if max(value.numerator.bit_length(), value.denominator.bit_length()) > 20_000:
+        raise NumberError("is out of all bounds")
+
 
 _SETS = ("declared_type_set", "declared_const_set")
 _MESSAGE_SETS = ("message_set", "input_set", "output_set", "internal_events_set")
@@ -245,11 +351,7 @@ class Scopes:
 
 
 def pick_version(wanted: str, versions: Iterable[str]) -> str:
-    """Returns the version of something that is there which fits best.
-
-    Args:
-        versions: The versions that are there, at least one.
-    """
+    """Returns the version of something that is there which fits best."""
     known = sorted(versions, key=_version_key)
     fitting = [version for version in known if matches(wanted, version)]
     return (fitting or known)[-1]

@@ -12,8 +12,8 @@ from jausml.language.model.values import nearest, show, suggest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.importers.jsidl.building import Findings
     from jausml.language.model.documents import Document
+    from jausml.language.model.reading.problems import Findings
     from jausml.language.model.xmi.parsing import Node
 
 

@@ -1,7 +1,7 @@
 """Importer of ROS 2 interface definitions: .msg, .srv and .action files."""
 
+from jausml.language.importers.ros.building import ROS_RULES
 from jausml.language.importers.ros.importing import ImportResult, import_packages, placed
-from jausml.language.importers.ros.rules import ROS_RULES
 from jausml.language.importers.ros.sources import (
     InterfaceFile,
     PackageSource,

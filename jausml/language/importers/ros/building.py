@@ -1,23 +1,26 @@
-"""Builder of ROS elements that know where in the definition files they come from."""
+"""Builder of ROS elements that know their places in definition files, and rules of the importer."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
 from jausml.language.interfaces.parsing import PARTS
-from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.classes import ros
-from jausml.language.metamodel.filling import link, new_object, set_value
+from jausml.language.metamodel.filling import assign, new_object
+from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jausml.language.interfaces import Definition, FieldDefinition, Section
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
 
 _FEATURES = {"msg": "messages", "srv": "services", "action": "actions"}
 ElementT = TypeVar("ElementT", bound="EObject")
@@ -73,13 +76,9 @@ class Builder:
             head.comment = ""
             for part, section in zip(PARTS[kind], definition.sections, strict=True):
                 message = self._message(f"{name}_{part.capitalize()}", section, *place)
-                self._set(element, part, message)
-        self._set(package, _FEATURES[kind], element)
+                self.set(element, part, message)
+        self.set(package, _FEATURES[kind], element)
         return element
-
-    def set(self, element: EObject, name: str, value: Any) -> None:
-        """Sets a feature, or adds to one with many values."""
-        self._set(element, name, value)
 
     def _message(
         self, name: str, section: Section, package: str, document: Document
@@ -90,7 +89,7 @@ class Builder:
         for field in section.fields:
             element = self._field(field)
             self._adopt(element, document, field.line, field.column)
-            self._set(message, "fields", element)
+            self.set(message, "fields", element)
             if isinstance(element, ros.MessageField):
                 self.uses.append(Use(element, field, message, package, document))
         for constant in section.constants:
@@ -98,7 +97,7 @@ class Builder:
             made = self._new(ros.Constant, **features)
             self._adopt(made, document, constant.line, constant.column)
             self._document(made, constant.comment)
-            self._set(message, "constants", made)
+            self.set(message, "constants", made)
         return message
 
     def _field(self, field: FieldDefinition) -> ros.Field:
@@ -110,33 +109,27 @@ class Builder:
                 ros.PrimitiveField, **common, type=kind.name, stringBound=kind.string_bound
             )
             if field.default is not None:
-                self._set(element, "defaultValue", field.default)
+                self.set(element, "defaultValue", field.default)
         else:
             element = self._new(ros.MessageField, **common)
         self._document(element, field.comment)
         if self._with_comments and _is_unit(field.units):
-            self._set(element, "units", field.units)
+            self.set(element, "units", field.units)
         return element
 
     def _document(self, element: EObject, comment: str) -> None:
         if comment and self._with_comments:
-            self._set(element, "documentation", comment)
+            self.set(element, "documentation", comment)
 
     def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
         element: ElementT = new_object(self._model.metamodels.class_of(kind))
         for name, value in features.items():
-            self._set(element, name, value)
+            self.set(element, name, value)
         return element
 
-    def _set(self, element: EObject, name: str, value: Any) -> None:
-        feature = self._model.metamodels.class_of(element).features[name]
-        if feature.kind is not FeatureKind.ATTRIBUTE:
-            link(element, feature, value)
-            return
-        data_type = feature.data_type
-        if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
-            value = data_type.literals[value]
-        set_value(element, feature, value)
+    def set(self, element: EObject, name: str, value: Any) -> None:
+        """Sets a feature, or adds to one with many values."""
+        assign(element, self._model.metamodels.class_of(element).features[name], value)
 
     def _adopt(self, element: EObject, document: Document, line: int, column: int) -> Node:
         node = Node(str(element.eClass.name), [], {}, None, (line, column, 0))
@@ -150,3 +143,78 @@ def _is_unit(text: str) -> bool:
         return bool(text) and parse_unit(text) is not None
     except UnitError:
         return False
+
+
+_RULES = {
+    "JML641": RuleInfo(
+        "illegal name of a package or an interface",
+        "An interface is named by its file, in CamelCase (WheelSpeeds.msg), and its package by "
+        "package.xml or the folder, in lower case with single underscores (winch_msgs).",
+    ),
+    "JML642": RuleInfo(
+        "text that no model can hold",
+        "A definition is UTF-8 text without control characters.",
+    ),
+    "JML643": RuleInfo(
+        "neither field nor constant",
+        "A line of a definition is a field, `float64 x` or `float64 x 1.5` with a default, or a "
+        "constant, `uint8 OK=0`, and perhaps a comment behind #.",
+    ),
+    "JML644": RuleInfo(
+        "no such type",
+        "A field is of a primitive type (bool, byte, char, float32, float64, int8 to uint64, "
+        "string, wstring), of a string with a bound (string<=10) or of a message type (Point, "
+        "geometry_msgs/Point); as an array it ends with [N], [<=N] or []. A constant is of a "
+        "primitive type without bounds.",
+    ),
+    "JML645": RuleInfo(
+        "illegal name in a definition",
+        "Fields are named in lower case with single underscores, constants in upper case.",
+    ),
+    "JML646": RuleInfo(
+        "impossible value in a definition",
+        "A default or a constant is a value of its type: in its range, not longer than its bound, "
+        "with as many elements as the array has. Only primitive types have defaults.",
+    ),
+    "JML647": RuleInfo(
+        "declared twice in ROS interfaces",
+        "Fields and constants of a definition have names of their own, and a package has one "
+        "message, service and action of a name.",
+    ),
+    "JML648": RuleInfo(
+        "message type not found",
+        "A field is of a message type that neither the packages to import, nor the shipped "
+        "library, nor the installed packages have. Give the importer the package as well, or the "
+        "share folder that it is installed in.",
+    ),
+    "JML649": RuleInfo(
+        "wrong number of sections",
+        "A message has one section, a service two (request, response), an action three (goal, "
+        "result, feedback), separated by lines of three hyphens.",
+    ),
+    "JML650": RuleInfo(
+        "message type contains itself",
+        "A message that holds itself has no end; not even a sequence of itself is possible in "
+        "ROS 2.",
+    ),
+    "JML651": RuleInfo("no interface", "The packages define no interfaces."),
+    "JML660": RuleInfo(
+        "Header without its package",
+        "ROS 1 wrote `Header` for std_msgs/Header, which was used. ROS 2 requires the package.",
+        Severity.WARNING,
+    ),
+    "JML661": RuleInfo(
+        "IDL left out",
+        "A package defines an interface only in IDL, which the importer does not read.",
+        Severity.WARNING,
+    ),
+    "JML662": RuleInfo(
+        "package imported along",
+        "The type of a field belongs to a package that was not named and that the shipped library "
+        "lacks; the installed package was imported too.",
+        Severity.INFO,
+    ),
+}
+
+ROS_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
+"""The rules of the importer of ROS interfaces by id. Ids are never used again for others."""

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.ros.building import Builder, Use
-from jausml.language.importers.ros.rules import ROS_RULES
+from jausml.language.importers.ros.building import ROS_RULES, Builder, Use
 from jausml.language.importers.ros.sources import InterfaceFile, PackageSource, installed_source
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
@@ -17,17 +16,17 @@ from jausml.language.metamodel.classes import ros
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.rules import READER_RULES
+from jausml.language.model.reading.problems import Findings
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.project.library import library
+from jausml.language.project import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.language.interfaces.installed import Installation
+    from jausml.language.interfaces.parsing import Installation
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
 
 
 MOST_BYTES = 1024 * 1024
@@ -86,7 +85,8 @@ class _Import:
         self._types: dict[tuple[str, str], ros.MessageType] = {}
         self._library: dict[tuple[str, str], ros.MessageType] | None = None
         self._packages: dict[str, ros.InterfacePackage] = {}
-        self._found: dict[Diagnostic, None] = {}
+        self._findings = Findings(ROS_RULES)
+        self._report = self._findings.report
 
     def run(self, sources: list[PackageSource]) -> ImportResult:
         for source in sources:
@@ -97,7 +97,7 @@ class _Import:
                 self._link(use)
         self._report_cycles()
         packages = list(self._packages.values())
-        return ImportResult(self._model, packages, sorted(self._found))
+        return ImportResult(self._model, packages, self._findings.diagnostics())
 
     # -- files -----------------------------------------------------------------------------------
 
@@ -211,10 +211,6 @@ class _Import:
                 place = self._model.location(message)
                 self._report("JML650", place, f"{package}/{name} contains itself: {path}")
 
-    def _report(self, rule: str, place: Location, message: str, hint: str = "") -> None:
-        severity = (ROS_RULES.get(rule) or READER_RULES[rule]).severity
-        self._found[Diagnostic(rule, severity, place, message, hint)] = None
-
 
 def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
     """Returns the message types of the shipped library by package and name."""
@@ -265,9 +261,6 @@ def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePac
 
     An id is the name of the type; where a document holds several packages, the package stands
     before it.
-
-    Args:
-        result: What was imported.
     """
     shipped = [document for document in result.model.documents if document.is_library]
     model = Model(shipped, result.model.metamodels)

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces.installed import definition_files
-from jausml.language.interfaces.parsing import PARTS
+from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.model.inputs import read_input
 from jausml.language.model.xmi.parsing import parse
 
@@ -21,11 +20,7 @@ SUFFIXES = tuple(f".{kind}" for kind in PARTS)
 
 @dataclass(frozen=True, slots=True)
 class InterfaceFile:
-    """A definition file.
-
-    Attributes:
-        fault: Why it cannot be read.
-    """
+    """A definition file."""
 
     path: str
     data: bytes | None

@@ -62,6 +62,28 @@ class ClassFinder:
         table = self._class(place, package, node.tag) if package is not None else None
         return table if table is not None and self._is_concrete(place, table) else None
 
+    def check_schema_location(self, root: Node) -> None:
+        """Reports metamodels of other files than those that are used."""
+        words = (root.get(f"{XSI} schemaLocation") or "").split()
+        for namespace, place in zip(words[::2], words[1::2], strict=False):
+            package = self._metamodels.packages.get(namespace)
+            file_name = place.partition("#")[0].rpartition("/")[2]
+            if package is not None and file_name != package.file_name:
+                message = f"schemaLocation names {show(place)} for {namespace}"
+                hint = f"jausml uses its own {package.file_name}"
+                at = NodePlace(self._document, root, (XSI, "schemaLocation"))
+                self._problems.report("JML010", at, message, hint)
+
+    def check_prefixes(self, node: Node) -> None:
+        """Reports other prefixes than xsi and xmi: EMF knows these alone."""
+        for prefix, belongs in (("xsi", XSI.__eq__), ("xmi", is_xmi)):
+            other = [name for name, uri in node.prefixes.items() if belongs(uri)]
+            if other and prefix not in other:
+                message = f"Eclipse does not take prefix '{other[0]}' for '{prefix}'"
+                place = NodePlace(self._document, node)
+                hint = f"rename '{other[0]}' to '{prefix}'"
+                self._problems.report("JML013", place, message, hint)
+
     def of_feature(self, node: Node, feature: FeatureTable, owner: Node) -> ClassTable | None:
         """Returns the class of a child element: that of xsi:type, else that of the feature.
 

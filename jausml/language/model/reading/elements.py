@@ -84,8 +84,8 @@ class ElementBuilder:
 
     def build(self, root: Node) -> None:
         """Builds the elements from the XML root element."""
-        self._check_schema_location(root)
-        self._check_prefixes(root)
+        self._classes.check_schema_location(root)
+        self._classes.check_prefixes(root)
         document = self._document
         if is_xmi(root.namespace) and root.tag == "XMI":
             document.root_nodes = list(root.children)
@@ -114,7 +114,7 @@ class ElementBuilder:
             if feature is None:
                 self._other_attribute(node, table, name, attributes[index + 1])
             elif not feature.settable:
-                self._refuse(node, table, feature, ("", name), node)
+                self._refuse(node, feature, NodePlace(self._document, node, ("", name)))
             else:
                 given.add(name)
                 self._assign_attribute(node, feature, attributes[index + 1])
@@ -168,19 +168,19 @@ class ElementBuilder:
         waiting: set[str] = set()
         for child in node.children:
             if child.prefixes is not node.prefixes:
-                self._check_prefixes(child)
+                self._classes.check_prefixes(child)
             feature = table.features.get(child.tag)
             if feature is None or (child.namespace and child.namespace not in self._packages):
                 self._unknown_feature(node, table, child, child.tag)
             elif not feature.settable:
-                self._refuse(child, table, feature, None, node)
+                self._refuse(node, feature, NodePlace(self._document, child))
             elif feature.many or feature.name not in given:
                 given.add(feature.name)
                 self._child(node, child, feature, waiting)
             else:
-                self._problems.mark_unread(node.obj, feature.name)
                 message = f"second value of the single-valued feature '{feature.name}'"
-                self._report("JML111", child, f"{message} of {table.name}")
+                place = NodePlace(self._document, child)
+                self._lose(node.obj, feature, "JML111", place, f"{message} of {table.name}")
 
     def _child(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
         if feature.kind is FeatureKind.ATTRIBUTE:
@@ -212,34 +212,23 @@ class ElementBuilder:
         else:
             link(node.obj, feature, child.obj)
 
-    def _refuse(
-        self,
-        node: Node,
-        table: ClassTable,
-        feature: FeatureTable,
-        attribute: XmlAttribute | None,
-        owner: Node,
-    ) -> None:
-        self._problems.mark_unread(owner.obj, feature.name)
-        message = f"feature '{feature.name}' of {table.name} cannot be set"
+    def _refuse(self, owner: Node, feature: FeatureTable, place: NodePlace) -> None:
+        message = f"feature '{feature.name}' of {_class(owner)} cannot be set"
         hint = "remove it: its value follows from the rest of the model"
-        self._report("JML112", node, message, hint, attribute)
+        self._lose(owner.obj, feature, "JML112", place, message, hint)
 
     def _assign_attribute(self, node: Node, feature: FeatureTable, text: str) -> None:
         """Takes the value of an XML attribute."""
-        attribute = ("", feature.name)
-        if feature.kind is FeatureKind.ATTRIBUTE:
-            if feature.many:
-                self._set_all(node, attribute, node.obj, feature, text.split())
-            else:
-                self._set(node, attribute, node.obj, feature, text)
-        elif feature.kind is FeatureKind.CONTAINMENT:
-            self._problems.mark_unread(node.obj, feature.name)
+        place = NodePlace(self._document, node, ("", feature.name))
+        if feature.kind is FeatureKind.CONTAINMENT:
             message = f"feature '{feature.name}' of {_class(node)} owns its elements"
-            place = NodePlace(self._document, node, attribute)
-            self._problems.report("JML114", place, message, "write them as child elements")
+            self._lose(node.obj, feature, "JML114", place, message, "write them as child elements")
+        elif feature.kind is not FeatureKind.ATTRIBUTE:
+            self._note_all(place, node.obj, feature, text)
+        elif feature.many:
+            self._set_all(place, node.obj, feature, text.split())
         else:
-            self._note_all(NodePlace(self._document, node, attribute), node.obj, feature, text)
+            self._set(place, node.obj, feature, text)
 
     def _assign_value(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes the text of a child element as the value of an attribute."""
@@ -248,14 +237,13 @@ class ElementBuilder:
             if not feature.many and cast("DataTypeTable", feature.data_type).nullable:
                 set_value(node.obj, feature, None)
         elif child.children:
-            self._problems.mark_unread(node.obj, feature.name)
             inner = NodePlace(self._document, child.children[0])
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
-            self._problems.report("JML103", inner, message)
+            self._lose(node.obj, feature, "JML103", inner, message)
         elif feature.many:
-            self._set_all(child, None, node.obj, feature, [child.text])
+            self._set_all(NodePlace(self._document, child), node.obj, feature, [child.text])
         else:
-            self._set(child, None, node.obj, feature, child.text)
+            self._set(NodePlace(self._document, child), node.obj, feature, child.text)
 
     def _assign_reference(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes a child element of a reference: `href`, `xmi:idref` or xsi:nil."""
@@ -275,21 +263,18 @@ class ElementBuilder:
         elif identifier is not None:
             attribute, value = identifier
             place = NodePlace(self._document, child, attribute)
-            self._note(place, node.obj, feature, "", value.strip())
+            self._references.append(Reference(place, node.obj, feature, "", value.strip()))
         elif not _is_nil(child):
-            self._problems.mark_unread(node.obj, feature.name)
-            self._problems.report(
-                "JML115",
-                NodePlace(self._document, child),
-                f"feature '{feature.name}' of {_class(node)} refers to elements, it owns none",
-                f'write {feature.name}="fragment" or <{feature.name} href="file#fragment"/>',
-            )
+            message = f"feature '{feature.name}' of {_class(node)} refers to elements, it owns none"
+            hint = f'write {feature.name}="fragment" or <{feature.name} href="file#fragment"/>'
+            place = NodePlace(self._document, child)
+            self._lose(node.obj, feature, "JML115", place, message, hint)
 
     def _href(self, node: Node, child: Node, feature: FeatureTable, href: str) -> None:
         """Notes the href of a child element."""
         uri, _, fragment = href.strip().partition("#")
         place = NodePlace(self._document, child, ("", "href"))
-        self._note(place, node.obj, feature, uri, fragment)
+        self._references.append(Reference(place, node.obj, feature, uri, fragment))
 
     def _note_all(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
         """Notes blank-separated references: `id`, `//@a.0`, `#id` or `prefix:Class file#id`."""
@@ -310,51 +295,31 @@ class ElementBuilder:
             else:
                 found.append(("", token))
         if len(found) > 1 and not feature.many:
-            self._problems.mark_unread(obj, feature.name)
             what = f"the single-valued feature '{feature.name}' of {obj.eClass.name}"
-            self._problems.report("JML111", place, f"{len(found)} values for {what}")
+            self._lose(obj, feature, "JML111", place, f"{len(found)} values for {what}")
             return
         for uri, fragment in found:
-            self._note(place, obj, feature, uri, fragment)
+            self._references.append(Reference(place, obj, feature, uri, fragment))
 
     def _can_stand_in(self, place: NodePlace, obj: EObject, feature: FeatureTable) -> bool:
         """EMF makes a placeholder of the feature's class for `file#id` without a class."""
         if not target_class(feature).abstract:
             return True
-        self._problems.mark_unread(obj, feature.name)
         message = f"class {feature.type_name} is abstract"
         hint = "write prefix:Class before the file, or a child element with xsi:type and href"
-        self._problems.report("JML104", place, message, hint)
+        self._lose(obj, feature, "JML104", place, message, hint)
         return False
 
-    def _note(
-        self, place: NodePlace, obj: EObject, feature: FeatureTable, uri: str, fragment: str
-    ) -> None:
-        self._references.append(Reference(place, obj, feature, uri, fragment))
-
-    def _set(
-        self,
-        node: Node,
-        attribute: XmlAttribute | None,
-        obj: EObject,
-        feature: FeatureTable,
-        text: str,
-    ) -> None:
+    def _set(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
         value, fault = convert(text, cast("DataTypeTable", feature.data_type))
         if fault is None:
             set_value(obj, feature, value)
         else:
-            self._report_value(NodePlace(self._document, node, attribute), obj, feature, fault)
+            self._report_value(place, obj, feature, fault)
 
     def _set_all(
-        self,
-        node: Node,
-        attribute: XmlAttribute | None,
-        obj: EObject,
-        feature: FeatureTable,
-        texts: list[str],
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, texts: list[str]
     ) -> None:
-        place = NodePlace(self._document, node, attribute)
         data_type = cast("DataTypeTable", feature.data_type)
         values = []
         for text in texts:
@@ -370,9 +335,8 @@ class ElementBuilder:
     def _report_value(
         self, place: NodePlace, obj: EObject, feature: FeatureTable, fault: ValueFault
     ) -> None:
-        self._problems.mark_unread(obj, feature.name)
         what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
-        self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
+        self._lose(obj, feature, fault.rule, place, f"{what}: {fault.reason}", fault.hint)
 
     def _check_repeated(
         self, place: NodePlace, obj: EObject, feature: FeatureTable, values: list[Any]
@@ -385,23 +349,18 @@ class ElementBuilder:
                 self._problems.report("JML213", place, message)
             seen.append(value)
 
-    def _check_schema_location(self, root: Node) -> None:
-        words = (root.get(f"{XSI} schemaLocation") or "").split()
-        for namespace, place in zip(words[::2], words[1::2], strict=False):
-            package = self._packages.get(namespace)
-            file_name = place.partition("#")[0].rpartition("/")[2]
-            if package is not None and file_name != package.file_name:
-                message = f"schemaLocation names {show(place)} for {namespace}"
-                hint = f"jausml uses its own {package.file_name}"
-                self._report("JML010", root, message, hint, (XSI, "schemaLocation"))
-
-    def _check_prefixes(self, node: Node) -> None:
-        """EMF knows xsi and xmi by these very prefixes."""
-        for prefix, belongs in (("xsi", XSI.__eq__), ("xmi", is_xmi)):
-            other = [name for name, uri in node.prefixes.items() if belongs(uri)]
-            if other and prefix not in other:
-                message = f"Eclipse does not take prefix '{other[0]}' for '{prefix}'"
-                self._report("JML013", node, message, f"rename '{other[0]}' to '{prefix}'")
+    def _lose(
+        self,
+        obj: EObject,
+        feature: FeatureTable,
+        rule: str,
+        place: NodePlace,
+        message: str,
+        hint: str = "",
+    ) -> None:
+        """Reports why a feature of an element is unread."""
+        self._problems.mark_unread(obj, feature.name)
+        self._problems.report(rule, place, message, hint)
 
     def _report(
         self,

@@ -31,12 +31,7 @@ class NotShareableError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class CachedDocument:
-    """A document that is kept.
-
-    Attributes:
-        document: The document, whose elements do not change any more.
-        uris: The URIs that its references name, each once, in order.
-    """
+    """A document that is kept."""
 
     document: Document
     uris: tuple[str, ...]

@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Diagnostic, Location, Related
-from jausml.language.model.rules import READER_RULES
+from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Related, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Severity
+    from jausml.language.model.diagnostics import RuleInfo
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.model.rules import RuleInfo
     from jausml.language.model.xmi.parsing import Node
 
 XmlAttribute = tuple[str, str]
@@ -109,6 +107,33 @@ class Problems:
             draft.related,
             None if draft.hides or "" in unread else frozenset(unread),
         )
+
+
+class Findings:
+    """The findings of one import, each once, by the rules of an importer and the reader."""
+
+    def __init__(self, rules: Mapping[str, RuleInfo]) -> None:
+        self._rules = {**READER_RULES, **rules}
+        self._found: dict[Diagnostic, None] = {}
+        self.has_errors = False
+
+    def report(
+        self,
+        rule: str,
+        place: NodePlace | Location,
+        message: str,
+        hint: str = "",
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        """Reports a finding; its severity is that of the rule."""
+        location = place if isinstance(place, Location) else place.location
+        severity = self._rules[rule].severity
+        self.has_errors = self.has_errors or severity is Severity.ERROR
+        self._found[Diagnostic(rule, severity, location, message, hint, related=related)] = None
+
+    def diagnostics(self) -> list[Diagnostic]:
+        """Returns the findings, sorted by place."""
+        return sorted(self._found)
 
 
 def _nearest(node: Node | None) -> EObject | None:

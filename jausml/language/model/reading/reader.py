@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import Metamodels, load_metamodels
-from jausml.language.model.collector import without_collector
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import bounded, read_input
-from jausml.language.model.model import Model
+from jausml.language.model.model import Model, without_collector
 from jausml.language.model.names import NameFinder
 from jausml.language.model.notation import Explanation
 from jausml.language.model.project import find_project_root
@@ -21,10 +20,10 @@ from jausml.language.model.reading.classes import check_bounds
 from jausml.language.model.reading.elements import ElementBuilder, Mention
 from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.reading.problems import NodePlace, Problems
-from jausml.language.model.reading.references import Resolution
-from jausml.language.model.reading.references_by_name import (
+from jausml.language.model.reading.references import (
     KnownNames,
     NameResolution,
+    Resolution,
     in_order_of_import,
 )
 from jausml.language.model.uris import FileTarget, UriFault, UriResolver
@@ -93,9 +92,7 @@ def read_models(
 
     Args:
         project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
-        allow_outside: True to let hrefs leave it.
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
-        metamodels: The metamodels, by default the shipped ones.
         notations: What reads files that are no XMI, by the endings of their names.
         contents: What an editor holds of files, by real path; it is read instead of what is stored.
         cache: Where documents of the library are kept for the next reading with it. Whoever gives

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
-from jausml.language.model import conflicts
+from jausml.language.model import inputs
 
 MAX_DEPTH = 200
 
@@ -21,12 +21,7 @@ _LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 class Node:
-    """An XML element.
-
-    Attributes:
-        namespace: Namespace URI, empty when it has none.
-        children: Child elements in order.
-    """
+    """An XML element."""
 
     __slots__ = (
         "attributes",
@@ -124,9 +119,6 @@ def parse(data: bytes) -> ParseResult:
 
 def element_ends(data: bytes) -> dict[int, int]:
     """Returns where the elements of a document end, by the offsets of their start tags.
-
-    Args:
-        data: A document that `parse` has parsed.
 
     Returns:
         For an element with an end tag, the byte offset of that tag; else that behind its one tag.
@@ -237,9 +229,9 @@ def _accident(data: bytes) -> ParseFault | None:
 
 def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     line, column = max(error.lineno, 1), error.offset + 1
-    conflict, first = conflicts.unmerged(data)
+    conflict, first = inputs.unmerged(data)
     if conflict:
-        return ParseFault(conflicts.RULE, conflict, conflicts.HINT, first)
+        return ParseFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:

@@ -1,5 +1,6 @@
 """Writer of models as XMI 2.0, byte for byte as EMF saves them.
 
+Text has no ids: `name_identifiers` gives some to what others refer to, so that references last.
 What Eclipse saves again is then what stands in the file already, so that edits show as small
 differences: attributes in the order of the metamodel, values that equal their default left out,
 `xsi:type` only where the class is not that of the feature, numbers as Java prints them.
@@ -12,13 +13,16 @@ import math
 import os
 import re
 import shutil
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 from urllib.parse import quote
 
 from jausml.language.metamodel import DataTypeTable, FeatureKind, FeatureTable, ValueKind
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.filling import count, is_set
 from jausml.language.model.library import LIBRARY_URI, library_root
+from jausml.language.model.names import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -47,7 +51,6 @@ def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str])
 
     Args:
         roots: The root elements of the document. Several are written inside `xmi:XMI`.
-        model: Knows their ids, and where elements of other documents stand.
         path: The file that the text is meant for. Hrefs to other documents are relative to it;
             the library is named by its URI, but by a path in the shipped models themselves.
 
@@ -59,15 +62,7 @@ def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str])
 
 
 def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> None:
-    """Writes root elements to a file, which is either old or new at any moment.
-
-    Args:
-        model: Knows their ids, and where elements of other documents stand.
-
-    Raises:
-        UnwritableError: As `to_xmi` says; the file is left alone.
-        OSError: The file cannot be written; it is left as it was.
-    """
+    """Writes root elements to a file, which is either old or new at any moment."""
     replace_file(Path(path), to_xmi(roots, model, path).encode("utf-8"))
 
 
@@ -76,7 +71,6 @@ def replace_file(path: Path, data: bytes) -> None:
 
     Args:
         path: The file; a symbolic link is followed. A file that is there keeps its permissions.
-        data: Its new content.
 
     Raises:
         OSError: The file cannot be written; it is left as it was.
@@ -323,3 +317,59 @@ def _checked(text: str) -> str:
     if wrong:
         raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
     return text
+
+
+_LEGAL = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
+
+
+def name_identifiers(roots: Sequence[EObject], model: Model) -> None:
+    """Gives ids to the elements that are referred to, or are likely to be from other files.
+
+    An id is the name of the element; for messages with their service (`Winch.LockBrake`), and for
+    names that occur twice with all owners but the root. Elements that have an id keep it, and so do
+    elements for which there is none: they are referred to by position.
+    """
+    elements = list(_elements(roots, model))
+    referred = {target for obj in elements for target in _targets(obj, model)}
+    named = [each for each in elements if name_of(each) and (each in referred or _is_public(each))]
+    names = Counter(map(name_of, named))
+    taken = {model.identifier(each) for each in elements}
+    for each in named:
+        is_message = isinstance(each, jaus.MessageDef)
+        identifier = _path(each) if is_message or names[name_of(each)] > 1 else name_of(each)
+        if _LEGAL.fullmatch(identifier) and identifier not in taken:
+            model.name_by_id(each, identifier)
+            taken.add(identifier)
+
+
+def _elements(roots: Sequence[EObject], model: Model) -> Iterator[EObject]:
+    pending = list(reversed(roots))
+    while pending:
+        obj = pending.pop()
+        yield obj
+        pending += reversed(model.owned(obj))
+
+
+def _targets(obj: EObject, model: Model) -> Iterator[EObject]:
+    for feature in model.metamodels.class_of(obj).features.values():
+        if feature.kind is FeatureKind.CROSS_REFERENCE and count(obj, feature):
+            value = getattr(obj, feature.name)
+            yield from value if feature.many else [value]
+
+
+def _is_public(obj: EObject) -> bool:
+    """Tells whether an element is of a class that other files refer to."""
+    kinds = (
+        *(jaus.Service, jaus.MessageDef, jaus.Component),
+        *(ros.MessageType, ros.ServiceType, bridge.AttributeMap),
+    )
+    return isinstance(obj, kinds)
+
+
+def _path(obj: EObject) -> str:
+    """Returns the names that lead to an element from its root, which is left out."""
+    steps: list[str] = []
+    while (owner := obj.eContainer()) is not None:
+        steps.append(name_of(obj))
+        obj = owner
+    return ".".join(reversed([each for each in steps if each]))

@@ -46,7 +46,6 @@ class Axis:
     Attributes:
         name: `x`, `y` or `z`; empty for a whole orientation.
         is_angle: Whether it is an angle about the axis, and no rate or length.
-        sign: 1 or -1: what conversions made of its sign.
     """
 
     frame: str
@@ -60,8 +59,6 @@ class Passage:
     """The way of axes through an assignment, from its sources to its targets.
 
     Attributes:
-        sources: Axes of the sources, None where nothing is known.
-        conversion: The conversion between frames on the way, None when there is none.
         sign: What the other conversions make of the sign; None when nothing is known of it.
     """
 

@@ -18,9 +18,9 @@ from jausml.language.semantics.conversions import (
     conversion_of,
 )
 from jausml.language.semantics.conversions.authored import Expression, Formula
-from jausml.language.semantics.memory import remembered
 from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
 from jausml.language.semantics.paths.scopes import COUNTERS
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -142,7 +142,6 @@ def step_of(
     """Returns a conversion of a model with its arguments.
 
     Args:
-        names: What the names of an expression stand for: positions of its inputs, or -1.
         quantities: What stands in the place of quantities of the map, by name.
     """
     conversion = conversion_of(element)

@@ -1,18 +1,21 @@
-"""Units along assignments, and rates: quantities, such as velocities, that zero stops."""
+"""Numbers along assignments: units, ranges, and rates, such as velocities, that zero stops."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from jausml.language.attributes import intervals
+from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.attributes.units import Unit, UnitError, conversion_between, parse_unit
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.conversions import UnitEffect, conversion_of
-from jausml.language.semantics.conversions.conversion import OWN
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.conversions import VALUE, NoValueError, UnitEffect, conversion_of
+from jausml.language.semantics.conversions.conversion import OWN, linear_interval
 from jausml.language.semantics.conversions.numbers import Linear, Scale
-from jausml.language.semantics.memory import remembered
 from jausml.language.semantics.paths.attributes import (
     BOOL,
     NUMBER,
@@ -25,6 +28,7 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope, place, source_paths, target_paths
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +36,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.attributes import Found
     from jausml.language.semantics.paths.scopes import Placed
-
 
 _NUMERIC = (NUMBER, NUMBERS)
 _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
@@ -248,3 +251,60 @@ def _attribute(place: object) -> Attribute | None:
 def _known_unit(found: Attribute | None) -> Unit | None:
     known = measure(found.units) if found is not None else None
     return known.unit if known is not None else None
+
+
+def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
+    """Returns the range of each value that an assignment yields, in the unit of its targets.
+
+    Returns:
+        One range for each target, `EMPTY` for a value that there never is; empty for what is no
+        number.
+    """
+    current = [source_range(each) for each in placed.source_attributes]
+    if None in current and not placed.assignment.conversions:
+        return []
+    known = [each if each is not None else EVERYTHING for each in current]
+    for step in steps_of(placed):
+        known = step.ranges(known)
+    unit_step = result_step(placed)
+    if unit_step is not None:
+        known = [linear_interval(each, *unit_step) for each in known]
+    return known
+
+
+def source_range(attribute: Attribute) -> Interval | None:
+    """Returns the range of the values that an attribute may have; None for what is no number."""
+    if attribute.kind == BOOL:
+        return 0.0, 1.0
+    if attribute.kind != NUMBER:
+        return None
+    lower = -math.inf if attribute.lower is None else float(attribute.lower)
+    upper = math.inf if attribute.upper is None else float(attribute.upper)
+    if attribute.is_single and attribute.is_ros and not _is_narrowed(attribute):
+        return EVERYTHING
+    if attribute.values:
+        low, high = intervals.hull(*attribute.values)
+        return max(lower, float(low)), min(upper, float(high))
+    return lower, upper
+
+
+def _is_narrowed(attribute: Attribute) -> bool:
+    field = attribute.field
+    return isinstance(field, ros.PrimitiveField) and field.minimum < field.maximum
+
+
+def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
+    """Returns what an assignment with one source and one target makes of a number.
+
+    Raises:
+        NoValueError: A conversion is not one of numbers, or limits this number.
+    """
+    for step in steps_of(placed):
+        if step.conversion.outputs not in ((NUMBER,), (VALUE,)) or step.loses([value]):
+            raise NoValueError(step.name)
+        (result,) = step.forward([value])
+        if not isinstance(result, float | int):
+            raise NoValueError(step.name)
+        value = result
+    factor, offset = result_step(placed) or (1.0, 0.0)
+    return value * factor + offset

@@ -1,4 +1,4 @@
-"""Calls of ROS services: which messages ask and answer, and the translations of both halves."""
+"""Calls of ROS services and actions, list drivers (AS5710), and what a bridge leaves unanswered."""
 
 from __future__ import annotations
 
@@ -6,10 +6,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.jaus.commands import (
+    Answer,
+    answer_alike,
+    answer_by,
+    command_answer,
+    named,
+)
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.services import code, lineage, query_name
+from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Container, Iterator
 
     from jausml.language.metamodel.classes import jaus, ros
 
@@ -85,3 +95,129 @@ def as_connection(connection: bridge.RosServiceConnection, half: Half) -> bridge
     ).direction
     made.outOfRange = connection.outOfRange
     return made
+
+
+EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
+LIST_MANAGER = "ListManager"
+RUN, MISSION_QUERY, MISSION_REPORT = "RunMission", "QueryMissionStatus", "ReportMissionStatus"
+SPOOLER = ("SpoolMission", "AbortMission", "PauseMission", "ResumeMission")
+"""What a mission spooler takes besides."""
+SPEED_REPORT = "ReportTravelSpeed"
+
+ELEMENTS = {
+    "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
+    "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,
+    "urn:jaus:jss:mobility:GlobalPathSegmentDriver": 0x040F,
+    "urn:jaus:jss:mobility:LocalPathSegmentDriver": 0x0410,
+    "urn:jaus:jss:manipulator:ManipulatorJointPositionsListDriver": 0x0602,
+    "urn:jaus:jss:manipulator:ManipulatorEndEffectorPoseListDriver": 0x0610,
+}
+"""Code of what an element holds, by the driver (AS6009, AS6057); the runtime has the same."""
+
+
+@dataclass(frozen=True)
+class DriverMessages:
+    """The messages of a list driver.
+
+    Attributes:
+        spooler: What a mission spooler takes besides, in the order of SPOOLER.
+    """
+
+    execute: jaus.MessageDef
+    query: jaus.MessageDef
+    report: jaus.MessageDef
+    spooler: tuple[jaus.MessageDef, ...] = ()
+
+    @property
+    def all(self) -> tuple[jaus.MessageDef, ...]:
+        """Each of them, as the runtime takes them."""
+        return (self.execute, self.query, self.report, *self.spooler)
+
+
+def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
+    """Returns the messages of a list driver; None when a service is none."""
+    services = lineage(service)
+    inputs = [m for each in services for m in each.inputs]
+    outputs = [m for each in services for m in each.outputs]
+    spooler = tuple(m for name in SPOOLER if (m := named(name, inputs)) is not None)
+    if any(each.name == LIST_MANAGER for each in services):
+        spooler = ()
+        found = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
+    elif len(spooler) == len(SPOOLER):
+        found = named(RUN, inputs), named(MISSION_QUERY, inputs), named(MISSION_REPORT, outputs)
+    else:
+        return None
+    execute, query, report = found
+    if execute is None or query is None or report is None:
+        return None
+    return DriverMessages(execute, query, report, spooler)
+
+
+def speed_answer(driver: jaus.Service) -> Answer | None:
+    """Returns how a driver tells its speed; None when it knows none, or is not asked."""
+    messages = driver_messages(driver)
+    if messages is None or not knows_speed(messages):
+        return None
+    outputs = (m for each in lineage(driver) for m in each.outputs)
+    return answer_by(driver, named(SPEED_REPORT, outputs))
+
+
+def answers(action: bridge.RosActionConnection) -> list[Answer]:
+    """Returns what a bridge that is a list driver answers besides QueryActiveElement."""
+    if action.direction.name != "jausToRos":
+        return []
+    found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
+    return [each for each in found if each is not None]
+
+
+def knows_speed(messages: DriverMessages) -> bool:
+    """Tells whether ExecuteList of a driver has a speed; that of manipulators has none."""
+    return isinstance(message_place(messages.execute).follow("Speed"), JausPlace)
+
+
+def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
+    """Tells whether the list of a driver may hold a message; of drivers of one's own any."""
+    expected = ELEMENTS.get(str(service.urn))
+    return expected is None or code(message) == expected
+
+
+def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.MessageDef]:
+    """Returns the queries of a service that get no report; those that it inherits are not asked."""
+    if str(service.urn) in SERVED_BY_RUNTIME:
+        return []
+    # A service may send a report for which one that it inherits has the query.
+    asked = {each.name: each for one in lineage(service) for each in one.inputs}
+    reports = (each for each in service.outputs if code(each) not in sent)
+    found = (asked.get(query_name(each)) for each in reports)
+    return [each for each in found if each is not None]
+
+
+def sent_reports(owner: bridge.Bridge) -> set[int]:
+    """Returns the codes of the reports that a bridge answers with."""
+    commands = map(command_answer, owner.bridgeConnections)
+    return {
+        *map(code, _carried(owner)),
+        *(code(each.report) for each in commands if each is not None),
+    }
+
+
+def told_command(connection: bridge.Connection) -> Answer | None:
+    """Returns how a connection of commands tells what it obeys, unless something else answers."""
+    answer, owner = command_answer(connection), connection.eContainer()
+    if answer is None or owner is None:
+        return None
+    return None if code(answer.report) in set(map(code, _carried(owner))) else answer
+
+
+def _carried(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
+    """Yields what connections of a bridge send to whoever asks."""
+    for connection in owner.bridgeConnections:
+        if connection.direction.name == "rosToJaus" and connection.exchange.name != "message":
+            yield connection.map.message
+    for call in owner.serviceConnections:
+        yield from messages(call)
+    for action in owner.actionConnections:
+        of_driver = driver_messages(action.driver)
+        if of_driver is not None:
+            yield of_driver.report
+        yield from (each.report for each in answers(action))

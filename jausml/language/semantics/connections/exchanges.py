@@ -16,7 +16,7 @@ from jausml.language.semantics.jaus.services import (
     searched_services,
     with_inherited,
 )
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -75,7 +75,6 @@ def infer(
 
     Args:
         connection: The connection, whose own values of both do not count.
-        exchange: The stated exchange, None where it is open.
         is_known: False where services or peers of the connection could not be read.
     """
     options = possible_exchanges(connection) if is_known else ()

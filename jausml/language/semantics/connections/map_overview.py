@@ -15,11 +15,7 @@ TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
 @dataclass(frozen=True)
 class MapOverview:
-    """An attribute map at a glance.
-
-    Attributes:
-        directions: `JAUS->ROS`, `ROS->JAUS`, or both.
-    """
+    """An attribute map at a glance."""
 
     name: str
     documentation: str

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions import (
-    angles,
     authored,
     grids,
     numbers,
@@ -43,9 +42,12 @@ __all__ = [
     "conversions_between",
 ]
 
-_MODULES = (numbers, angles, orientations, times, grids, authored)
+_MODULES = (numbers, orientations, times, grids, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
-    each.name: each for module in _MODULES for each in module.CONVERSIONS
+    each.name: each()
+    for module in _MODULES
+    for each in vars(module).values()
+    if isinstance(each, type) and issubclass(each, Conversion) and "name" in vars(each)
 }
 """All conversions by name."""
 

@@ -39,11 +39,7 @@ _NOT_NEGATIVE = (0.0, float("inf"))
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """An expression of the model.
-
-    Attributes:
-        names: What its names stand for: positions of inputs, -1 for a counter of list elements.
-    """
+    """An expression of the model."""
 
     expression: expressions.Expression
     names: Mapping[str, int]
@@ -58,14 +54,6 @@ class WithUnits(Conversion):
     inverse = "with_units"
     effect = Effect.SAME
     definition = Definition("value", "value")
-
-    def forward(self, value: float, _units: str = "") -> float:
-        """The value itself."""
-        return value
-
-    def interval(self, value: Interval, _units: str = "") -> Interval:
-        """Its range itself."""
-        return value
 
 
 class LookUp(Conversion):
@@ -141,6 +129,3 @@ class User(Conversion):
     def forward(self, *_given: Any) -> Any:
         """Nobody but the user knows."""
         raise NoValueError(self.name)
-
-
-CONVERSIONS = (WithUnits(), LookUp(), Expression(), User())

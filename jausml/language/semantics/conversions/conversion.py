@@ -1,13 +1,16 @@
-"""Names of the `Frame` literals whose axes have directions."""
+"""What a conversion is: what it takes and yields, and what becomes of units and of numbers."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from jausml.language.attributes.expressions import (
+    EvaluationError,
+)
 from jausml.language.attributes.intervals import (
     EMPTY,
     EVERYTHING,
@@ -16,12 +19,19 @@ from jausml.language.attributes.intervals import (
     product,
     total,
 )
-from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, TIME_STAMP
+from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    LIST,
+    NUMBER,
+    NUMBERS,
+    TEXT,
+    TIME_STAMP,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 FLU, FRD = "forwardLeftUp", "forwardRightDown"
 ENU, NED = "eastNorthUp", "northEastDown"
@@ -110,22 +120,19 @@ class Effect(Enum):
 _SIGNS = {Effect.SAME: 1, Effect.LINEAR: 1, Effect.NEGATED: -1}
 
 
-class Conversion(ABC):
+class Conversion:
     """What one literal of `bridge.ConversionKind` means.
 
     The runtime has a function of the same name, which bridges call; here stands what the toolchain
-    knows of it. `forward` computes the same on another way, so that generated tests and the tests
-    of the runtime compare two computations.
+    knows of it. `forward` evaluates the definition, so that generated tests compare two
+    computations.
 
     Attributes:
         inputs: Kinds of the values that it takes; a `+` behind one stands for one or more.
         units: What becomes of the unit, or the units that it takes and yields.
         frames: Frames that it takes and yields, empty when it has nothing to do with frames.
         takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
-        effect: What becomes of a number, its unit left aside.
-        inverse: Name of the conversion that leads back, with the same arguments; may be empty.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
-        definition: What the function of the runtime computes.
     """
 
     name: ClassVar[str]
@@ -141,24 +148,37 @@ class Conversion(ABC):
     inverse: ClassVar[str] = ""
     limits: ClassVar[tuple[Interval, ...]] = ()
 
-    @abstractmethod
     def forward(self, *given: Any, **named: Any) -> Any:
-        """Returns the result: a tuple of parts for messages and for several outputs."""
+        """Returns the result: a tuple of parts for messages and for several outputs.
 
-    def interval(self, *_given: Any, **_named: Any) -> Interval:
+        Raises:
+            NoValueError: There is none.
+        """
+        if not isinstance(self.definition, Definition):
+            raise NoValueError(self.name)
+        parts: list[float] = []
+        for kind, value in zip_longest(self.inputs, given):
+            parts += value if kind in PARTS else [value]
+        try:
+            results = self.definition.compute([*parts, *named.get("near", ())])
+        except EvaluationError as error:
+            raise NoValueError(self.name) from error
+        return results if self.outputs[0] in PARTS or len(results) > 1 else results[0]
+
+    def interval(self, *given: Any) -> Interval:
         """Returns the range of the result, never narrower than the truth.
 
         Args:
-            _given: Ranges of the inputs, none of which is empty, then the arguments.
+            given: Ranges of the inputs, none of which is empty, then the arguments.
         """
+        if isinstance(self.definition, Definition) and {*self.inputs, *self.outputs} == {NUMBER}:
+            return self.definition.bound(
+                [each if isinstance(each, tuple) else (each, each) for each in given]
+            )
         return EVERYTHING
 
     def back(self, *_given: Any, **_named: Any) -> float:
-        """Returns the only input that gives a result, where no other conversion leads back.
-
-        Args:
-            _given: The result, then the arguments.
-        """
+        """Returns the only input that gives a result, where no other conversion leads back."""
         raise NoValueError(self.name)
 
     def leads_back(self, *_arguments: Any) -> bool:
@@ -166,11 +186,7 @@ class Conversion(ABC):
         return bool(self.inverse) and self._is_plain
 
     def loses(self, *_given: Any, **_named: Any) -> bool:
-        """Tells whether it takes something of an input away on purpose.
-
-        Args:
-            _given: The inputs, then the arguments.
-        """
+        """Tells whether it takes something of an input away on purpose."""
         return False
 
     def sign(self, *_arguments: Any) -> int | None:
@@ -246,7 +262,8 @@ class Conversion(ABC):
             return list(self.limits)
         if any(map(is_empty, known)):
             return [EMPTY]
-        if len(known) != len(self.inputs) and not self._takes_several:
+        has_inputs = self._takes_several or len(known) == len(self.inputs)
+        if not has_inputs or self.fault(*arguments):
             return [EVERYTHING]
         return [self.interval(*known, *arguments)]
 

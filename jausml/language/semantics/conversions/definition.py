@@ -13,11 +13,19 @@ from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.expressions import operations, parse_expression, variables
+from jausml.language.attributes.expressions import (
+    EvaluationError,
+    evaluate,
+    interval,
+    operations,
+    parse_expression,
+    variables,
+)
+from jausml.language.attributes.intervals import EMPTY, Interval
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from jausml.language.attributes.expressions import Expression
 
@@ -52,7 +60,6 @@ class Definition:
         takes: Names of the parts of the inputs, then of the arguments, then those of `near`.
         text: Lines `name = expression` of local values, then a line for each result.
         refused: Where there is no result, a condition on what it takes; empty for nowhere.
-        reason: Why there is none.
     """
 
     takes: str
@@ -109,6 +116,22 @@ class Definition:
     def is_portable(self) -> bool:
         """Whether IEEE 754 fixes each bit of the results: a C library decides on those of sines."""
         return self._operations.isdisjoint(_OF_LIBRARY)
+
+    def compute(self, given: Sequence[float]) -> tuple[float, ...]:
+        """Returns the parts of the results."""
+        known = dict(zip(self.parameters, given, strict=False))
+        if self.refusal is not None and evaluate(self.refusal, known):
+            raise EvaluationError(self.reason)
+        for name, step in self.steps.items():
+            known[name] = evaluate(step, known)
+        return tuple(evaluate(each, known) for each in self.results)
+
+    def bound(self, given: Sequence[Interval]) -> Interval:
+        """Returns the range of the only result, of those of what it takes."""
+        known = dict(zip(self.parameters, given, strict=False))
+        for name, step in self.steps.items():
+            known[name] = interval(step, known) or EMPTY
+        return interval(self.results[0], known) or EMPTY
 
     @property
     def _operations(self) -> frozenset[str]:

@@ -1,9 +1,8 @@
-"""Conversions of grids and their cells, computed here in whole fractions."""
+"""Conversions of grids and their cells."""
 
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError, UnitEffect
@@ -13,8 +12,7 @@ from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_UNKNOWN_OCCUPANCY, _LARGEST_OCCUPANCY = -1, 100
-_UNKNOWN_COST, _LARGEST_COST = 255, 254
+_UNKNOWN_OCCUPANCY, _UNKNOWN_COST = -1, 255
 
 
 class OccupancyToCost(Conversion):
@@ -31,12 +29,6 @@ class OccupancyToCost(Conversion):
         refused="not (value == -1 or value >= 0 and value <= 100)",
         reason="is no occupancy",
     )
-
-    def forward(self, value: float) -> float:
-        """The nearest cost."""
-        if value == _UNKNOWN_OCCUPANCY:
-            return _UNKNOWN_COST
-        return _part(self.name, value, _LARGEST_OCCUPANCY, _LARGEST_COST)
 
     def loses(self, value: float) -> bool:
         """Whether it is unknown."""
@@ -57,13 +49,6 @@ class CostToOccupancy(Conversion):
         refused="not (value >= 0 and value <= 255)",
         reason="is no cost",
     )
-
-    def forward(self, value: float) -> float:
-        """The nearest occupancy."""
-        if value == _UNKNOWN_COST:
-            return _UNKNOWN_OCCUPANCY
-        # A float just below 255 is a cost too.
-        return _part(self.name, value, _LARGEST_COST, _LARGEST_OCCUPANCY, _UNKNOWN_COST)
 
     def loses(self, value: float) -> bool:
         """Whether it is unknown."""
@@ -94,13 +79,3 @@ class ReverseRows(Conversion):
         if len(rows[-1]) != columns:
             raise NoValueError(self.name)
         return [cell for row in reversed(rows) for cell in row]
-
-
-def _part(name: str, value: float, largest: int, other: int, end: float | None = None) -> float:
-    """The nearest integer to the same part of another range, the even one of two."""
-    if not 0 <= value <= largest and not (end is not None and largest < value < end):
-        raise NoValueError(name)
-    return float(round(Fraction(value) * other / largest))
-
-
-CONVERSIONS = (OccupancyToCost(), CostToOccupancy(), ReverseRows())

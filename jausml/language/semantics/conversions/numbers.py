@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from jausml.language.attributes import intervals
-from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.semantics.conversions.conversion import (
     MAXIMUM,
     OWN,
@@ -13,12 +13,13 @@ from jausml.language.semantics.conversions.conversion import (
     Argument,
     Conversion,
     Effect,
-    NoValueError,
     UnitEffect,
-    linear_interval,
 )
 from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import NUMBER
+
+if TYPE_CHECKING:
+    from jausml.language.attributes.intervals import Interval
 
 
 class Negate(Conversion):
@@ -34,14 +35,6 @@ class Negate(Conversion):
     effect = Effect.NEGATED
     definition = Definition("value", "-value")
 
-    def forward(self, value: float) -> float:
-        """-1 times the value."""
-        return -1 * value
-
-    def interval(self, value: Interval) -> Interval:
-        """Both ends change places."""
-        return intervals.negated(value)
-
 
 class Scale(Conversion):
     """The value times a factor."""
@@ -50,14 +43,6 @@ class Scale(Conversion):
     arguments = (Argument("factor"),)
     effect = Effect.LINEAR
     definition = Definition("value, factor", "value * factor")
-
-    def forward(self, value: float, factor: float) -> float:
-        """The product."""
-        return factor * value
-
-    def interval(self, value: Interval, factor: float) -> Interval:
-        """Both ends times the factor."""
-        return linear_interval(value, factor)
 
     def back(self, value: float, factor: float) -> float:
         """The quotient."""
@@ -79,14 +64,6 @@ class Linear(Conversion):
     arguments = (Argument("factor"), Argument("offset"))
     effect = Effect.LINEAR
     definition = Definition("value, factor, offset", "value * factor + offset")
-
-    def forward(self, value: float, factor: float, offset: float) -> float:
-        """The sum."""
-        return offset + factor * value
-
-    def interval(self, value: Interval, factor: float, offset: float) -> Interval:
-        """Both ends times the factor, and moved."""
-        return linear_interval(value, factor, offset)
 
     def back(self, value: float, factor: float, offset: float) -> float:
         """The quotient of what is left without the offset."""
@@ -112,10 +89,6 @@ class Clamp(Conversion):
         "value, minimum, maximum",
         "if(value < minimum, minimum, if(value > maximum, maximum, value))",
     )
-
-    def forward(self, value: float, minimum: float, maximum: float) -> float:
-        """The one in the middle; not a number stays so."""
-        return min(max(value, minimum), maximum)
 
     def interval(self, value: Interval, minimum: float, maximum: float) -> Interval:
         """Both ends, limited."""
@@ -143,10 +116,6 @@ class Limit(Conversion):
         "value, maximum", "if(value < -maximum, -maximum, if(value > maximum, maximum, value))"
     )
 
-    def forward(self, value: float, maximum: float) -> float:
-        """The one in the middle; not a number stays so."""
-        return sorted((-maximum, value, maximum))[1] if value == value else value
-
     def interval(self, value: Interval, maximum: float) -> Interval:
         """Both ends, limited."""
         return max(-maximum, min(value[0], maximum)), min(maximum, max(value[1], -maximum))
@@ -172,10 +141,6 @@ class Deadband(Conversion):
     effect = Effect.SAME
     definition = Definition("value, width", "if(abs(value) < width, 0, value)")
 
-    def forward(self, value: float, width: float) -> float:
-        """The value, unless it is near zero."""
-        return 0.0 if -width < value < width else value
-
     def interval(self, value: Interval, width: float) -> Interval:
         """With zero, where the band is touched."""
         reaches = value[0] < width and value[1] > -width
@@ -197,10 +162,6 @@ class Square(Conversion):
     units = UnitEffect.SQUARE
     definition = Definition("value", "value * value")
 
-    def forward(self, value: float) -> float:
-        """The product with itself."""
-        return value * value
-
     def interval(self, value: Interval) -> Interval:
         """The squares."""
         return intervals.power(value, (2.0, 2.0))
@@ -215,17 +176,6 @@ class SquareRoot(Conversion):
     name = "square_root"
     units = UnitEffect.ROOT
     definition = Definition("value", "if(value >= 0, sqrt(value), nan)")
-
-    def forward(self, value: float) -> float:
-        """The power of one half; not a number for negative ones."""
-        return value**0.5 if value >= 0 else math.nan
-
-    def interval(self, value: Interval) -> Interval:
-        """The roots of what is not negative."""
-        within = intervals.meet(value, (0.0, math.inf))
-        if intervals.is_empty(within):
-            return within
-        return math.sqrt(within[0]), math.sqrt(within[1])
 
 
 class CovarianceToRms(Conversion):
@@ -245,18 +195,6 @@ class CovarianceToRms(Conversion):
         """,
     )
 
-    def forward(self, x: float, y: float, z: float) -> float:
-        """The length of the vector of deviations by the root of three."""
-        variances = (x, y, z)
-        if not all(each >= 0 for each in variances) or max(variances) == 0:
-            return math.nan
-        return math.hypot(*(each**0.5 for each in variances)) / math.sqrt(3)
-
-    def interval(self, x: Interval, y: Interval, z: Interval) -> Interval:
-        """The greatest of the three bounds their mean and their sum thrice."""
-        largest = max(0.0, x[1], y[1], z[1])
-        return 0.0, math.sqrt(3.0 * largest)
-
 
 class ValueToPercent(Conversion):
     """The value in percent of a maximum."""
@@ -272,16 +210,6 @@ class ValueToPercent(Conversion):
         refused="maximum == 0",
         reason="nothing is a percentage of zero",
     )
-
-    def forward(self, value: float, maximum: float) -> float:
-        """A hundred times the part of the maximum."""
-        if maximum == 0:
-            raise NoValueError(self.name)
-        return 100 * value / maximum
-
-    def interval(self, value: Interval, maximum: float) -> Interval:
-        """Both ends, in percent."""
-        return linear_interval(value, 100.0 / maximum) if maximum else EVERYTHING
 
     def leads_back(self, maximum: float) -> bool:
         """Unless nothing has a percentage."""
@@ -302,14 +230,6 @@ class PercentToValue(Conversion):
     effect = Effect.LINEAR
     definition = Definition("value, maximum", "value / 100 * maximum")
 
-    def forward(self, value: float, maximum: float) -> float:
-        """The hundredth of the product."""
-        return value * maximum / 100
-
-    def interval(self, value: Interval, maximum: float) -> Interval:
-        """Both ends times the hundredth of the maximum."""
-        return linear_interval(value, maximum / 100.0)
-
     def leads_back(self, maximum: float) -> bool:
         """Unless everything becomes zero."""
         return maximum != 0.0
@@ -321,18 +241,3 @@ class PercentToValue(Conversion):
 
 def _maximum_fault(name: str, maximum: float) -> str:
     return f"{name} has the maximum {maximum:g}, which is not above 0" if maximum <= 0 else ""
-
-
-CONVERSIONS = (
-    Negate(),
-    Scale(),
-    Linear(),
-    Clamp(),
-    Limit(),
-    Deadband(),
-    Square(),
-    SquareRoot(),
-    CovarianceToRms(),
-    ValueToPercent(),
-    PercentToValue(),
-)

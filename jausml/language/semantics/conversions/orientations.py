@@ -1,15 +1,16 @@
-"""Conversions between angles and orientations.
+"""Conversions of angles, and between angles and orientations.
 
-An orientation is x, y, z and w of a quaternion, made here as the product of the turns about single
-axes: roll about x, then pitch about y, then yaw about z. Its angles are read from where it turns
-the axes of the body. The runtime computes both by formulas of the half angles and of the parts.
+An orientation is x, y, z and w of a quaternion: the product of the turns about single axes, roll
+about x, then pitch about y, then yaw about z.
 """
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, ClassVar
 
 from jausml.language.semantics.conversions.conversion import (
+    DEGREE,
     ENU,
     FLU,
     FRD,
@@ -23,15 +24,77 @@ from jausml.language.semantics.conversions.conversion import (
 from jausml.language.semantics.conversions.definition import QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import NUMBER
 
+if TYPE_CHECKING:
+    from jausml.language.attributes.intervals import Interval
+
 QUARTER = (-math.pi / 2, math.pi / 2)
 
-Parts = tuple[float, float, float, float]
-Triple = tuple[float, float, float]
 
-_ORIENTATION = ("",)
-_ANGLES = ("x", "y", "z")
-# Closer to vertical than this, roll and yaw turn about the same axis, and roll is taken as zero.
-_VERTICAL = 1.0 - 1e-12
+class DegreesToRadians(Conversion):
+    """Degrees to radians."""
+
+    name = "degrees_to_radians"
+    units = (DEGREE, RADIAN)
+    inverse = "radians_to_degrees"
+    effect = Effect.LINEAR
+    definition = Definition("value", "value * (pi / 180)")
+
+
+class RadiansToDegrees(Conversion):
+    """Radians to degrees."""
+
+    name = "radians_to_degrees"
+    units = (RADIAN, DEGREE)
+    inverse = "degrees_to_radians"
+    effect = Effect.LINEAR
+    definition = Definition("value", "value * (180 / pi)")
+
+
+class NedHeadingToEnuYaw(Conversion):
+    """Heading clockwise from north to yaw counter-clockwise from east, wrapped to [-pi, pi]."""
+
+    name = "ned_heading_to_enu_yaw"
+    units = (RADIAN, RADIAN)
+    frames = (NED, ENU)
+    takes_axes = gives_axes = ("z",)
+    inverse = "enu_yaw_to_ned_heading"
+    limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        yaw = pi / 2 - value
+        if(isfinite(yaw), remainder(yaw, 2 * pi), nan)
+        """,
+    )
+
+
+class EnuYawToNedHeading(Conversion):
+    """Yaw counter-clockwise from east to heading clockwise from north, wrapped to [-pi, pi]."""
+
+    name = "enu_yaw_to_ned_heading"
+    units = (RADIAN, RADIAN)
+    frames = (ENU, NED)
+    takes_axes = gives_axes = ("z",)
+    inverse = "ned_heading_to_enu_yaw"
+    limits = (TURN,)
+    definition = Definition(
+        "value",
+        """
+        heading = pi / 2 - value
+        if(isfinite(heading), remainder(heading, 2 * pi), nan)
+        """,
+    )
+
+
+class WrapAngle(Conversion):
+    """An angle in radians wrapped to [-pi, pi]."""
+
+    name = "wrap_angle"
+    units = (RADIAN, RADIAN)
+    limits = (TURN,)
+    effect = Effect.SAME
+    definition = Definition("value", "if(isfinite(value), remainder(value, 2 * pi), nan)")
+
 
 # The turn about one axis, or about all of them, by half angles; an infinite angle gives none.
 _TURN = """
@@ -57,6 +120,7 @@ _TURNS = """
         cos_x * cos_y * cos_z + sin_x * sin_y * sin_z
         """
 # Roll, pitch and yaw of the same turn about right and down, the axes of forward-right-down.
+# Near the vertical, roll and yaw turn about the same axis, and roll is taken as zero.
 _ANGLES_OF = """
         right = -y
         down = -z
@@ -74,54 +138,23 @@ _ANGLES_OF = """
         """
 
 
-def orientation(roll: float, pitch: float, yaw: float) -> Parts:
-    """Returns x, y, z and w of the orientation that turns by some angles."""
-    return _times(_turn(2, yaw), _times(_turn(1, pitch), _turn(0, roll)))
+class _ToOrientation(Conversion):
+    outputs = (QUATERNION,)
+    units = (RADIAN, ONE)
+    gives_axes = ("",)
 
 
-def angles(parts: Parts) -> Triple:
-    """Returns roll, pitch and yaw of an orientation; not numbers for one of length zero."""
-    length = math.hypot(*parts)
-    if length == 0.0:
-        return math.nan, math.nan, math.nan
-    x, y, z, w = (part / length for part in parts)
-    forward, left, up = (_turned((x, y, z, w), axis) for axis in range(3))
-    pitch = math.atan2(-forward[2], math.hypot(forward[0], forward[1]))
-    if abs(forward[2]) > _VERTICAL:
-        return 0.0, pitch, math.atan2(-left[0], left[1])
-    return math.atan2(left[2], up[2]), pitch, math.atan2(forward[1], forward[0])
+class _ToOneAngle(Conversion):
+    inputs = (QUATERNION,)
+    units = (ONE, RADIAN)
+    takes_axes = ("",)
+    limits: ClassVar[tuple[Interval, ...]] = (TURN,)
 
 
-def _turn(axis: int, angle: float) -> Parts:
-    parts = [0.0, 0.0, 0.0, math.cos(angle / 2)]
-    parts[axis] = math.sin(angle / 2)
-    return parts[0], parts[1], parts[2], parts[3]
-
-
-def _turned(parts: Parts, axis: int) -> Triple:
-    """Where an orientation of length one turns the vector of an axis."""
-    x, y, z, w = parts
-    vector = [0.0, 0.0, 0.0, 0.0]
-    vector[axis] = 1.0
-    turned = _times(_times(parts, (vector[0], vector[1], vector[2], 0.0)), (-x, -y, -z, w))
-    return turned[:3]
-
-
-def _times(a: Parts, b: Parts) -> Parts:
-    """Hamilton product: first the turn `b`, then `a`."""
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
-
-
-def _heading(yaw: float) -> float:
-    """The heading of a yaw, in [-pi, pi]."""
-    return math.atan2(math.cos(yaw), math.sin(yaw))
+class _ToAngles(_ToOneAngle):
+    outputs = (NUMBER, NUMBER, NUMBER)
+    gives_axes = ("x", "y", "z")
+    limits = (TURN, QUARTER, TURN)
 
 
 class OrientationIfKnown(Conversion):
@@ -145,20 +178,14 @@ class OrientationIfKnown(Conversion):
         """,
     )
 
-    def forward(self, parts: Parts, variance: float) -> Parts:
-        """All parts, or none of them."""
-        return (0.0, 0.0, 0.0, 0.0) if variance < 0 else parts
 
-
-class FrdAnglesToFluQuaternion(Conversion):
+class FrdAnglesToFluQuaternion(_ToOrientation):
     """Roll, pitch and yaw about forward-right-down axes to an orientation in forward-left-up."""
 
     name = "frd_angles_to_flu_quaternion"
     inputs = (NUMBER, NUMBER, NUMBER)
-    outputs = (QUATERNION,)
-    units = (RADIAN, ONE)
     frames = (FRD, FLU)
-    takes_axes, gives_axes = _ANGLES, _ORIENTATION
+    takes_axes = ("x", "y", "z")
     inverse = "flu_quaternion_to_frd_angles"
     definition = Definition(
         "roll, pitch, yaw",
@@ -170,87 +197,52 @@ class FrdAnglesToFluQuaternion(Conversion):
         + _TURNS,
     )
 
-    def forward(self, roll: float, pitch: float, yaw: float) -> Parts:
-        """The product of the three turns, two of them the other way round."""
-        return orientation(roll, -pitch, -yaw)
 
-
-class FrdYawToFluQuaternion(Conversion):
+class FrdYawToFluQuaternion(_ToOrientation):
     """Yaw about the down axis alone to an orientation in forward-left-up."""
 
     name = "frd_yaw_to_flu_quaternion"
-    outputs = (QUATERNION,)
-    units = (RADIAN, ONE)
     frames = (FRD, FLU)
-    takes_axes, gives_axes = ("z",), _ORIENTATION
+    takes_axes = ("z",)
     inverse = "flu_quaternion_to_frd_yaw"
     definition = Definition("yaw", "about_z = -yaw" + _TURN)
 
-    def forward(self, yaw: float) -> Parts:
-        """The turn the other way round."""
-        return orientation(0.0, 0.0, -yaw)
 
-
-class FluQuaternionToFrdRoll(Conversion):
+class FluQuaternionToFrdRoll(_ToOneAngle):
     """Orientation in forward-left-up to roll about forward-right-down axes."""
 
     name = "flu_quaternion_to_frd_roll"
-    inputs = (QUATERNION,)
-    units = (ONE, RADIAN)
     frames = (FLU, FRD)
-    takes_axes, gives_axes = _ORIENTATION, ("x",)
-    limits = (TURN,)
+    gives_axes = ("x",)
     definition = Definition("x, y, z, w", _ANGLES_OF + "roll")
 
-    def forward(self, parts: Parts) -> float:
-        """How far left is above right."""
-        return angles(parts)[0]
 
-
-class FluQuaternionToFrdPitch(Conversion):
+class FluQuaternionToFrdPitch(_ToOneAngle):
     """Orientation in forward-left-up to pitch about forward-right-down axes."""
 
     name = "flu_quaternion_to_frd_pitch"
-    inputs = (QUATERNION,)
-    units = (ONE, RADIAN)
     frames = (FLU, FRD)
-    takes_axes, gives_axes = _ORIENTATION, ("y",)
+    gives_axes = ("y",)
     limits = (QUARTER,)
     definition = Definition("x, y, z, w", _ANGLES_OF + "pitch")
 
-    def forward(self, parts: Parts) -> float:
-        """How far forward points up."""
-        return -angles(parts)[1]
 
-
-class FluQuaternionToFrdYaw(Conversion):
+class FluQuaternionToFrdYaw(_ToOneAngle):
     """Orientation in forward-left-up to yaw about forward-right-down axes."""
 
     name = "flu_quaternion_to_frd_yaw"
-    inputs = (QUATERNION,)
-    units = (ONE, RADIAN)
     frames = (FLU, FRD)
-    takes_axes, gives_axes = _ORIENTATION, ("z",)
+    gives_axes = ("z",)
     inverse = "frd_yaw_to_flu_quaternion"
-    limits = (TURN,)
     definition = Definition("x, y, z, w", _ANGLES_OF + "yaw")
 
-    def forward(self, parts: Parts) -> float:
-        """How far forward points to the right."""
-        return -angles(parts)[2]
 
-
-class FluQuaternionToFrdAngles(Conversion):
+class FluQuaternionToFrdAngles(_ToAngles):
     """Orientation in forward-left-up to roll, pitch and yaw about forward-right-down axes."""
 
     name = "flu_quaternion_to_frd_angles"
-    inputs = (QUATERNION,)
-    outputs = (NUMBER, NUMBER, NUMBER)
-    units = (ONE, RADIAN)
     frames = (FLU, FRD)
-    takes_axes, gives_axes = _ORIENTATION, _ANGLES
     inverse = "frd_angles_to_flu_quaternion"
-    limits = (TURN, QUARTER, TURN)
     definition = Definition(
         "x, y, z, w",
         _ANGLES_OF
@@ -261,21 +253,14 @@ class FluQuaternionToFrdAngles(Conversion):
         """,
     )
 
-    def forward(self, parts: Parts) -> Triple:
-        """The three angles, two of them the other way round."""
-        roll, pitch, yaw = angles(parts)
-        return roll, -pitch, -yaw
 
-
-class NedAnglesToEnuQuaternion(Conversion):
+class NedAnglesToEnuQuaternion(_ToOrientation):
     """Roll, pitch and heading in north-east-down to an orientation in east-north-up."""
 
     name = "ned_angles_to_enu_quaternion"
     inputs = (NUMBER, NUMBER, NUMBER)
-    outputs = (QUATERNION,)
-    units = (RADIAN, ONE)
     frames = (NED, ENU)
-    takes_axes, gives_axes = _ANGLES, _ORIENTATION
+    takes_axes = ("x", "y", "z")
     inverse = "enu_quaternion_to_ned_angles"
     definition = Definition(
         "roll, pitch, heading",
@@ -287,58 +272,36 @@ class NedAnglesToEnuQuaternion(Conversion):
         + _TURNS,
     )
 
-    def forward(self, roll: float, pitch: float, heading: float) -> Parts:
-        """The product of the three turns, the last one from east."""
-        return orientation(roll, -pitch, math.pi / 2 - heading)
 
-
-class NedHeadingToEnuQuaternion(Conversion):
+class NedHeadingToEnuQuaternion(_ToOrientation):
     """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
 
     name = "ned_heading_to_enu_quaternion"
-    outputs = (QUATERNION,)
-    units = (RADIAN, ONE)
     frames = (NED, ENU)
-    takes_axes, gives_axes = ("z",), _ORIENTATION
+    takes_axes = ("z",)
     inverse = "enu_quaternion_to_ned_heading"
     definition = Definition("heading", "about_z = pi / 2 - heading" + _TURN)
 
-    def forward(self, heading: float) -> Parts:
-        """The turn from east."""
-        return orientation(0.0, 0.0, math.pi / 2 - heading)
 
-
-class EnuQuaternionToNedHeading(Conversion):
+class EnuQuaternionToNedHeading(_ToOneAngle):
     """Orientation of a body in east-north-up to its heading clockwise from north."""
 
     name = "enu_quaternion_to_ned_heading"
-    inputs = (QUATERNION,)
-    units = (ONE, RADIAN)
     frames = (ENU, NED)
-    takes_axes, gives_axes = _ORIENTATION, ("z",)
+    gives_axes = ("z",)
     inverse = "ned_heading_to_enu_quaternion"
-    limits = (TURN,)
     definition = Definition("x, y, z, w", _ANGLES_OF + "remainder(pi / 2 + yaw, 2 * pi)")
 
-    def forward(self, parts: Parts) -> float:
-        """How far forward points east of north."""
-        return _heading(angles(parts)[2])
 
-
-class EnuQuaternionToNedAngles(Conversion):
+class EnuQuaternionToNedAngles(_ToAngles):
     """Orientation of a forward-left-up body in east-north-up to its angles in north-east-down.
 
     They are roll, pitch and heading of the same body, as forward-right-down.
     """
 
     name = "enu_quaternion_to_ned_angles"
-    inputs = (QUATERNION,)
-    outputs = (NUMBER, NUMBER, NUMBER)
-    units = (ONE, RADIAN)
     frames = (ENU, NED)
-    takes_axes, gives_axes = _ORIENTATION, _ANGLES
     inverse = "ned_angles_to_enu_quaternion"
-    limits = (TURN, QUARTER, TURN)
     definition = Definition(
         "x, y, z, w",
         _ANGLES_OF
@@ -348,23 +311,3 @@ class EnuQuaternionToNedAngles(Conversion):
         remainder(pi / 2 + yaw, 2 * pi)
         """,
     )
-
-    def forward(self, parts: Parts) -> Triple:
-        """Roll, pitch the other way round, and the heading."""
-        roll, pitch, yaw = angles(parts)
-        return roll, -pitch, _heading(yaw)
-
-
-CONVERSIONS = (
-    OrientationIfKnown(),
-    FrdAnglesToFluQuaternion(),
-    FrdYawToFluQuaternion(),
-    FluQuaternionToFrdRoll(),
-    FluQuaternionToFrdPitch(),
-    FluQuaternionToFrdYaw(),
-    FluQuaternionToFrdAngles(),
-    NedAnglesToEnuQuaternion(),
-    NedHeadingToEnuQuaternion(),
-    EnuQuaternionToNedHeading(),
-    EnuQuaternionToNedAngles(),
-)

@@ -1,23 +1,35 @@
-"""Commands: which messages are, and whom a component obeys them from (AS5710, AccessControl)."""
+"""Commands and queries: whom a component obeys (AS5710, AccessControl), and what answers them.
+
+Whoever provides a service answers its queries (AS5684). A command that a bridge has obeyed answers
+the query for it, as its report is laid out in the same way.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import CORE, standard_services
+from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
+    attributes,
     code,
     lineage,
     provided_services,
+    query_name,
+    same_code,
     searched_services,
+    signature,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
-    from jausml.language.metamodel.classes import jaus
+    from jausml.language.metamodel.classes import bridge
 
     Guard = Literal["ANY", "CONTROLLED", "READY"]
+
 
 # Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
 _STANDBY_MESSAGES = frozenset(
@@ -107,3 +119,135 @@ def guard_of_receivers(
 
 def _has(urn: str, services: Iterable[jaus.Service]) -> bool:
     return any(each.urn == urn for each in services)
+
+
+PRESENCE_VECTOR = "PresenceVector"
+"""Field of a query that names the optional fields which its report shall hold (AS6009)."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A query that is answered, and how."""
+
+    query: jaus.MessageDef
+    report: jaus.MessageDef
+
+
+def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer | None:
+    """Returns the answer that a report of a service is; None when nobody can ask for it."""
+    if report is None:
+        return None
+    query = named(query_name(report), (m for each in lineage(service) for m in each.inputs))
+    return None if query is None else Answer(query, report)
+
+
+def answer_alike(service: jaus.Service, message: jaus.MessageDef) -> Answer | None:
+    """Returns how a service tells what was set by a message; None when it is not asked for that.
+
+    The report is laid out as the message is, so that nothing has to be translated.
+    """
+    wanted = f"Report{(message.name or '').removeprefix('Set')}"
+    report = named(wanted, (m for each in lineage(service) for m in each.outputs))
+    is_alike = report is not None and signature(report) == signature(message)
+    return answer_by(service, report) if is_alike else None
+
+
+def named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:
+    """Returns the first message of a name."""
+    return next((each for each in messages if each.name == name), None)
+
+
+def chosen_fields(answer: Answer) -> list[str] | None:
+    """Returns the fields of a query that say which report is wanted, besides what is in it.
+
+    QueryVelocityCommand, for example, names the type of the command.
+
+    Returns:
+        The names of plain fields of both; None when the query says it in another way.
+    """
+    asked = [each for each in attributes(answer.query) if each.name != PRESENCE_VECTOR]
+    told = {each.name for each in attributes(answer.report) if isinstance(each, jaus.FixedField)}
+    if all(isinstance(each, jaus.FixedField) and each.name in told for each in asked):
+        return [str(each.name) for each in asked]
+    return None
+
+
+def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) -> Answer | None:
+    """Returns how whoever obeys a command tells it when asked; None when that cannot be.
+
+    It can be of what moves something: of a SetLocalPose nobody knows whether it still holds.
+    """
+    if not (is_command(message) and message.moves):
+        return None
+    for service in services:
+        answer = answer_alike(service, message)
+        if answer is not None and chosen_fields(answer) is not None:
+            return answer
+    return None
+
+
+def command_answer(connection: bridge.Connection) -> Answer | None:
+    """Returns how a connection tells the command that it carries to ROS; None when it cannot."""
+    owner, message = connection.eContainer(), connection.map.message
+    if owner is None or not _carries(connection, message):
+        return None
+    # Of several for one command, for several peers, none knows which came last.
+    if sum(_carries(each, message) for each in owner.bridgeConnections) > 1:
+        return None
+    return told_by_command(message, owner.provides)
+
+
+def _carries(connection: bridge.Connection, message: jaus.MessageDef) -> bool:
+    """Tells whether a connection takes a message from JAUS as it comes.
+
+    On the wire it is its code alone: several services have a SetTravelSpeed.
+    """
+    is_taken = connection.direction.name == "jausToRos" and connection.exchange.name == "message"
+    taken = connection.map.message if connection.map is not None else None
+    return is_taken and taken is not None and code(taken) == code(message)
+
+
+_REJECTING = "Reject"
+_ANSWERING = ("Confirm", _REJECTING)
+
+
+def responses(message: jaus.MessageDef, service: jaus.Service) -> list[jaus.MessageDef]:
+    """Returns the messages with which who provides a service answers a command of it.
+
+    Its machine says them. Most services of the standards have none here: then those that confirm or
+    reject what the command is named after, as ConfirmElementRequest does for SetElement.
+    """
+    found = dict.fromkeys(_sent_by_machine(message, service))
+    return list(found) or [
+        each for each in service.outputs if (topic := _topic(each)) and topic in str(message.name)
+    ]
+
+
+def is_rejection(message: jaus.MessageDef) -> bool:
+    """Tells whether an answer says that what was asked for is not done."""
+    return str(message.name).startswith(_REJECTING)
+
+
+def told_after(message: jaus.MessageDef, service: jaus.Service) -> Answer | None:
+    """Returns the query and the report that tell what a command has set; None without any.
+
+    The commands of Management set the state of a component, SetX what QueryX asks for.
+    """
+    topic = "Status" if service.urn == _MANAGEMENT else str(message.name).removeprefix("Set")
+    report = named(f"Report{topic}", (m for each in lineage(service) for m in each.outputs))
+    return answer_by(service, report)
+
+
+def _sent_by_machine(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.MessageDef]:
+    for machine in service.machines:
+        for _, state in states_of(machine):
+            for each in (*state.transitions, *state.defaults):
+                if each.message is not None and same_code(each.message, message):
+                    yield from (done.sends for done in each.actions if done.sends is not None)
+
+
+def _topic(answer: jaus.MessageDef) -> str:
+    """Returns what an answer confirms or rejects by its name; empty when it does neither."""
+    name = str(answer.name)
+    verb = next((each for each in _ANSWERING if name.startswith(each)), None)
+    return "" if verb is None else name.removeprefix(verb).removesuffix("Request")

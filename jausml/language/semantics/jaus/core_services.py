@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -52,7 +52,6 @@ class CoreMachine:
 
     Attributes:
         name: Name of the core service that says the innermost ones, such as Management.
-        states: Their paths, the initial one of each group first.
     """
 
     name: str
@@ -107,11 +106,7 @@ def _core_machines() -> Mapping[str, CoreMachine]:
 
 @dataclass
 class StateNode:
-    """A state of a machine.
-
-    Attributes:
-        elements: The states of the model that describe it, those of heirs first.
-    """
+    """A state of a machine."""
 
     path: str
     elements: list[jaus.State] = field(default_factory=list)
@@ -124,11 +119,7 @@ class StateNode:
 
 @dataclass
 class Machine:
-    """Machines of one name along inheritance.
-
-    Attributes:
-        elements: The machines of the model, those of heirs last.
-    """
+    """Machines of one name along inheritance."""
 
     name: str
     core: CoreMachine = field(default_factory=lambda: core_machine(None))
@@ -183,11 +174,7 @@ class Machine:
         return list(self._inside.get(path, ()))
 
     def initial(self, path: str) -> str | None:
-        """Returns the state that entering a state enters, None without one.
-
-        Args:
-            path: The enclosing state; empty for the machine.
-        """
+        """Returns the state that entering a state enters, None without one."""
         if path not in self._initial:
             self._initial[path] = self._find_initial(path)
         return self._initial[path]

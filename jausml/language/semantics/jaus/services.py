@@ -1,22 +1,76 @@
-"""Messages that a component takes and sends, inherited services included."""
+"""Messages that a component takes and sends, inherited services included, and their layouts."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import with_standard
-from jausml.language.semantics.jaus.layouts import signature
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
+
+    from typing_extensions import TypeIs
 
     from jausml.language.metamodel.classes import bridge
+    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.subject import Subject
 
+    Group: TypeAlias = jaus.Record | jaus.Sequence
+    Container: TypeAlias = Group | jaus.List | jaus.Variant
     Provider = jaus.Component | jaus.PeerSearch
     """Who provides services: a component, or whatever a search finds."""
+
+# What does not change the bytes of a legal message.
+_BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})
+
+
+def class_name(element: EObject) -> str:
+    """Returns the name of the metamodel class of an element."""
+    return str(element.eClass.name)
+
+
+def members(container: jaus.Field | None) -> list[jaus.Field]:
+    """Returns the fields of a record or sequence, none for other fields."""
+    return list(container.fields) if is_group(container) else []
+
+
+def is_group(field: EObject | None) -> TypeIs[Group]:
+    """Tells whether a field is a record or a sequence."""
+    return isinstance(field, (jaus.Record, jaus.Sequence))
+
+
+def is_container(field: EObject | None) -> TypeIs[Container]:
+    """Tells whether a field is a record, sequence, list or variant (JSIDL's containers)."""
+    return isinstance(field, (jaus.Record, jaus.Sequence, jaus.List, jaus.Variant))
+
+
+def attributes(message: jaus.MessageDef) -> list[jaus.Field]:
+    """Returns the fields that a codec exposes as attributes of the message.
+
+    The top record or sequence is flattened; a list or variant is one attribute.
+    """
+    body = wire.target_of(message.body)
+    if body is None or message.body is None:
+        return []
+    return members(body) if is_group(body) else [message.body]
+
+
+@remembered
+def signature(message: jaus.MessageDef) -> object:
+    """Returns a comparable description of what a message body puts on the wire.
+
+    Returns:
+        None for a body without a layout.
+    """
+    try:
+        return wire.comparable(wire.resolve(message).body, _BESIDE_THE_WIRE)
+    except wire.LayoutError:
+        return None
+
 
 ACCESS_CONTROL = "AccessControl"
 

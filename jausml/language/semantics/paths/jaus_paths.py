@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.layouts import attributes, class_name, is_group
-from jausml.language.semantics.memory import remembered
+from jausml.language.semantics.jaus.services import attributes, class_name, is_group
 from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBER,
@@ -22,6 +21,7 @@ from jausml.language.semantics.paths.attributes import (
     PathFault,
     nearest_name,
 )
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
@@ -37,7 +37,6 @@ class JausPlace:
     """A place in a JAUS message, from which paths go on.
 
     Attributes:
-        message: The `jaus.MessageDef` for its whole body, else None.
         field: What stands there, references resolved: a field, a sub-field, an alternative or a
             format.
     """

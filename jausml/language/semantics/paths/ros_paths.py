@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.memory import remembered
 from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBER,
@@ -20,6 +19,7 @@ from jausml.language.semantics.paths.attributes import (
     nearest_name,
     primitive,
 )
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -42,9 +42,6 @@ class RosPlace:
     Attributes:
         type: The `ros.MessageType` of the message that stands here; None for primitive values and
             for arrays as a whole.
-        field: The `ros.Field`, None for the whole message.
-        is_array: Whether it is an array as a whole.
-        label: Name of the innermost field.
         in_sequence: Whether it is an element of a sequence, or in one, that may be shorter.
     """
 

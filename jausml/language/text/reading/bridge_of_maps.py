@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.language.text.reading.declarations.messages import message_feature
-from jausml.language.text.root_names import system_name
+from jausml.language.semantics.names import system_name
+from jausml.language.text.reading.declared_messages import message_feature
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declarations.declarer import Declarer
+    from jausml.language.text.reading.declarer import Declarer
+    from jausml.language.text.reading.elements import NodeMaker
     from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.reading.nodes import NodeMaker
     from jausml.language.text.tree import Span
 
 

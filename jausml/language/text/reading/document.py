@@ -13,16 +13,15 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Fault, ImportedDocument
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, infer
-from jausml.language.semantics.memory import remembered, remembering
+from jausml.language.semantics.names import package_name, system_name
+from jausml.language.semantics.subject import remembered, remembering
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import add_bridge
-from jausml.language.text.reading.declarations.declarer import Declarer
-from jausml.language.text.reading.elements import ElementReader
+from jausml.language.text.reading.declarer import Declarer
+from jausml.language.text.reading.elements import ElementReader, NodeMaker
 from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
-from jausml.language.text.reading.nodes import NodeMaker
-from jausml.language.text.root_names import package_name, system_name
 from jausml.language.text.tree import Element, End, Feature, Import, Member, Span, is_map, lists_of
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.semantics.connections.exchanges import Inferred
     from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
-    from jausml.language.text.reading.nodes import Source
+    from jausml.language.text.reading.elements import Source
     from jausml.language.text.tree import Item, SyntaxTree
 
 

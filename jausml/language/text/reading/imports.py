@@ -24,7 +24,7 @@ from jausml.language.text.tree import Text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.language.text.reading.declarations.messages import OwnService
+    from jausml.language.text.reading.declared_messages import OwnService
     from jausml.language.text.tree import Import
 
 

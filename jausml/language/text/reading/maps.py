@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import ClassTable, Metamodels
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.semantics.conversions import Argument, Conversion
-    from jausml.language.text.reading.elements import ElementReader, Special
-    from jausml.language.text.reading.nodes import NodeMaker
+    from jausml.language.text.reading.elements import ElementReader, NodeMaker, Special
     from jausml.language.text.tree import BlockItem, Call, Item, VectorEntry
 
 MAP = "bridge.AttributeMap"

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
-from jausml.language.semantics.jaus.layouts import attributes, class_name
-from jausml.language.text.keywords import snake_case
-from jausml.language.text.reading.declarations.jaus import VALUE
-from jausml.language.text.reading.declarations.types import (
+from jausml.language.semantics.jaus.services import attributes, class_name
+from jausml.language.text.reading.declared_types import (
     ANY,
     BOOL,
     DEEPEST,
     STRING,
+    VALUE,
     Size,
     shown_type,
     size_of,
     type_word,
 )
+from jausml.language.text.tree import snake_case
 from jausml.language.wire import target_of
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model.xmi.parsing import Node
     from jausml.language.semantics.paths.attributes import JausPart, Part
-    from jausml.language.text.reading.declarations.types import Types
+    from jausml.language.text.reading.declared_types import Types
     from jausml.language.text.reading.maps import WrittenEnd
     from jausml.language.text.tree import End, Member, Span
 

@@ -7,9 +7,16 @@ import re
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from jausml.language.metamodel import FeatureTable, ValueKind
-from jausml.language.text.comments import documentation_text, is_documentation
-from jausml.language.text.keywords import KEYWORDS
-from jausml.language.text.tree import Href, Item, Name, Number, Text
+from jausml.language.text.tree import (
+    KEYWORDS,
+    Href,
+    Item,
+    Name,
+    Number,
+    Text,
+    documentation_text,
+    is_documentation,
+)
 
 if TYPE_CHECKING:
     from jausml.language.metamodel import DataTypeTable

@@ -1,36 +1,263 @@
-"""Writer of models as ros2jaus text: the syntax tree of a model, laid out."""
+"""Writer of models as ros2jaus text: the syntax tree of a model, maps in their own notation."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import UnwritableError, is_written
-from jausml.language.semantics.memory import remembering
-from jausml.language.text.root_names import system_name
+from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.names import system_name
+from jausml.language.semantics.paths.scopes import has_source
+from jausml.language.semantics.subject import remembering
 from jausml.language.text.tree import (
     DEEPEST,
     LONGEST,
+    Assignment,
     BlockItem,
+    Call,
+    Clock,
+    Direction,
     Element,
+    End,
+    Entry,
+    Feature,
+    Ignored,
     Import,
     Item,
+    Name,
+    Number,
     SyntaxTree,
+    Table,
+    Text,
+    Vector,
+    VectorEntry,
     lists_of,
 )
 from jausml.language.text.writing import layout
-from jausml.language.text.writing.elements import ElementWriter
 from jausml.language.text.writing.layout import space_document
-from jausml.language.text.writing.maps import MAP, MapWriter
-from jausml.language.text.writing.references import ReferenceNames
+from jausml.language.text.writing.references import ElementWriter, ReferenceNames
+from jausml.language.text.writing.spelling import (
+    IN_THE_HEAD,
+    constant,
+    documented,
+    is_comment,
+    is_name,
+    number,
+    word_or_constant,
+)
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+    from typing import TypeAlias
 
+    from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
+    from jausml.language.text.writing.references import DocumentNames
+
+    Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
+
+
+MAP = "bridge.AttributeMap"
+_BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
+
+
+class MapWriter:
+    """Writes the maps of one document."""
+
+    def __init__(
+        self, elements: ElementWriter, names: DocumentNames, metamodels: Metamodels
+    ) -> None:
+        self._elements = elements
+        self._names = names
+        self._metamodels = metamodels
+
+    def items(self, obj: bridge.AttributeMap) -> Iterator[BlockItem]:
+        """Yields what stands in the block of an attribute map."""
+        ends = {"message": self._end(obj, "message", obj.message)}
+        ends["type"] = self._end(obj, "type", obj.type)
+        said = {name for name, end in ends.items() if end is not None}
+        yield from (end for end in ends.values() if end is not None)
+        yield from self._elements.values(obj, without=IN_THE_HEAD | said)
+        yield from self._elements.children(obj, ("openDecisions",))
+        yield from (self.table(each) for each in obj.tables)
+        yield from map(self._elements.element, obj.quantities)
+        yield from map(self._elements.element, obj.joins)
+        yield from map(self._elements.element, obj.reportJoins)
+        for name, stop in (("stopRos", obj.stopRos), ("stopJaus", obj.stopJaus)):
+            if stop is not None:
+                yield self._elements.value_item(stop, self._feature(obj, name))
+        yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
+        yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
+        yield from (self.vector(each) for each in obj.vectors)
+
+    def _end(self, obj: bridge.AttributeMap, name: str, target: EObject | None) -> End | None:
+        """Returns the clause of one end, None when it cannot be named."""
+        if target is None:
+            return None
+        found = self._names.name(obj, target, self._feature(obj, name))
+        return End(name == "message", found, None) if isinstance(found, Name) else None
+
+    def _feature(self, obj: EObject, name: str) -> FeatureTable:
+        return self._metamodels.class_of(obj).features[name]
+
+    def table(self, obj: bridge.ValueTable) -> Table | Element:
+        """Returns a table, as a uniform block where its own notation cannot say it."""
+        entries = [table_entry(each) for each in obj.entries]
+        pairs = [each for each in entries if each is not None]
+        if not is_name(obj.name) or not _can_be_documented(obj) or len(pairs) < len(entries):
+            return self._elements.element(obj)
+        return documented(Table(Name(obj.name), pairs), obj)
+
+    def vector(self, obj: bridge.TestVector) -> Vector | Element:
+        """Returns a test vector, as a uniform block where its own notation cannot say it."""
+        given = [vector_entry(each) for each in obj.given]
+        expected = [vector_entry(each) for each in obj.expected]
+        entries = [each for each in [*given, *expected] if each is not None]
+        if len(entries) < len(given) + len(expected) or not is_name(obj.name):
+            return self._elements.element(obj)
+        if not _can_be_documented(obj):
+            return self._elements.element(obj)
+        to_ros = obj.direction.name == "jausToRos"
+        vector = Vector(Name(obj.name), to_ros, entries[: len(given)], entries[len(given) :])
+        return documented(vector, obj)
+
+    def _directions(
+        self, assignments: Sequence[bridge.Assignment], feature: FeatureTable
+    ) -> Iterator[Direction | Feature]:
+        """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
+        direction: Direction | None = None
+        for each in assignments:
+            arrow = self.arrow(each)
+            if arrow is None:
+                if direction is not None:
+                    yield direction
+                direction = None
+                yield self._elements.value_item(each, feature)
+                continue
+            if direction is None:
+                direction = Direction(feature.name == "toRos")
+            direction.assignments.append(arrow)
+        if direction is not None:
+            yield direction
+
+    def arrow(self, obj: bridge.Assignment) -> Assignment | Ignored | None:
+        """Returns an assignment as an arrow, None when no arrow says exactly this."""
+        targets = _paths(obj.target)
+        if targets is None:
+            return None
+        if isinstance(obj, bridge.Ignore):
+            is_sayable = len(targets) == 1 and _can_be_documented(obj)
+            return documented(Ignored(targets[0]), obj) if is_sayable else None
+        sources = self._sources(obj)
+        if not sources:
+            return None
+        arrow = Assignment(sources, targets)
+        arrow.items += self._elements.values(obj, without=_BY_ARROW)
+        if isinstance(obj, (bridge.FieldAssignment, bridge.ListAssignment)):
+            self._convert(arrow, obj)
+        if isinstance(obj, bridge.ListAssignment):
+            arrow.items += self._nested(obj)
+            if not any(isinstance(each, Assignment | Ignored) for each in arrow.items):
+                return None
+        return documented(arrow, obj)
+
+    def _sources(self, obj: bridge.Assignment) -> list[Name | Number | Text | Clock] | None:
+        if isinstance(obj, bridge.ClockAssignment):
+            return [Clock()]
+        if isinstance(obj, bridge.ConstantAssignment):
+            return [constant(obj.value)] if obj.value is not None else None
+        if not has_source(obj) or (isinstance(obj, bridge.MessageAssignment) and obj.map is None):
+            return None
+        paths = _paths(obj.source)
+        if paths is None or obj.source in ("true", "false"):
+            return None
+        return list(paths)
+
+    def _convert(
+        self, arrow: Assignment, obj: bridge.FieldAssignment | bridge.ListAssignment
+    ) -> None:
+        calls = [self.call(each) for each in obj.conversions]
+        sayable = [each for each in calls if each is not None]
+        if len(sayable) == len(calls):
+            arrow.conversions = sayable
+        else:
+            arrow.items += [self._elements.element(each) for each in obj.conversions]
+
+    def call(self, obj: bridge.Conversion) -> Call | None:
+        """Returns a conversion as a call, None when it has what no call of its kind takes."""
+        table = self._metamodels.class_of(obj)
+        given = [
+            name
+            for name, each in table.features.items()
+            if name != "kind" and is_written(obj, each)
+        ]
+        kind = obj.kind.name
+        if not given:
+            return Call(Name(kind))
+        own = conversion_of(obj).own_argument
+        holder = "quantity" if "quantity" in given else "arguments"
+        holder = holder if own is None else own.feature
+        if given != [holder]:
+            return None
+        value = getattr(obj, holder)
+        arguments: list[Any]
+        if holder == "arguments":
+            arguments = [number(each) for each in value]
+            return Call(Name(kind), tuple(arguments)) if _are(Number, arguments) else None
+        if table.features[holder].is_reference:
+            arguments = [self._names.name(obj, value, table.features[holder])]
+            return Call(Name(kind), tuple(arguments)) if _are(Name, arguments) else None
+        if own is not None and not own.is_text:
+            return Call(Name(kind), (Name(value),)) if is_name(value) else None
+        return Call(Name(kind), (Text(value),))
+
+    def _nested(self, obj: bridge.ListAssignment) -> Iterator[BlockItem]:
+        feature = self._feature(obj, "assignments")
+        for each in obj.assignments:
+            yield self.arrow(each) or self._elements.value_item(each, feature)
+
+
+def _are(kind: type, values: list[Any]) -> bool:
+    return all(isinstance(each, kind) for each in values)
+
+
+def _paths(text: str | None) -> list[Name] | None:
+    """Returns the paths of a source or target, None when commas stand otherwise than usual."""
+    paths = (text or "").split(", ")
+    return [Name(each) for each in paths] if all(map(_is_path, paths)) else None
+
+
+def _is_path(text: str) -> bool:
+    return text == "." or ("," not in text and is_name(text.removeprefix("/")))
+
+
+def table_entry(obj: bridge.TableEntry) -> Entry | None:
+    """Returns a pair of a table, None when a pair cannot say it."""
+    if None in (obj.jaus, obj.ros) or not _can_be_documented(obj):
+        return None
+    return documented(Entry(word_or_constant(obj.jaus), word_or_constant(obj.ros)), obj)
+
+
+def vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
+    """Returns a value of a test vector, None when its notation cannot say it."""
+    tolerance = number(obj.tolerance)
+    if not _is_path(obj.path or "") or obj.value is None or not isinstance(tolerance, Number):
+        return None
+    is_stated = tolerance.text != "0"
+    return VectorEntry(
+        Name(obj.path), word_or_constant(obj.value), tolerance if is_stated else None
+    )
+
+
+def _can_be_documented(*elements: Documented) -> bool:
+    texts = [each.documentation for each in elements]
+    return all(text is None or is_comment(text) for text in texts)
+
 
 IMPLIED_PARTS = {
     "system.System": ("components", "nodes", "bridges", "hosts", "placements"),

@@ -10,7 +10,7 @@ from jausml.language.validation.formats import github, json, junit, sarif, text
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 RENDERERS: Mapping[str, Callable[[Report], str]] = MappingProxyType(
     {

@@ -9,7 +9,7 @@ from jausml.language.validation.formats.text import lines_of, one_line
 
 if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 _MOST = 10  # annotations of one kind that GitHub shows of a step

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic, Location
-    from jausml.language.validation.report import Report, SetAside
+    from jausml.language.validation.rule import Report, SetAside
 
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""

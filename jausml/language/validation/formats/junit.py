@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +24,6 @@ class Case:
 
     Attributes:
         failure: Why it failed, on one line; None where it did not.
-        details: More about the failure, on several lines.
-        output: What else is to be known of it, on several lines.
         seconds: How long it took; None where nothing was measured.
     """
 

@@ -12,15 +12,15 @@ from urllib.parse import quote
 
 from jausml import __version__
 from jausml.language.model.diagnostics import Severity
-from jausml.language.text.rules import TEXT_RULES
-from jausml.language.validation.catalogue import catalogue
+from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.rules import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model.diagnostics import Diagnostic, Location
-    from jausml.language.validation.catalogue import CatalogueEntry
-    from jausml.language.validation.report import Report, SetAside
+    from jausml.language.validation.rule import Report, SetAside
+    from jausml.language.validation.rules import CatalogueEntry
 
 SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -35,9 +35,6 @@ def render(report: Report, help_uri: str | None = None) -> str:
     """Returns a SARIF log of one run, with every rule of jausml.
 
     Paths are written as the user gave them: give them relative to the root of the repository.
-
-    Args:
-        help_uri: Where the page of all rules is, for a link to the part of each; None for none.
     """
     rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES, report.rules)]
     places = {str(rule["id"]): number for number, rule in enumerate(rules)}

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.report import Ground
+from jausml.language.validation.rule import Ground
 
 if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 def render(report: Report) -> str:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.words import snake_case
 from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
 from jausml.language.semantics.jaus.machines import behaviours
 from jausml.language.semantics.jaus.services import with_inherited
-from jausml.language.semantics.names import DEVICES, is_identifier, package_key, taken
+from jausml.language.semantics.names import DEVICES, is_identifier, package_key, snake_case, taken
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

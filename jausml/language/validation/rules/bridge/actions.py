@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.connections.list_drivers import driver_messages, knows_speed, takes
+from jausml.language.semantics.connections.calls import driver_messages, knows_speed, takes
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.jaus.services import is_known, lineage, services_of
 from jausml.language.semantics.paths.attributes import PathFault

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
-from jausml.language.semantics.connections.unanswered import sent_reports, unanswered
-from jausml.language.semantics.jaus.answers import told_by_command
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import is_command, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
-from jausml.language.semantics.jaus.layouts import attributes
 from jausml.language.semantics.jaus.services import (
+    attributes,
     code,
     find_input,
     find_output,

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
-from jausml.language.semantics.connections.flows import find_loops, flow_of
+from jausml.language.semantics.connections.topics import find_loops, flow_of
 from jausml.language.semantics.jaus.commands import is_command
-from jausml.language.semantics.jaus.layouts import attributes
 from jausml.language.semantics.jaus.services import (
+    attributes,
     find_input,
     find_output,
     find_query,

@@ -30,7 +30,7 @@ from jausml.language.semantics.conversions.authored import Expression, User
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import LIST, NUMBERS, Attribute
-from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.stops import with_constants
-from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.paths.scopes import directions, parse_path, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -18,8 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.attributes import JausPart
-    from jausml.language.semantics.paths.directions import Direction
-    from jausml.language.semantics.paths.scopes import PathPlace, Placed
+    from jausml.language.semantics.paths.scopes import Direction, PathPlace, Placed
     from jausml.language.semantics.subject import Subject
 
     Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection

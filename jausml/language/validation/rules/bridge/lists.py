@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
-from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
-from jausml.language.semantics.paths.scopes import Placed, is_many, target_paths
+from jausml.language.semantics.paths.scopes import Placed, directions, is_many, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.directions import Direction
-    from jausml.language.semantics.paths.scopes import FoundPlace
+    from jausml.language.semantics.paths.scopes import Direction, FoundPlace
     from jausml.language.semantics.subject import Subject
 
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)

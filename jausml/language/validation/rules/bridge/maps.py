@@ -18,8 +18,7 @@ from jausml.language.semantics.paths.attributes import (
     PathFault,
     constant_fault,
 )
-from jausml.language.semantics.paths.directions import directions
-from jausml.language.semantics.paths.scopes import PathScope, outer_scope
+from jausml.language.semantics.paths.scopes import PathScope, directions, outer_scope
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from jausml.language.semantics.paths.attributes import Found
     from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
-
 
 _MANY = (LIST, NUMBERS)
 
@@ -262,3 +260,25 @@ def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
     if not is_jaus:
         return "is for JAUS fields: all fields of a ROS message are there"
     return "" if attribute.optional else "is for optional fields"
+
+
+@rule("JML498", Severity.ERROR, "decision that is open", is_decision=True)
+def decisions_made(subject: Subject) -> Iterator[Finding]:
+    """No decision of a map or connection is open.
+
+    No tool can make it, since it depends on the vehicle. It is an error where a safety or the
+    meaning of a value hangs on it, and a warning with `blocking` false. Decide, write that into
+    the model, and remove the open decision.
+
+    Bad: `<openDecisions text="state the top speed of the vehicle, instead of 1"/>`
+
+    Good: no such element, and the top speed in the map
+    """
+    for each in subject.instances(bridge.OpenDecision, needs=("text", "blocking")):
+        if each.text is None:
+            continue
+        owner = each.eContainer()
+        place = f" in '{owner.name}'" if isinstance(owner, bridge.DecisionOwner) else ""
+        severity = None if each.blocking else Severity.WARNING
+        hint = "decide it, then remove the open decision"
+        yield Finding(each, f"open{place}: {each.text}", "text", hint, severity=severity)

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 from jausml.language.attributes import intervals
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.assignments.ranges import result_ranges, source_range
 from jausml.language.semantics.assignments.units import (
     Measure,
     attribute_measure,
     measure,
     result_measure,
+    result_ranges,
+    source_range,
     units_clash,
 )
 from jausml.language.semantics.paths.attributes import (
@@ -25,7 +26,7 @@ from jausml.language.semantics.paths.attributes import (
     Attribute,
     Found,
 )
-from jausml.language.semantics.paths.directions import direction_of, directions
+from jausml.language.semantics.paths.scopes import direction_of, directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

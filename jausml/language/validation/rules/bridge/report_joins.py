@@ -7,22 +7,21 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.connections.report_joins import joined_reports, report_join_of
-from jausml.language.semantics.jaus.layouts import attributes
+from jausml.language.semantics.connections.reports import joined_reports, report_join_of
 from jausml.language.semantics.jaus.services import (
+    attributes,
     find_output,
     is_known,
     query_name,
 )
-from jausml.language.semantics.paths.directions import directions
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import directions, source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.connections.report_joins import JoinedReport
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject

@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.assignments.ranges import sent_through, source_range
-from jausml.language.semantics.assignments.units import units_clash
+from jausml.language.semantics.assignments.units import sent_through, source_range, units_clash
 from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute
-from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.directions import Direction
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Direction, Placed
     from jausml.language.semantics.subject import Subject
 
 # Where a field has no range, numbers of everyday size tell a wrong factor or sign.

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
-from jausml.language.semantics.connections.flows import flow_of
 from jausml.language.semantics.connections.stops import has_stop, is_command
-from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
-from jausml.language.semantics.paths.directions import sound_connections
+from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
+from jausml.language.semantics.paths.scopes import sound_connections
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.connections.flows import Flow
+    from jausml.language.semantics.connections.topics import Flow
     from jausml.language.semantics.subject import Subject
 
 

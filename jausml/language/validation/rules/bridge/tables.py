@@ -12,18 +12,20 @@ from jausml.language.semantics.paths.attributes import (
     NUMBER,
     TEXT,
     Attribute,
+    compared,
     constant_fault,
     is_real,
+    named_values,
+    table_text,
 )
-from jausml.language.semantics.paths.directions import directions
-from jausml.language.semantics.paths.named_values import compared, named_values, table_text
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.named_values import Comparison
+    from jausml.language.semantics.paths.attributes import Comparison
     from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.semantics.subject import Subject
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (
     find_output,
     find_query,
@@ -16,6 +17,7 @@ from jausml.language.semantics.jaus.services import (
     provided_services,
     provides_access_control,
     query_name,
+    with_inherited,
 )
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -270,6 +272,25 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
                 message = f"'{component.name}' provides {urn} more than once (versions {versions})"
                 second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
                 yield Finding(component, message, "provides", position=second)
+
+
+@rule("JML352", Severity.WARNING, "state machine that a bridge does not run")
+def bridges(subject: Subject) -> Iterator[Finding]:
+    """A bridge translates messages and runs no state machine of the services that it provides.
+
+    The rule ignores services of the library: a bridge handles those as its maps say.
+
+    Bad: a bridge that provides a service with a state machine
+
+    Good: a component that provides it
+    """
+    for owner in subject.instances(bridge.Bridge):
+        for service in with_inherited(owner.provides):
+            is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
+            if service.machines and not is_kept:
+                text = f"the bridge '{owner.name}' does not run the state machine of"
+                note = Note(service, f"'{service.name}'")
+                yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
 def provider_name(provider: Provider) -> str:

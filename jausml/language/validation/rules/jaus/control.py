@@ -10,11 +10,16 @@ from jausml.language.metamodel.filling import is_set
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
 from jausml.language.semantics.connections import calls
-from jausml.language.semantics.connections.list_drivers import driver_messages
+from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import with_standard
-from jausml.language.semantics.jaus.layouts import signature
-from jausml.language.semantics.jaus.services import along_inheritance, code, lineage, with_inherited
+from jausml.language.semantics.jaus.services import (
+    along_inheritance,
+    code,
+    lineage,
+    signature,
+    with_inherited,
+)
 from jausml.language.semantics.names import urn_fault
 from jausml.language.validation.rule import Finding, Note, rule
 

@@ -6,7 +6,6 @@ import difflib
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import Guard, GuardError, conditions, parse_guard
-from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
@@ -25,13 +24,13 @@ from jausml.language.semantics.jaus.services import (
     ACCESS_CONTROL,
     find_same,
     lineage,
-    with_inherited,
 )
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.subject import Subject
 
 _CONTROLLER = "isControllingClient"
@@ -307,25 +306,6 @@ def commands(subject: Subject) -> Iterator[Finding]:
             if _CONTROLLER not in asked:
                 text = f"the command {message.name} is obeyed from every component"
                 yield Finding(transition, text, "guard", f"add {_CONTROLLER} to the guard")
-
-
-@rule("JML352", Severity.WARNING, "state machine that a bridge does not run")
-def bridges(subject: Subject) -> Iterator[Finding]:
-    """A bridge translates messages and runs no state machine of the services that it provides.
-
-    The rule ignores services of the library: a bridge handles those as its maps say.
-
-    Bad: a bridge that provides a service with a state machine
-
-    Good: a component that provides it
-    """
-    for owner in subject.instances(bridge.Bridge):
-        for service in with_inherited(owner.provides):
-            is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
-            if service.machines and not is_kept:
-                text = f"the bridge '{owner.name}' does not run the state machine of"
-                note = Note(service, f"'{service.name}'")
-                yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
 def _element(behaviour: Behaviour, path: str) -> jaus.State | jaus.StateMachine:

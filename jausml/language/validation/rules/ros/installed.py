@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.installed import InstalledTypes, package_of, parts_of
+from jausml.language.semantics.ros_types import InstalledTypes, package_of, parts_of
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.installed import InterfaceType
+    from jausml.language.semantics.ros_types import InterfaceType
     from jausml.language.semantics.subject import Subject
 
     User = ros.TopicEndpoint | ros.ServiceEndpoint | bridge.AttributeMap | bridge.Join

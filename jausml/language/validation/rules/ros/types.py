@@ -8,8 +8,7 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces.definitions import TEXTS, FieldType
-from jausml.language.interfaces.literals import ValueTextError, write_value
+from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
@@ -28,7 +27,7 @@ from jausml.language.semantics.paths.attributes import (
     primitive,
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.type_extents import excesses
+from jausml.language.semantics.ros_types import excesses
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

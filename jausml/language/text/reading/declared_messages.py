@@ -6,9 +6,8 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.model.words import snake_case
-from jausml.language.text.reading.declarations.jaus import JausFields
-from jausml.language.text.root_names import service_name, system_name
+from jausml.language.semantics.names import service_name, snake_case, system_name
+from jausml.language.text.reading.declared_types import JausFields
 from jausml.language.text.tree import Element, Feature
 
 if TYPE_CHECKING:
@@ -18,10 +17,9 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declarations.types import Types
-    from jausml.language.text.reading.elements import ElementReader
+    from jausml.language.text.reading.declared_types import Types
+    from jausml.language.text.reading.elements import ElementReader, NodeMaker
     from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.reading.nodes import NodeMaker
     from jausml.language.text.tree import End, Span
 
 FIRST_CODE = 0xD000
@@ -34,11 +32,7 @@ _REPORT, _QUERY = "Report", "Query"
 
 
 class OwnService:
-    """Makes the service that has the new messages of a text.
-
-    Args:
-        path: The file, which names the service where the text does not.
-    """
+    """Makes the service that has the new messages of a text."""
 
     def __init__(
         self,

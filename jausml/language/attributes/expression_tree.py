@@ -7,12 +7,12 @@ import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from .. import intervals as spans
+from jausml.language.attributes import intervals as spans
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from ..intervals import Interval
+    from jausml.language.attributes.intervals import Interval
 
 
 @dataclass(frozen=True)

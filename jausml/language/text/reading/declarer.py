@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.language.model.library import has_package
-from jausml.language.model.words import words
-from jausml.language.text.reading.declarations.messages import OwnService
-from jausml.language.text.reading.declarations.types import (
+from jausml.language.semantics.names import package_name, words
+from jausml.language.text.reading.declared_messages import OwnService
+from jausml.language.text.reading.declared_types import (
     BOOL,
     DEEPEST,
     NUMBERS,
@@ -21,7 +21,6 @@ from jausml.language.text.reading.declarations.types import (
     size_of,
     type_word,
 )
-from jausml.language.text.root_names import package_name
 from jausml.language.text.tree import Name
 
 if TYPE_CHECKING:
@@ -31,9 +30,8 @@ if TYPE_CHECKING:
     from jausml.language.metamodel import Metamodels
     from jausml.language.model.notation import Known
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.elements import ElementReader
+    from jausml.language.text.reading.elements import ElementReader, NodeMaker
     from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.reading.nodes import NodeMaker
     from jausml.language.text.tree import End, Feature, Member
 
 

@@ -1,1 +1,0 @@
-"""Declaration of messages and types that a text describes and no model knows."""
