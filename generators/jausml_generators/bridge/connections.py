@@ -6,12 +6,11 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.connections.reports import freshness_of, joined_reports
-
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import told_command
+from jausml.language.semantics.connections.reports import freshness_of, joined_reports
 from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers
 from jausml_generators.bridge.ends import (
     JoinView,
@@ -30,9 +29,8 @@ from jausml_generators.python.statements import call, condition, tuple_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.language.semantics.connections.reports import JoinedReport
-
     from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.bridge.translation.translating import Translated
     from jausml_generators.python.codec.messages import MessageView
 

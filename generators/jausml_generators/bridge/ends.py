@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.connections.reports import joined_reports
-
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import reliability
 from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
 from jausml_generators.common.components import address_call, query_for, search_call, with_inherited
@@ -19,9 +18,8 @@ from jausml_generators.python.statements import call
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator
 
-    from jausml.language.semantics.connections.reports import JoinedReport
-
     from jausml.language.metamodel.classes import bridge, ros
+    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.python.codec.messages import MessageView
 
 _QOS = {

@@ -10,8 +10,6 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.connections.reports import requested_in
-
 from jausml.generation.docstrings import docstring
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable, python_literal, python_string
@@ -23,6 +21,7 @@ from jausml.language.semantics.connections.calls import (
     knows_speed,
     speed_answer,
 )
+from jausml.language.semantics.connections.reports import requested_in
 from jausml.language.semantics.jaus.commands import answer_alike, guard_of_receivers, is_command
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
@@ -98,14 +97,9 @@ class ActionView(ConnectionView):
         return f"{super().summary}, an element of {printable(self.action.action)}"
 
     @functools.cached_property
-    def driver(self) -> tuple[MessageView, MessageView, MessageView]:
-        """ExecuteList, QueryActiveElement and ReportActiveElement."""
-        found = messages_of_driver(self.action)
-        return (
-            self.view_of(found.execute),
-            self.view_of(found.query),
-            self.view_of(found.report),
-        )
+    def driver(self) -> DriverMessages:
+        """ExecuteList, QueryActiveElement and ReportActiveElement, or those of missions."""
+        return messages_of_driver(self.action)
 
     @property
     def query_element(self) -> jaus.MessageDef | None:
@@ -164,7 +158,8 @@ class ActionView(ConnectionView):
 
     @property
     def _driver(self) -> str:
-        return call("ListMessages", *(each.class_name for each in self.driver))
+        kind = "MissionMessages" if self.driver.spooler else "ListMessages"
+        return call(kind, *(self.view_of(each).class_name for each in self.driver.all))
 
     @property
     def _answers(self) -> list[str]:

@@ -7,16 +7,15 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.connections.reports import requested_fields
-from jausml.language.semantics.ros_types import package_of
-
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import told_command
+from jausml.language.semantics.connections.reports import requested_fields
 from jausml.language.semantics.paths.scopes import used_maps
+from jausml.language.semantics.ros_types import package_of
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import messages_of_joins, query_of
 from jausml_generators.bridge.light_module import LightModule

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.ros_types import kind_of, package_of
-
 from jausml_generators.python.names import Scope, class_name
 
 if TYPE_CHECKING:
