@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from jausml.authoring.studio.security import Token
-    from jausml.authoring.studio.serving import Session
+    from jausml.authoring.studio.session import Session
 
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Bytes of a message that a page sends; a text of a file is the longest."""

@@ -72,7 +72,8 @@ def command(
         raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio.context import StudioContext
-    from jausml.authoring.studio.serving import PageMissingError, Session, require_page, serve
+    from jausml.authoring.studio.serving import PageMissingError, require_page, serve
+    from jausml.authoring.studio.session import Session
     from jausml.cli.live.network import network_from
 
     # Who has no page any more sees faults of the studio here.

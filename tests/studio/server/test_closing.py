@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
-from jausml.authoring.studio.serving import Session
+from jausml.authoring.studio.session import Session
 
 if TYPE_CHECKING:
     from pathlib import Path
