@@ -10,7 +10,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from jausml.generation import docstrings, literals
+from jausml.generation import literals
+from jausml.generation import literals as docstrings
 
 HOSTILE = [
     '"""; import os; os.abort() #',

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from jausml.mutating.findings import Proofs
 
 from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.engine import check_project
-from jausml.mutating.proofs import Proofs
 
-GUARDS = ("jausml/mutating/proofs.py",)
+GUARDS = ("jausml/mutating/findings.py",)
 
 MODEL = """\
 import jaus.mobility

@@ -17,7 +17,8 @@ from jausml.cli.shared.options import COMPETITIONS
 from jausml.live.messages import load_catalogue
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import TargetNotReached
-from jausml.live.peers.judging import competitions, pages, sheets
+from jausml.live.peers.judging import competitions, sheets
+from jausml.live.peers.judging import sheets as pages
 from jausml.live.peers.judging.driving import Course
 from jausml.live.peers.network import make_network
 from jausml.runtime.virtual import VirtualWorld

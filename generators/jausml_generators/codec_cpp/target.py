@@ -5,11 +5,18 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import clean
 from jausml.generation.errors import GenerationError
+from jausml.generation.literals import clean
 from jausml.generation.system import source_of, system_of
-from jausml.generation.target import Target, WholeLibrary
-from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    TextFile,
+    TextTask,
+    WholeLibrary,
+    templates_beside,
+)
 from jausml_generators.common.components import library_services, used_services
 from jausml_generators.cpp.jaus_codec import JausCodec
 from jausml_generators.cpp.types import JAUS, UnprintableError, laid_out, support

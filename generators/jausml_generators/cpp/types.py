@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import LINE_WIDTH
-from jausml.generation.tasks import templates_beside
+from jausml.generation.target import templates_beside
 from jausml_generators.bridge.translation import places
 from jausml_generators.python.names import names_in
 

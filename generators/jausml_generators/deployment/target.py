@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Kind
-from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, templates_beside
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml_generators.bringup.target import bringup_view

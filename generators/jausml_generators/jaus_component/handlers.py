@@ -12,8 +12,7 @@ from textwrap import indent
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.generation.artifact import MethodContract
-from jausml.generation.docstrings import clean, docstring, sentence
-from jausml.generation.literals import python_literal
+from jausml.generation.literals import clean, docstring, python_literal, sentence
 from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
 from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Fixed

@@ -6,11 +6,10 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import clean
 from jausml.generation.languages.python import Origin, statements
+from jausml.generation.literals import clean
 from jausml.generation.system import source_of, system_of
-from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task
+from jausml.generation.target import FileTask, Target, Task
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.common.components import own_bridges, plain_components
 from jausml_generators.jaus_component.views import ComponentView

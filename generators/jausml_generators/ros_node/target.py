@@ -11,8 +11,7 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
-from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, templates_beside
 from jausml_generators.common.ros import (
     LONGEST_DURATION,
     Qos,

@@ -14,8 +14,8 @@ from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
-from jausml.live.messages.definitions import rows_of
 from jausml.live.messages.errors import DefinitionError
+from jausml.live.messages.text import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

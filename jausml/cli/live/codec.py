@@ -137,18 +137,18 @@ def _lines(inputs: tuple[str, ...], *, are_datagrams: bool) -> Iterator[Line]:
     if len(inputs) > 1 and all(map(part.fullmatch, inputs)):
         yield "arguments", " ".join(inputs)
         return
-    for number, text in enumerate(inputs or (STDIN,), 1):
-        if text == STDIN or _is_file(text):
-            _refuse_capture(text)
-            for line_number, line in enumerate(read_lines(text), 1):
+    for number, observing in enumerate(inputs or (STDIN,), 1):
+        if observing == STDIN or _is_file(observing):
+            _refuse_capture(observing)
+            for line_number, line in enumerate(read_lines(observing), 1):
                 yield f"{shown_path(text)}:{line_number}", line
         else:
-            yield f"{_ARGUMENT}{number}", text
+            yield f"{_ARGUMENT}{number}", observing
 
 
-def _is_file(text: str) -> bool:
+def _is_file(observing: str) -> bool:
     try:
-        return bool(text) and Path(text).exists()
+        return bool(observing) and Path(observing).exists()
     except (OSError, ValueError):
         return False
 
@@ -179,7 +179,7 @@ class _Output:
 
     def message(self, decoded: DecodedMessage) -> None:
         """Writes a message."""
-        from jausml.live.messages import text as message_text
+        from jausml.live.messages import observing as message_text
 
         if self._is_json:
             write(to_json(decoded.to_json()))
@@ -200,9 +200,9 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        from jausml.live.traffic import text
+        from jausml.live.traffic import observing
 
-        for line in text.lines(observation):
+        for line in observing.lines(observation):
             write(line)
 
     def problem(self, place: str, reason: str) -> None:
@@ -258,8 +258,7 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
-        from jausml.live.traffic.captures import TrafficError
-        from jausml.live.traffic.hexlines import parse_hex
+        from jausml.live.traffic.captures import TrafficError, parse_hex
 
         for place, line in lines:
             try:
@@ -361,8 +360,8 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.legal import shown
     from jausml.live.messages.paths import parse_fields
+    from jausml.live.messages.values import shown
 
     name, _, fields = line.strip().partition(" ")
     if name.isidentifier() and name not in ("null", "true", "false"):

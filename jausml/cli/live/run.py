@@ -301,7 +301,7 @@ def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_
 
 def _cure(name: str, folder: Path, is_own: bool) -> str:
     from jausml.language.model.library import has_package
-    from jausml.live.machine.ros import package_cure
+    from jausml.live.machine import package_cure
 
     if not (is_own or has_package(name)):
         return (

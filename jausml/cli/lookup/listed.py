@@ -21,7 +21,7 @@ from jausml.language.semantics.connections.map_overview import MapOverview, over
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rules import PRODUCT_RULES, catalogue
 from jausml.live.messages import UnknownServiceError
-from jausml.proving.findings import PROOF_RULES
+from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES
 
 if TYPE_CHECKING:

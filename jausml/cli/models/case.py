@@ -145,8 +145,7 @@ def _former(folder: Path) -> Former:
 
 def _drawn(case: SafetyCase) -> dict[str, str]:
     """Returns the document and the pictures of a case, by file."""
-    from jausml.safety_case.page import render
-    from jausml.safety_case.picture import pictures
+    from jausml.safety_case.page import pictures, render
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
 

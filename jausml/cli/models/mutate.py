@@ -78,10 +78,8 @@ def command(
 
     from jausml.language.model.model import digests
     from jausml.mutating import text
-    from jausml.mutating.mutations import mutations, sample
-    from jausml.mutating.outcomes import Campaign
-    from jausml.mutating.page import page
-    from jausml.mutating.running import Settings
+    from jausml.mutating.outcomes import Campaign, page
+    from jausml.mutating.running import Settings, mutations, sample
     from jausml.proving.running import processors
 
     _check_names(names)

@@ -65,7 +65,7 @@ def command(
     """
     from jausml.language.validation.formats import sarif
     from jausml.proving import text
-    from jausml.proving.findings import with_proofs
+    from jausml.proving.results import with_proofs
     from jausml.proving.running import Settings, processors
 
     ready = [] if Path(model).exists() else _ready(model)
@@ -108,7 +108,7 @@ def _proved(
     """Returns the results of maps, in their order."""
     from jausml.language.model.xmi.writer import UnwritableError
     from jausml.live.workers.pool_processes import PoolError
-    from jausml.proving.pieces import program, prove_all
+    from jausml.proving.running import program, prove_all
 
     try:
         if not scheduler:
@@ -119,8 +119,8 @@ def _proved(
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:
-    from jausml.proving.findings import by_map
     from jausml.proving.pages import pages
+    from jausml.proving.results import by_map
 
     made_folder(folder)
     for name, page in pages(results, by_map(judged)):
@@ -131,7 +131,7 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
     import json
 
     from jausml.language.model.model import digests
-    from jausml.proving.findings import by_map
+    from jausml.proving.results import by_map
 
     short = by_map(judged)
     maps = [finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]

@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml_generators.python.codec.scalars import struct_name
 
 if TYPE_CHECKING:

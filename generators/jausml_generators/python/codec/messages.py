@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml_generators.python import names
