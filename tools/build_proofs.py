@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.validation.project import check_project
-from jausml.proving.findings import by_map, with_proofs
+from jausml.proving.findings import by_map, told, with_proofs
 from jausml.proving.layout import JAUS
-from jausml.proving.pieces import program, prove_all
 from jausml.proving.round_trips import round_trips
-from jausml.proving.running import Settings
-from jausml.proving.text import told
+from jausml.proving.running import Settings, program, prove_all
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -7,7 +7,6 @@ Nothing here prints; the command line does.
 
 from __future__ import annotations
 
-from jausml.generation.again import render_again
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.drift import drift
@@ -23,11 +22,19 @@ from jausml.generation.errors import (
 )
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
 from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.rendering import render
-from jausml.generation.report import with_code
-from jausml.generation.target import Target, WholeLibrary, load_targets
-from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, View, templates_beside
-from jausml.generation.workspace import Result, Selection, broken_code, generate, select
+from jausml.generation.rendering import render, render_again
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    TextFile,
+    TextTask,
+    View,
+    WholeLibrary,
+    load_targets,
+    templates_beside,
+)
+from jausml.generation.workspace import Result, Selection, broken_code, generate, select, with_code
 from jausml.generation.writer import apply
 
 __all__ = [

@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.artifact import Artifact, Kind, has_valid_header, text_digest
 from jausml.generation.checks import find_problems
-from jausml.generation.folder import FileState, find_generated, inspect
-from jausml.generation.header import has_valid_header
 from jausml.generation.manifest import (
     MANIFEST_PATH,
     PENDING_PATH,
     Entry,
+    FileState,
     Manifest,
+    find_generated,
+    inspect,
     new_entry,
     temporary,
 )

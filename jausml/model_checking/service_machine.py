@@ -17,7 +17,7 @@ from jausml.language.attributes.guards import (
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.inherited_machines import event_name
 from jausml.language.semantics.jaus.machines import is_core_trigger
-from jausml.model_checking.core_services import (
+from jausml.model_checking.runtime_machines import (
     EMERGENCY,
     FINAL,
     PASSIVE,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from jausml.language.attributes.guards import Guard
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.model_checking.core_services import CoreServices
+    from jausml.model_checking.runtime_machines import CoreServices
 
 REMEMBERED = 4
 """Pushes that are followed; the runtime remembers more."""

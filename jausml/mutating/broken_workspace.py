@@ -11,7 +11,7 @@ import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from jausml.generation.header import without_header
+from jausml.generation.artifact import without_header
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:

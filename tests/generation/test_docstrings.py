@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.generation.docstrings import model_docstring
+from jausml.generation.literals import model_docstring
 
 LONG = "and says what the peer is to do with it when the time has come"
 

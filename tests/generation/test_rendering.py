@@ -17,8 +17,8 @@ import pytest
 
 from jausml import __version__
 from jausml import generation as gen
+from jausml.generation.artifact import add_header, has_valid_header
 from jausml.generation.checks import syntax_problem
-from jausml.generation.header import add_header, has_valid_header
 
 
 def texts(artifacts):

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.generation import again, generate, load_targets, render, render_again, select
+from jausml.generation import generate, load_targets, render, render_again, select
+from jausml.generation import rendering as again
 from jausml.language.validation.project import check_project
 
 MODELS = Path(__file__).parents[2] / "models"

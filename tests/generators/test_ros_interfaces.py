@@ -11,8 +11,8 @@ import pytest
 import warm
 
 from jausml import generation
+from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
-from jausml.generation.header import has_valid_header
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import PRIMITIVES, FieldType
 from jausml.language.metamodel.classes import bridge, jaus

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from jausml.generation.header import DIGEST_MARK, has_valid_header
+from jausml.generation.artifact import DIGEST_MARK, has_valid_header
 from jausml_generators.runtime.target import DEPENDENCIES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 

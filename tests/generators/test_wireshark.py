@@ -9,8 +9,8 @@ import pytest
 from lupa import lua52, lua54
 
 from jausml import generation
+from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
-from jausml.generation.header import has_valid_header
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.common.services import library_services, used_services

@@ -8,8 +8,8 @@ import pytest
 
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.validation.project import check_project
-from jausml.mutating.mutations import mutations, sample
 from jausml.mutating.operators import OPERATORS
+from jausml.mutating.running import mutations, sample
 
 GUARDS = ("jausml/mutating",)
 

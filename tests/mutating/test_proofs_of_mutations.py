@@ -7,9 +7,9 @@ import pytest
 from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.project import check_project
-from jausml.mutating.proofs import Proofs
+from jausml.mutating.findings import Proofs
 
-GUARDS = ("jausml/mutating/proofs.py",)
+GUARDS = ("jausml/mutating/findings.py",)
 
 MODEL = """\
 import jaus.mobility

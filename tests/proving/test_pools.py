@@ -23,7 +23,7 @@ from jausml.live.workers.pool_processes import PoolError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-GUARDS = ("jausml/live/workers", "jausml/proving/pieces.py", "jausml/mutating/running.py")
+GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/running.py")
 WINCH = Path(__file__).resolve().parents[2] / "models" / "examples" / "winch" / "winch.xmi"
 
 

@@ -10,9 +10,8 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import docstring
 from jausml.generation.errors import GenerationError
-from jausml.generation.literals import printable, python_literal, python_string
+from jausml.generation.literals import docstring, printable, python_literal, python_string
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.list_drivers import (
     answers,

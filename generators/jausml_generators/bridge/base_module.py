@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml.generation.literals import printable, python_literal, python_string
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import clean
 from jausml.generation.errors import GenerationError
+from jausml.generation.literals import clean
 from jausml_generators.cpp.jaus_codec import JausCodec
 from jausml_generators.cpp.layout import laid_out
 from jausml_generators.cpp.types import UnprintableError

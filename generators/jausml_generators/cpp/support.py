@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 
-from jausml.generation.tasks import templates_beside
+from jausml.generation.target import templates_beside
 
 JAUS = "jaus.hpp"
 """What messages include."""

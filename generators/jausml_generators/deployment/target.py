@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Kind
-from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, templates_beside
 from jausml.language.metamodel.classes import ros
 from jausml_generators.bringup.target import bringup_view
 from jausml_generators.deployment.network import deployed_hosts

@@ -7,8 +7,7 @@ from textwrap import indent
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract
-from jausml.generation.docstrings import clean, docstring, sentence
-from jausml.generation.literals import python_literal
+from jausml.generation.literals import clean, docstring, python_literal, sentence
 from jausml_generators.python.package import laid_out
 from jausml_generators.python.statements import call
 

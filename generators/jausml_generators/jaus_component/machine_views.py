@@ -6,8 +6,7 @@ from collections import defaultdict, deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import clean, docstring
-from jausml.generation.literals import python_string
+from jausml.generation.literals import clean, docstring, python_string
 from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,

@@ -5,8 +5,7 @@ from __future__ import annotations
 import functools
 from typing import TYPE_CHECKING
 
-from jausml.generation.docstrings import clean, sentence
-from jausml.generation.literals import python_string
+from jausml.generation.literals import clean, python_string, sentence
 from jausml.language.attributes.guards import (
     AllOf,
     AnyOf,

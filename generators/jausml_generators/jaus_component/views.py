@@ -8,10 +8,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.languages.python import Imports, Origin, offered
-from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
+from jausml.generation.literals import (
+    LINE_WIDTH,
+    clean,
+    docstring,
+    python_literal,
+    python_string,
+    sentence,
+)
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services

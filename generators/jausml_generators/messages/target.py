@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.system import source_of, system_of
-from jausml.generation.target import Target
-from jausml.generation.tasks import FileTask, Task
+from jausml.generation.target import FileTask, Target, Task
 from jausml_generators.common.runtime import FACE
 from jausml_generators.messages.views import SystemMessages
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view

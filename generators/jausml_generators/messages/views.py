@@ -6,8 +6,8 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from jausml.generation.docstrings import clean
 from jausml.generation.languages.python import Origin, statements
+from jausml.generation.literals import clean
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.common.components import own_bridges, plain_components
 from jausml_generators.common.runtime import FACE

@@ -9,7 +9,7 @@ from jausml.generation import native
 from jausml.generation.artifact import Kind
 from jausml.generation.languages.python import Imports, layout
 from jausml.generation.literals import python_string
-from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
+from jausml.generation.target import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.common import runtime
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import jausml
 from jausml.generation.system import system_of
-from jausml.generation.target import Target
-from jausml.generation.tasks import Task, TextFile, TextTask
+from jausml.generation.target import Target, Task, TextFile, TextTask
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:

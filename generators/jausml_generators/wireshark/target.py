@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.system import source_of, system_of
-from jausml.generation.target import Target, WholeLibrary
-from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, WholeLibrary, templates_beside
 from jausml_generators.common.services import library_services, used_services
 from jausml_generators.wireshark.views import DissectorView
 

@@ -78,11 +78,8 @@ def command(
     import json
 
     from jausml.language.model.digests import digests
-    from jausml.mutating import text
-    from jausml.mutating.mutations import mutations, sample
-    from jausml.mutating.outcomes import Campaign
-    from jausml.mutating.page import page
-    from jausml.mutating.running import Settings
+    from jausml.mutating.outcomes import Campaign, page, render
+    from jausml.mutating.running import Settings, mutations, sample
     from jausml.proving.running import processors
 
     _check_names(names)
@@ -99,7 +96,7 @@ def command(
         found = {"digests": digests(broken), **campaign.to_json()}
         write_report(json.dumps(found, indent=2) + "\n", None)
     else:
-        write_report(f"{text.render(campaign)}\n", None)
+        write_report(f"{render(campaign)}\n", None)
     if output is not None:
         _write_page(page(campaign), Path(output))
     if campaign.survivors():

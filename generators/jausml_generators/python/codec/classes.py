@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml.generation.literals import python_literal, python_string
 from jausml_generators.python.codec.compounds import (
     MAXIMUM_COMPLEXITY,

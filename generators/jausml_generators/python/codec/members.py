@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 
 if TYPE_CHECKING:
     from jausml_generators.python.codec.compounds import (

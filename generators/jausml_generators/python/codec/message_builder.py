@@ -6,7 +6,7 @@ import struct
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml.generation.errors import GenerationError
 from jausml.language import wire
 from jausml_generators.python import names

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation import docstrings as docs
+from jausml.generation import literals as docs
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import BitFieldClass, Enumeration, SubField
