@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.live.workers.worker import BridgeCode
     from jausml.proving.layout import Number
     from jausml.proving.proof_bridge import ProofCode
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation import native
 from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge
-from jausml.live.workers.bridge_code import Maker, bridge_code, bridge_of_maps
+from jausml.live.workers.worker import Maker, bridge_code, bridge_of_maps
 from jausml.proving.layout import NOW
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model import Model
-    from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.live.workers.worker import BridgeCode
     from jausml.proving.round_trips import RoundTrip
 
 NAME = "proof"

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.definitions import rows
 from jausml.live.messages.samples import example, sample
+from jausml.live.messages.text import rows
 
 TEXT_MODEL = """
 /** Pays rope out. */

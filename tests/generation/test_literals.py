@@ -11,7 +11,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from jausml.generation import literals
-from jausml.generation import literals
 
 HOSTILE = [
     '"""; import os; os.abort() #',

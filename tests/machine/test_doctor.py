@@ -92,7 +92,7 @@ def test_a_receive_buffer_that_the_kernel_does_not_grant(
 ):
     limit = tmp_path / "rmem_max"
     limit.write_text(f"{TransportSettings().receive_buffer - missing}\n")
-    monkeypatch.setattr("jausml.live.machine.network._LIMIT", limit)
+    monkeypatch.setattr("jausml.live.machine._LIMIT", limit)
     status, checks = doctor("--port", free_port())
     assert status == 0
     assert checks["network", "receive buffer"]["verdict"] == verdict
@@ -165,7 +165,7 @@ def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     assert {name for topic, name in checks if topic == "python"} == {
         *("version", "diagram", "studio", "editor", "top", "record", "compiler"),
     }
-    monkeypatch.setattr("jausml.live.machine.python._PAGE", tmp_path / "index.html")
+    monkeypatch.setattr("jausml.live.machine._PAGE", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
     assert checks["python", "studio"]["verdict"] == "note"
     assert "make wheel" in checks["python", "studio"]["cure"]

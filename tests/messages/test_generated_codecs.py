@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from jausml.language.model import read_models
 from jausml.live.messages import CodecError
 from jausml.live.messages.catalogue import Catalogue
-from jausml.live.messages.embedded import as_it_is
+from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.values import as_numbers
 from jausml.runtime.wire.message import DecodeError, EncodeError
 

@@ -8,7 +8,7 @@ import pytest
 from wire_vectors import close, golden_vectors
 
 from jausml.live.messages import AmbiguousMessageError
-from jausml.live.messages.embedded import as_it_is
+from jausml.live.messages.entries import as_it_is
 
 VECTORS = golden_vectors()
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.live.messages import EncodeError
-from jausml.live.messages.definitions import paths_of
 from jausml.live.messages.paths import by_name, parse_fields
+from jausml.live.messages.text import paths_of
 from jausml.live.peers.rendering import shown_fields
 
 ELEMENT = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}

@@ -15,7 +15,7 @@ from wire_vectors import close, given, payload_of, vectors
 
 from jausml.live import messages
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.embedded import as_it_is
+from jausml.live.messages.entries import as_it_is
 from jausml.runtime import wire
 
 EVERY = pytest.mark.parametrize("vector", vectors(), ids=lambda vector: vector["name"])

@@ -14,11 +14,10 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import Catalogue
 from jausml.live.recording.files import RecordingFiles, SplitLimits
-from jausml.live.recording.filters import TrafficFilter
-from jausml.live.recording.mcap_files import McapRecording, copied
+from jausml.live.recording.mcap_files import McapRecording, TrafficFilter, copied
 from jausml.live.recording.recorder import Recorder, topics_of
 from jausml.live.recording.ros_topics import RosTopics
-from jausml.live.recording.type_definitions import installed_definition
+from jausml.live.recording.schemas import installed_definition
 
 PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"

@@ -13,8 +13,13 @@ from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.filters import TimeSpan
-from jausml.live.recording.mcap_files import COMPRESSIONS, McapFile, McapRecording, RecordingError
+from jausml.live.recording.mcap_files import (
+    COMPRESSIONS,
+    McapFile,
+    McapRecording,
+    RecordingError,
+    TimeSpan,
+)
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9

@@ -8,7 +8,7 @@ from recordings import by_mcap
 
 from jausml.cli import main
 from jausml.live.recording.files import RecordingFiles, SplitLimits
-from jausml.live.recording.filters import TrafficFilter
+from jausml.live.recording.mcap_files import TrafficFilter
 
 
 def fill(parts, number):

@@ -19,7 +19,7 @@ from terminal import at_terminal
 from jausml.cli import main
 from jausml.live.recording import to_wire
 from jausml.live.recording.bags import Bag, RosMessage
-from jausml.live.recording.filters import TimeSpan
+from jausml.live.recording.mcap_files import TimeSpan
 from jausml.live.recording.to_wire import ReplayPace
 
 ROOT = Path(__file__).resolve().parents[2]

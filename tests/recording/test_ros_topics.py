@@ -14,7 +14,7 @@ from recordings import by_mcap
 
 from jausml.cli.shared.models import open_catalogue
 from jausml.live.recording.files import RecordingFiles, SplitLimits
-from jausml.live.recording.filters import TrafficFilter
+from jausml.live.recording.mcap_files import TrafficFilter
 from jausml.live.recording.recorder import Recorder
 from jausml.live.recording.ros_topics import RosTopics
 

@@ -10,7 +10,6 @@ import pytest
 from jausml.authoring.studio.live import HISTORY, Places, live_values, places_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.diagnostics import DiagnosticStatus
 from jausml.live.systems.folding import (
     AnswerSource,
@@ -22,7 +21,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.state import SystemState
+from jausml.live.systems.state import SystemState, components_of, declarations_of
 from jausml.views.diagrams.views import graph_of
 
 ROOT = Path(__file__).resolve().parents[2]

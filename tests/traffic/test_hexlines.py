@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.live.traffic.captures import TrafficError
-from jausml.live.traffic.hexlines import parse_hex
+from jausml.live.traffic.captures import TrafficError, parse_hex
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.live.messages import load_catalogue
-from jausml.live.traffic import text
+from jausml.live.traffic import observing
 from jausml.live.traffic.frames import Datagram, Endpoint
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.base.address import JausAddress
@@ -101,7 +101,7 @@ def test_datagrams_that_cannot_be_read(data, reason):
     assert seen.is_problem
     assert list(seen.to_json()) == ["error"]
     assert reason in seen.error
-    assert any(reason in line for line in text.lines(seen))
+    assert any(reason in line for line in observing.lines(seen))
 
 
 def test_what_follows_a_good_message_is_told():
@@ -177,7 +177,7 @@ def test_text_shows_header_fields_units_and_names():
         Packet(OPERATOR, ROBOT, pose, 4).encode(),
         source=here,
     )
-    shown = [line for each in seen for line in text.lines(each)]
+    shown = [line for each in seen for line in observing.lines(each)]
     assert shown == [
         "00:00:01.000000  127.0.0.1:3794 > 127.0.0.1:3794  200.1.2 > *.*.*  #3  "
         "ReportStatus 0x4002 (urn:jaus:jss:core:Management/1.0)",
@@ -197,4 +197,4 @@ def test_text_shows_header_fields_units_and_names():
 def test_no_datagram_raises(data):
     for seen in observe(data):
         assert json.loads(json.dumps(seen.to_json()))
-        assert all(re.fullmatch(r"[^\n]*", line) for line in text.lines(seen))
+        assert all(re.fullmatch(r"[^\n]*", line) for line in observing.lines(seen))

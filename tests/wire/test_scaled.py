@@ -12,7 +12,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.live.messages.definitions import rows_of
+from jausml.live.messages.text import rows_of
 from jausml.runtime.wire import EncodeError, scaled, scaled_down, scaled_up
 
 LIMITS = pytest.mark.parametrize(

@@ -15,8 +15,8 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.keywords import snake_case
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End
-from jausml.live.messages.definitions import rows_of
 from jausml.live.messages.errors import DefinitionError
+from jausml.live.messages.text import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -200,9 +200,9 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        from jausml.live.traffic import text
+        from jausml.live.traffic import observing
 
-        for line in text.lines(observation):
+        for line in observing.lines(observation):
             write(line)
 
     def problem(self, place: str, reason: str) -> None:
@@ -258,8 +258,7 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
-        from jausml.live.traffic.captures import TrafficError
-        from jausml.live.traffic.hexlines import parse_hex
+        from jausml.live.traffic.captures import TrafficError, parse_hex
 
         for place, line in lines:
             try:

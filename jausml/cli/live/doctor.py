@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.project.reading import Reading
-    from jausml.live.machine.finding import Finding
+    from jausml.live.machine import Finding
 
 
 @click.command("doctor")
@@ -57,16 +57,17 @@ def command(
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
     """
-    from jausml.live.machine import network, python, ros
-    from jausml.live.machine.finding import Outcome
+    from jausml.live import machine
+    from jausml.live.machine import Outcome
 
     try:
-        settings = network.settings_of(interface, port, multicast_group)
+        settings = machine.settings_of(interface, port, multicast_group)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
+    found = [*machine.python_checks(), *machine.ros_checks(packages)]
+    found += machine.network_checks(settings)
     if peers:
         found += _peers(interface, port, multicast_group, peers)
     shown = [each for each in found if not (quiet and each.verdict is Outcome.OK)]
@@ -80,7 +81,7 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     """Returns what components are like that are asked."""
     from jausml.cli.live.network import identified_network, network_from
     from jausml.cli.shared.models import open_catalogue
-    from jausml.live.machine.finding import Finding, Outcome
+    from jausml.live.machine import Finding, Outcome
     from jausml.live.peers.peer_checks import check_peers
 
     network = network_from(None, interface, port, group, peers)

@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import UdpReader
-    from jausml.live.traffic.interface import InterfaceCapture
-    from jausml.live.traffic.listening import MulticastListener
+    from jausml.live.traffic.listening import InterfaceCapture, MulticastListener
     from jausml.runtime.base.settings import TransportSettings
 
 _TURN = 0.1
@@ -151,7 +150,7 @@ def command(
     from threading import Event
 
     from jausml.live.recording.files import SplitLimits
-    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.recording.mcap_files import TrafficFilter
     from jausml.live.recording.recorder import Recorder, topics_of
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.frames import UdpReader
@@ -279,8 +278,7 @@ def _opened(
     Where that cannot be seen, it is what the group is sent.
     """
     from jausml.live.traffic.captures import TrafficError
-    from jausml.live.traffic.interface import InterfaceCapture
-    from jausml.live.traffic.listening import MulticastListener
+    from jausml.live.traffic.listening import InterfaceCapture, MulticastListener
 
     try:
         capture = stack.enter_context(InterfaceCapture(settings.interface))

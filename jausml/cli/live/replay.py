@@ -37,10 +37,9 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
     from jausml.live.recording.captured import JausWriter
-    from jausml.live.recording.filters import TimeSpan
-    from jausml.live.recording.from_captures import CaptureReplay
+    from jausml.live.recording.mcap_files import TimeSpan
     from jausml.live.recording.to_wire import ReplayPace, WireReplay
-    from jausml.live.recording.translating import Translator
+    from jausml.live.recording.translating import CaptureReplay, Translator
     from jausml.live.traffic.captures import CapturedFrame
 
 _NANO = 10**9
@@ -145,8 +144,7 @@ def command(
     from jausml.generation import GenerationError, NoSystemError
     from jausml.language.project.reading import Reading
     from jausml.live.recording.bags import MCAP, is_bag
-    from jausml.live.recording.filters import TimeSpan
-    from jausml.live.recording.mcap_files import RecordingError
+    from jausml.live.recording.mcap_files import RecordingError, TimeSpan
 
     span = TimeSpan(start, duration)
     if output is not None:
@@ -288,9 +286,8 @@ def _to_file(
 ) -> bool:
     """Makes a file of a capture; returns whether all of it could be used."""
     from jausml.live.recording.captured import JausWriter
-    from jausml.live.recording.from_captures import CaptureReplay
     from jausml.live.recording.mcap_files import McapFile
-    from jausml.live.recording.translating import Translator
+    from jausml.live.recording.translating import CaptureReplay, Translator
 
     recording, model, output = paths
     catalogue = open_catalogue([model]) if jaus else None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.cli.lookup.listed import FoundMap
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
-    from jausml.live.messages.definitions import Row
+    from jausml.live.messages.text import Row
 
 
 _NAMES = {"message": "message", "service": "name", "map": "map"}
@@ -65,7 +65,7 @@ def message(name: str, service: str | None, output_format: str, models: tuple[st
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown message), 3 internal error.
     """
     from jausml.live.messages import MessageError
-    from jausml.live.messages.definitions import rows
+    from jausml.live.messages.text import rows
 
     catalogue = open_catalogue(models)
     try:

@@ -9,13 +9,13 @@ from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.api.component import Component
-from jausml.live.api.reports import MOST_WAITING
+from jausml.live.api.messages import MOST_WAITING
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Generator
 
     from jausml.live.api.component import ComponentStatus
-    from jausml.live.api.reports import Fields, Received
+    from jausml.live.api.messages import Fields, Received
 
 
 class AsyncSubscription:

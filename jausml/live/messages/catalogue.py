@@ -12,8 +12,14 @@ from jausml.language.model.collector import without_collector
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.project.library import services_alone
-from jausml.live.messages.embedded import MAXIMUM_DEPTH, as_it_is
-from jausml.live.messages.entries import DecodedMessage, MessageEntry, ServiceEntry, read_code
+from jausml.live.messages.entries import (
+    MAXIMUM_DEPTH,
+    DecodedMessage,
+    MessageEntry,
+    ServiceEntry,
+    as_it_is,
+    read_code,
+)
 from jausml.live.messages.errors import (
     AmbiguousMessageError,
     CatalogueError,
@@ -25,7 +31,7 @@ from jausml.live.messages.errors import (
     UnknownServiceError,
     similar,
 )
-from jausml.live.messages.legal import check_names, shown
+from jausml.live.messages.values import check_names, shown
 
 if TYPE_CHECKING:
     import os

@@ -1,4 +1,4 @@
-"""Entries of the catalogue: services and messages."""
+"""Entries of the catalogue: services and messages, also messages inside messages."""
 
 from __future__ import annotations
 
@@ -8,18 +8,59 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.language import wire
-from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.embedded import holders
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 from jausml.live.messages.paths import by_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
     from jausml.live.messages.items import Codec
+
+MAXIMUM_DEPTH = 8
+"""Messages inside messages that are decoded; what stands deeper remains hex."""
+
+
+def as_it_is(_payload: bytes, /) -> None:
+    """Decodes no embedded message."""
+
+
+def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
+    """Tells whether a decoded byte field holds a message."""
+    if isinstance(kind, wire.Octets):
+        return kind.holds_message
+    return kind.holds_message(int(value["format"]))
+
+
+def holders(kind: wire.Kind, value: Any) -> Iterator[dict[str, Any]]:
+    """Yields the objects of a decoded field that hold a message."""
+    if isinstance(kind, wire.Octets | wire.FormattedOctets):
+        if holds(kind, value):
+            yield value
+        return
+    for _, inner, part in parts(kind, value):
+        yield from holders(inner, part)
+
+
+def parts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, wire.Kind, Any]]:
+    """Yields the fields inside a decoded field: their names or `[index]`, kinds and values."""
+    match kind:
+        case wire.Record():
+            for member in kind.members:
+                if member.name in value:
+                    yield member.name, member.kind, value[member.name]
+        case wire.List() | wire.Array():
+            for index, item in enumerate(value):
+                yield f"[{index}]", kind.element.kind, item
+        case wire.Variant() if kind.options:
+            option = kind.options[value[TAG]]
+            yield option.name, option.kind, value[option.name]
+        case _:
+            pass  # a leaf
+
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.

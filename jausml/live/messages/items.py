@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jausml.language import wire
 from jausml.live.messages.errors import CodecError, DecodeError, DefinitionError, EncodeError
-from jausml.live.messages.legal import (
+from jausml.live.messages.values import (
     as_number,
     as_object,
     check_names,
     integers_in_words,
     latin1,
     legal_integer,
+    named_values,
+    number_of,
     shown,
 )
-from jausml.live.messages.quantities import number_of
-from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

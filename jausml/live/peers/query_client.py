@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import POLL, Survey, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
-from jausml.live.peers.questions import asked
+from jausml.live.peers.heard import asked
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.heard import Heard
+    from jausml.live.peers.heard import Heard, Question
     from jausml.live.peers.network import Network
-    from jausml.live.peers.questions import Question
     from jausml.runtime import JausComponent
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.quirks import Learnt

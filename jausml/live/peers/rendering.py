@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.quantities import with_unit
 from jausml.live.messages.text import named
+from jausml.live.messages.values import with_unit
 from jausml.live.peers.discovery import controller_of, type_name
 
 if TYPE_CHECKING:

@@ -9,14 +9,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.live.recording.filters import WHOLE
-from jausml.live.recording.mcap_files import McapRecording, RecordingError
+from jausml.live.recording.mcap_files import WHOLE, McapRecording, RecordingError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.recording.filters import TimeSpan
-    from jausml.live.recording.mcap_files import Found
+    from jausml.live.recording.mcap_files import Found, TimeSpan
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"

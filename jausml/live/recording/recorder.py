@@ -12,7 +12,7 @@ from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.captured import CapturedMessages, JausWriter
-from jausml.live.recording.type_definitions import installed_definition, modelled_definition
+from jausml.live.recording.schemas import installed_definition, modelled_definition
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.live.messages import Catalogue
     from jausml.live.recording.files import RecordingFiles
-    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.recording.mcap_files import TrafficFilter
     from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import Datagram
 

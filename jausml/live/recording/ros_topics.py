@@ -13,7 +13,7 @@ from jausml.live.ros.node import QuietNode, RosFault, message_class
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.recording.mcap_files import TrafficFilter
 
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""

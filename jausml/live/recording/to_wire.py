@@ -12,9 +12,8 @@ from jausml.generation.system import system_of
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.type_definitions import full_name
-from jausml.live.workers.bridge_code import bridge_code
-from jausml.live.workers.worker import Worker, WorkerError
+from jausml.live.recording.schemas import full_name
+from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 

@@ -1,9 +1,4 @@
-"""Recorded JAUS messages through the maps of a model, by generated code in a process of its own.
-
-A recording has what a bridge took and what it sent. So a route goes from each message that a bridge
-takes to its topics, and from each that it sends back to the topics from which that came, where the
-map has that direction too.
-"""
+"""Captured JAUS messages through the maps of a model, by generated code, also into MCAP files."""
 
 from __future__ import annotations
 
@@ -19,10 +14,10 @@ from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
+from jausml.live.recording.captured import CapturedMessages
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.type_definitions import full_name, modelled_definition
-from jausml.live.workers.bridge_code import Maker, bridge_code
-from jausml.live.workers.worker import Worker, WorkerError
+from jausml.live.recording.schemas import full_name, modelled_definition
+from jausml.live.workers.worker import Maker, Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -33,9 +28,10 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.model import Model
-    from jausml.live.recording.captured import JausMessage
+    from jausml.live.recording.captured import JausMessage, JausWriter
+    from jausml.live.recording.mcap_files import McapFile
+    from jausml.live.traffic.frames import Datagram
     from jausml_generators.bridge.views import BridgeView
-
 
 _WORKER = Path(__file__).with_name("translation_worker.py")
 _AT_ONCE = 256
@@ -343,3 +339,37 @@ def _joins(connection: bridge.Connection) -> Iterator[RouteJoin]:
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:
     return frozenset(str(each.address) for each in peers)
+
+
+class CaptureReplay:
+    """The way of a capture into a file."""
+
+    def __init__(
+        self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
+    ) -> None:
+        """Has read nothing yet.
+
+        Args:
+            jaus: What writes the JAUS messages too; None leaves them out.
+        """
+        self.captured = CapturedMessages()
+        self.topics: Counter[str] = Counter()
+        self.sources: dict[str, set[str]] = {}
+        self._translator = translator
+        self._file = file
+        self._jaus = jaus
+
+    def run(self, datagrams: Iterable[Datagram]) -> None:
+        """Writes what becomes of datagrams."""
+        for found in self._translator.translate(self._messages(datagrams)):
+            for topic in found.route.topics:
+                channel = self._file.ros_channel(topic.name, topic.type, topic.definition)
+                self._file.write(channel, found.time, found.data)
+                self.topics[topic.name] += 1
+                self.sources.setdefault(topic.name, set()).add(found.source)
+
+    def _messages(self, datagrams: Iterable[Datagram]) -> Iterator[JausMessage]:
+        for message, packet in self.captured.read(datagrams):
+            if self._jaus is not None:
+                self._jaus.write(self._file, message, packet)
+            yield message

@@ -20,7 +20,7 @@ from jausml.language.model import read_models
 from jausml.live.workers.bootstrap import load_runtime
 
 if TYPE_CHECKING:
-    from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.live.workers.worker import BridgeCode
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 BUSY = 60.0

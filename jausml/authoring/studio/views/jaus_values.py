@@ -11,7 +11,7 @@ from jausml.language import wire
 from jausml.language.semantics.jaus.layouts import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
-from jausml.live.messages.embedded import as_it_is, parts
+from jausml.live.messages.entries import as_it_is, parts
 from jausml.live.messages.samples import sample
 
 if TYPE_CHECKING:

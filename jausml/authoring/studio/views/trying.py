@@ -30,8 +30,7 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
-from jausml.live.workers.bridge_code import bridge_code, bridge_of_maps
-from jausml.live.workers.worker import Worker, WorkerError
+from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.metamodel import Metamodels
     from jausml.language.semantics.paths.scopes import PathPlace, PathScope
-    from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.live.workers.worker import BridgeCode
 
 
 SECONDS = 10.0

@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.live.messages.legal import listed
+from jausml.live.messages.values import listed
 from jausml.live.peers.conformance.check import Check, CheckResult, ConformanceReport
 from jausml.live.peers.conformance.evidence import (
     CheckFailed,
