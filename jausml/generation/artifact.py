@@ -55,7 +55,6 @@ class Artifact:
 
     Attributes:
         path: Posix path relative to the output folder.
-        text: The whole text with LF line ends, header included.
         element_id: Identity of the model element it comes from, e.g. `component:vehicle`.
         is_shared: Whether it is the same for every model, so that those of a workspace share it.
     """
@@ -106,11 +105,7 @@ _SEARCHED_LINES = 4
 
 
 def add_header(text: str, path: str, source: str) -> str:
-    """Puts the header into a generated text.
-
-    Returns:
-        The text with the header, or unchanged when it is empty or its format has no comments.
-    """
+    """Puts the header into a generated text."""
     style = _comment_style(path)
     if style is None or not text:
         return text

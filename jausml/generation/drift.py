@@ -41,12 +41,7 @@ def drift(
     """Compares the user's files in a workspace with the generated interface.
 
     Args:
-        artifacts: The files of this run; skeletons with a contract are compared with it.
-        deleted: Paths that this run deletes.
         former: Names that the interface had, with those that they have now.
-
-    Returns:
-        The findings by path and line.
     """
     interface = Interface(artifacts, out, manifest, deleted)
     skeletons = {a.path: a for a in artifacts if a.kind is Kind.SKELETON}

@@ -51,11 +51,7 @@ def printable(text: str) -> str:
 
 
 def python_string(value: object) -> str:
-    r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose.
-
-    Returns:
-        A literal such as `"a \"b\""`, without line breaks.
-    """
+    r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose."""
     text = str(value)
     quote = "'" if text.count('"') > text.count("'") else '"'
     # ascii() is free in its choice of quotes; a text with no quotes at all leaves it no choice.
@@ -66,11 +62,7 @@ def python_string(value: object) -> str:
 
 
 def python_literal(value: object) -> str:
-    """Returns a Python expression for None, a bool, an int, a float or a string.
-
-    Raises:
-        TypeError: The value is of another type.
-    """
+    """Returns a Python expression for None, a bool, an int, a float or a string."""
     if isinstance(value, str):
         return python_string(value)
     if isinstance(value, float) and not math.isfinite(value):
@@ -84,11 +76,7 @@ def python_literal(value: object) -> str:
 
 
 def identifier(value: object) -> str:
-    """Returns a Python name (dots allowed) unchanged, for names that come from a model.
-
-    Raises:
-        ValueError: It is not an ASCII Python name, or is a keyword.
-    """
+    """Returns a Python name (dots allowed) unchanged, for names that come from a model."""
     name = str(value)
     for part in name.split("."):
         if not (part.isascii() and part.isidentifier()) or keyword.iskeyword(part):
@@ -179,9 +167,6 @@ def lua_literal(value: LuaValue, column: int = 0) -> str:
 
     Args:
         value: A bool, number or text, a sequence (it becomes a table counted from 1) or a mapping.
-
-    Raises:
-        TypeError: The value is of another type.
     """
     return _laid_out(value, 0, column)
 
@@ -232,21 +217,13 @@ def _key(key: int | str) -> str:
 
 
 def clean(text: str | None) -> str:
-    """Returns model text on one line, safe inside a docstring and a comment.
-
-    Args:
-        text: Any text, or None.
-    """
+    """Returns model text on one line, safe inside a docstring and a comment."""
     plain = " ".join(printable(text or "").split())
     return plain.replace("\\", "/").replace('"', "'")
 
 
 def sentence(text: str) -> str:
-    """Returns clean text with a capital first and a full stop last.
-
-    Args:
-        text: Clean text, not empty.
-    """
+    """Returns clean text with a capital first and a full stop last."""
     ended = _ended(text)
     return ended[0].upper() + ended[1:]
 

@@ -78,11 +78,7 @@ class Manifest:
         return entry.sha256 if entry else "", self.unfinished.get(path, "")
 
     def strangers(self, source: str) -> list[str]:
-        """Returns the model files of which the schema knew no model's name, but for one.
-
-        Args:
-            source: Name of the file that is generated from; in whichever notation.
-        """
+        """Returns the model files of which the schema knew no model's name, but for one."""
         stem = PurePath(source).stem
         unknown = {e.source for e in self.files.values() if not e.models and not e.is_of_runtime}
         return sorted(each for each in unknown if PurePath(each).stem != stem)
@@ -219,7 +215,6 @@ class FileState:
 
     Attributes:
         text: Its text with LF line ends; None when there is none or it is not UTF-8.
-        obstacle: Why the path cannot be used (symbolic link, folder in the way), or empty.
     """
 
     exists: bool = False

@@ -42,10 +42,7 @@ class Action:
     """What happens to one file, and why.
 
     Attributes:
-        path: The file, relative to the output folder.
-        reason: Why, for people.
         old: Text that stands there now (LF line ends); None for no file or no text.
-        new: Text to be written; None when nothing is written.
         backup: Where the old bytes are copied before an overwrite, or empty.
     """
 
@@ -114,9 +111,6 @@ def make_plan(
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         known: Returns what is to be known of the model, for the paths that are deleted.
-
-    Returns:
-        The plan.
     """
     out = out.resolve()
     unique = {artifact.path: artifact for artifact in artifacts}

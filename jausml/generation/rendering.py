@@ -63,13 +63,9 @@ FILTERS: Mapping[str, Callable[..., str]] = {
 def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
 
-    Returns:
-        The files in the order of their paths.
-
     Raises:
         InternalError: A template, a view or a produced text is wrong; the text names the template
             file and line.
-        TooLargeError: There would be too many files, or too much in them.
     """
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
@@ -161,12 +157,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
         return self.task.views
 
     def run(self, element: Any, outfolder: str) -> None:  # noqa: ARG002 - nothing is written
-        """Renders one element, as multigen's loop asks.
-
-        Raises:
-            InternalError: The template, the view or the produced text is wrong.
-            TooLargeError: With it there would be too much in all files.
-        """
+        """Renders one element, as multigen's loop asks."""
         try:
             self.artifacts.append(self._artifact(element))
         except InternalError:
@@ -287,11 +278,7 @@ def _documents(model: Model) -> Iterator[str]:
 
 
 def tool() -> Iterator[str]:
-    """Yields what says which program renders: versions, and all files of it, as in a checkout.
-
-    Raises:
-        PackageNotFoundError: A library is not installed as a package.
-    """
+    """Yields what says which program renders: versions, and all files of it, as in a checkout."""
     yield f"{__version__} {sys.version}"
     yield from map(version, _LIBRARIES)
     for package in _CODE:

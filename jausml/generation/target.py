@@ -39,7 +39,6 @@ class FileTask(Generic[ViewT]):
     """One file for each view, made from a template.
 
     Attributes:
-        path: Path of the file for a view, relative to the output folder.
         imports: For Python, what a file may import; its template has no import statements then.
         words: For Python, names in which functions and methods of a file may differ alone; where
             it has many that do, it is made faster.
@@ -62,11 +61,7 @@ class FileTask(Generic[ViewT]):
 
 @dataclass(frozen=True)
 class TextFile:
-    """A file whose text is not made by a template, e.g. a copied module or a diagram.
-
-    Attributes:
-        path: Path relative to the output folder.
-    """
+    """A file whose text is not made by a template, e.g. a copied module or a diagram."""
 
     path: str
     content: str
@@ -129,7 +124,6 @@ class Target(Generic[ModelT]):
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
-        whole_library: What it does with `--all`, or None when it has no such option.
         processes: Returns what `jausml run` starts, as the manifest records it; None for a target
             that knows no processes.
     """

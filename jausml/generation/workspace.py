@@ -58,14 +58,7 @@ def select(
     *,
     whole_library: bool = False,
 ) -> Selection:
-    """Chooses targets.
-
-    Args:
-        names: Those that are meant; all that do not run on request alone when there is none.
-
-    Raises:
-        SelectionError: There is no such target, or none that can describe the whole library.
-    """
+    """Chooses targets."""
     unknown = [name for name in names if name not in installed]
     if unknown:
         known = ", ".join(installed) or "none"
@@ -103,15 +96,9 @@ def generate(
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         fix: Make users' files fit where it is certain how.
-        rendering: Makes the files of targets.
 
     Raises:
-        NoSystemError: A target needs one system, and the model's file holds none or several.
-        InternalError: A target is wrong.
-        GenerationError: The model has what a target cannot generate.
-        TooLargeError: The workspace would be too large.
         OwnershipError: The workspace is that of another model, or has no such one to adopt.
-        WriteError: The operating system refused.
     """
     if any(target.needs_system for target in targets):
         system_of(model)
@@ -128,15 +115,7 @@ def generate(
 
 
 def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Path) -> list[Finding]:
-    """Returns what a change of a model breaks in users' files; writes nothing.
-
-    Args:
-        out: The workspace, as generated from either.
-
-    Raises:
-        NoSystemError: A target needs one system, and a model's file holds none or several.
-        GenerationError: A model has what a target cannot generate.
-    """
+    """Returns what a change of a model breaks in users' files; writes nothing."""
     before, after = render(old, targets), render(new, targets)
     manifest = read_manifest(out)
     paths = [{each.path for each in state} for state in (before, after)]
@@ -236,11 +215,7 @@ def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
 
 
 def with_code(report: Report, result: Result, out: Path) -> Report:
-    """Returns the report of a model with what does not fit it in the workspace.
-
-    Args:
-        out: The workspace, as the user names it.
-    """
+    """Returns the report of a model with what does not fit it in the workspace."""
     plan = result.plan
     found = [each.diagnostic(out) for each in result.drift]
     for each in (*plan.changes, *plan.refused):

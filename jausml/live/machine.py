@@ -110,11 +110,7 @@ _LIMIT = Path("/proc/sys/net/core/rmem_max")
 
 
 def settings_of(interface: str, port: int, multicast_group: str) -> TransportSettings:
-    """Returns settings of a transport.
-
-    Raises:
-        ValueError: A value means nothing; the message says which.
-    """
+    """Returns settings of a transport."""
     return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
 
 

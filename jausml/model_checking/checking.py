@@ -52,11 +52,7 @@ class CounterExample:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was found of one subject.
-
-    Attributes:
-        allowed: What the documentation of the model allows.
-    """
+    """What was found of one subject."""
 
     subject: Subject
     states: int
@@ -76,13 +72,7 @@ def check_system(
     is_over: Callable[[], bool],
     demanded: float = 0.0,
 ) -> list[Outcome]:
-    """Checks all that there is to check of a system.
-
-    Args:
-        states: How many states of each product are searched.
-        is_over: Tells whether the time is up.
-        demanded: Seconds in which each stop is demanded; 0 for what the model says of each.
-    """
+    """Checks all that there is to check of a system."""
     bounds = Bounds(states, is_over)
     return [check_subject(each, bounds) for each in subjects_of(system_, demanded)]
 

@@ -33,8 +33,6 @@ class Commanding(NamedTuple):
     Attributes:
         believed: State in which the bridge takes the peer to be that it controls; empty for none.
         lost_in: Ticks until the bridge takes control for lost, of which nothing is confirmed.
-        is_linked: Whether messages pass between the bridge and the peer.
-        is_moving: Whether a command of the bridge is in effect at the peer.
         watched_in: Ticks until the peer itself minds the silence; 0 where it does not.
     """
 

@@ -36,7 +36,6 @@ class Core(NamedTuple):
     """State of the core services of a component.
 
     Attributes:
-        controller: Who controls it; empty for nobody.
         lapses_in: Ticks until control lapses; 0 where it does not.
         emergencies: Who has set an emergency that is not cleared.
         interrupted: State and controller to which the end of the emergency leads back.

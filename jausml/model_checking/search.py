@@ -17,8 +17,6 @@ class Step(NamedTuple):
     """What happens between two states.
 
     Attributes:
-        actor: Who does it.
-        what: What is done, as a person says it.
         receiver: To whom; empty where it concerns the actor alone.
         is_tick: Whether it is one step of time.
         passes: Whose command takes effect by it.
@@ -50,12 +48,7 @@ class Product(Protocol):
 
 
 class Bounds(NamedTuple):
-    """How far a search goes.
-
-    Attributes:
-        states: How many states it keeps.
-        is_over: Whether the time is up.
-    """
+    """How far a search goes."""
 
     states: int
     is_over: Callable[[], bool]
@@ -68,7 +61,6 @@ class Graph:
     Attributes:
         edges: For each state the numbers of steps and of the states after them.
         before: For each state the number of the one before it, and of the step between.
-        is_complete: Whether no bound was met.
     """
 
     states: list[Any] = field(default_factory=list)

@@ -65,11 +65,7 @@ class Subject:
 
 
 def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
-    """Yields what is checked of a system.
-
-    Args:
-        demanded: Seconds in which each stop is demanded; 0 for what the model says of each.
-    """
+    """Yields what is checked of a system."""
     for owner in system_.bridges:
         for connection in () if owner.external else owner.bridgeConnections:
             if not stops.is_command(connection):

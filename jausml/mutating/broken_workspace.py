@@ -35,11 +35,7 @@ class BrokenWorkspace:
     """The files of a model that is not broken, in a folder of their own."""
 
     def __init__(self, folder: Path, files: Mapping[str, str], command: Sequence[str] = ()) -> None:
-        """Writes the files.
-
-        Args:
-            command: What tries the packages besides their tests; see `refusing`.
-        """
+        """Writes the files."""
         self._folder = folder
         self._command = command
         self._files = dict(files)

@@ -70,12 +70,7 @@ class Proofs:
         self._known: dict[str, Mapping[tuple[str, str], str]] = {}
 
     def noticed(self, report: Report, element: Any) -> str:
-        """Returns what proofs find after an element was changed; empty for nothing new.
-
-        Args:
-            report: That of the broken model.
-            element: The element as the unbroken model has it.
-        """
+        """Returns what proofs find after an element was changed; empty for nothing new."""
         name = _demanding_map(element)
         if not name or compiler() is None:
             return ""

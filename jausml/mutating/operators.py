@@ -22,11 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Site:
-    """A feature of an element that an operator may change.
-
-    Attributes:
-        placed: The element with its paths followed, where it is an assignment that was understood.
-    """
+    """A feature of an element that an operator may change."""
 
     element: Any
     feature: FeatureTable
@@ -43,7 +39,6 @@ class Operator:
     """A way to break a model.
 
     Attributes:
-        does: What it does to a feature, in words.
         features: Names of the features that it changes, by the class that has them.
         values: Yields what a feature holds afterwards, one value for each mutation.
     """

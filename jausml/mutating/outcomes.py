@@ -37,8 +37,6 @@ class Outcome:
 
     Attributes:
         noticed_by: A key of `NOTICED_BY`.
-        by: The finding or the test that noticed it, or why nothing did.
-        files: The generated files that differ.
     """
 
     operator: str
@@ -51,13 +49,7 @@ class Outcome:
 
 @dataclass
 class Campaign:
-    """What became of the mutations of a model.
-
-    Attributes:
-        possible: How many mutations there are.
-        chosen: How many of them were to be tried.
-        remarks: What of the tests could not take part, and why.
-    """
+    """What became of the mutations of a model."""
 
     model: str
     possible: int = 0

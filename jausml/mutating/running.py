@@ -51,12 +51,7 @@ _SEED = 27
 
 @dataclass(frozen=True, eq=False)
 class Mutation:
-    """One thing in a model that is broken.
-
-    Attributes:
-        place: The path of the element that has the feature.
-        words: What changes, before and after.
-    """
+    """One thing in a model that is broken."""
 
     operator: Operator
     place: str
@@ -65,11 +60,7 @@ class Mutation:
 
 
 def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
-    """Returns what operators can do to the elements of a model, without those of the library.
-
-    Args:
-        names: The operators; all of them when there is none.
-    """
+    """Returns what operators can do to the elements of a model, without those of the library."""
     subject = Subject(model, [])
     placed: dict[Any, Placed[Any]] = {
         each.assignment: each for one in directions(subject) for each in one.assignments
@@ -120,11 +111,8 @@ class Settings:
     """How a campaign runs.
 
     Attributes:
-        names: The operators; all of them when there is none.
         budget: Seconds after which no further mutation is begun.
-        jobs: How many processes work at once.
         command: What else tries the packages of a model, as arguments of a process.
-        scheduler: Address of a scheduler of Dask, whose workers break the model instead.
     """
 
     names: tuple[str, ...]
@@ -139,7 +127,6 @@ class Tried:
     """What became of a mutation.
 
     Attributes:
-        outcome: None where the time was over.
         remarks: What of the tests could not take part.
     """
 
@@ -150,15 +137,7 @@ class Tried:
 def outcomes(
     document: OneDocument, chosen: Sequence[int], settings: Settings
 ) -> Iterator[tuple[int, Tried]]:
-    """Yields what becomes of mutations, in any order, by their place among the chosen ones.
-
-    Args:
-        chosen: Their numbers among those that the operators can make.
-
-    Raises:
-        CampaignError: Nothing can be generated of the model.
-        PoolError: Nobody is there to break it, or not any more.
-    """
+    """Yields what becomes of mutations, in any order, by their place among the chosen ones."""
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
     until = time.time() + settings.budget

@@ -43,15 +43,7 @@ class ProgramError(Exception):
 
 
 def compiled(code: ProofCode, folder: Path, program: str) -> Path:
-    """Returns the program of a map.
-
-    Args:
-        folder: Where it is made.
-        program: The compiler.
-
-    Raises:
-        ProgramError: It cannot be compiled.
-    """
+    """Returns the program of a map."""
     files = {**code.headers, **_WITHOUT_LOOP, native.SOURCE.name: code.core, PROOF: support(PROOF)}
     files["proof.cpp"] = code.program
     for name, text in files.items():
@@ -76,14 +68,10 @@ class Sweep:
     """Values of one number that go through a translation, and back where there is a way.
 
     Attributes:
-        to_ros: Whether the translation makes messages of ROS.
-        number: The number that is swept in a message.
         turn: What makes a full turn where the number is an angle, else 0.
         message: What the translation takes, with what is joined to it.
         size: Bytes of the message without that.
         joins_back: What is joined to the message between both ways.
-        between: Bytes of that message.
-        watched: Numbers of that message.
         shortcut: Number of the function that does without the rest of the message; 0 for none.
         varied: Numbers of the message that take random values meanwhile.
     """
@@ -119,13 +107,7 @@ def _words(number: Number, turn: float) -> Iterator[object]:
 
 @dataclass(frozen=True)
 class Course:
-    """How a number goes while another one rises.
-
-    Attributes:
-        seen: How many values there were.
-        rises: How often the next one was greater.
-        falls: How often the next one was smaller.
-    """
+    """How a number goes while another one rises."""
 
     least: float
     greatest: float
@@ -242,10 +224,7 @@ class Trip:
     """What becomes of a message.
 
     Attributes:
-        between: The message of the other side; None where none is made.
-        back: The message that comes back.
         notes: Policy and field of each value that was limited or left out.
-        error: The error that ended it; empty for none.
         is_refused: Whether the error is one by which bridges drop messages.
     """
 
@@ -266,14 +245,7 @@ class PythonForm(Worker):
     def trips(
         self, messages: Sequence[bytes], joins_back: bytes, *, to_ros: bool, has_back: bool
     ) -> list[Trip]:
-        """Returns what becomes of messages by a translation, and by its opposite.
-
-        Args:
-            joins_back: What is joined to the messages that the opposite takes.
-
-        Raises:
-            WorkerError: The process has ended.
-        """
+        """Returns what becomes of messages by a translation, and by its opposite."""
         found: list[Trip] = []
         way = "to_ros" if to_ros else "to_jaus"
         for start in range(0, len(messages), _AT_ONCE):

@@ -154,11 +154,7 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
 
 
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
-    """Returns the report of a model with what falls short in proofs of it.
-
-    Args:
-        results: The result of each round trip.
-    """
+    """Returns the report of a model with what falls short in proofs of it."""
     pairs = zip(trips, results, strict=True)
     found = [each for trip, one in pairs for each in _findings(report.model, trip, one)]
     diagnostics = sorted((*report.diagnostics, *found), key=lambda each: each.sort_key)

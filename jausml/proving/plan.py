@@ -35,11 +35,7 @@ _REALS = (0.5, 1.0, 1.5, 2.0, 3.141592653589793, 1.5707963267948966, 6.283185307
 
 
 def directed(number: Number, count: int) -> list[int]:
-    """Returns positions of values in their order: ends, powers of two, halves, and random ones.
-
-    Args:
-        count: How many positions there are at most, where the number has so many.
-    """
+    """Returns positions of values in their order: ends, powers of two, halves, and random ones."""
     total = 1 << number.bits
     if total <= count:
         return list(range(total))
@@ -91,8 +87,6 @@ class Field:
     """A number whose values go through a map.
 
     Attributes:
-        side: Where its values come from: `JAUS` or `ROS`.
-        sweep: Its values in whole messages.
         shortcut: Number of the function that does without the rest of the message; 0 for none.
         partners: The numbers that share a number of the other message with it.
     """
@@ -134,8 +128,6 @@ class _Side:
     """A message with the translation that takes it, and whether there is one that makes it.
 
     Attributes:
-        own: What the translation takes.
-        other: What the opposite one takes.
         shortcuts: The functions that sweep single numbers, by path.
         units: Returns the unit that the model knows of a path.
     """
@@ -151,11 +143,7 @@ class _Side:
 
 @dataclass(frozen=True)
 class _Passing:
-    """A message that is translated, and what of it comes back, if it does.
-
-    Attributes:
-        made: Bytes of the message that is made of it.
-    """
+    """A message that is translated, and what of it comes back, if it does."""
 
     first: Layout
     settled: Layout | None

@@ -32,10 +32,7 @@ class ProofCode:
     """The code of a map, as `jausml generate` makes it of a bridge, and the program of its proof.
 
     Attributes:
-        core: The source of the compiled core.
-        headers: What it includes, by name.
         directions: Those that are compiled, by whether they make messages of ROS.
-        reasons: Why the others are left to Python.
         shortcuts: Paths of the numbers that the program sweeps without the rest of the message.
     """
 

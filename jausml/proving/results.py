@@ -14,9 +14,7 @@ class Extreme:
     """The value with the largest error.
 
     Attributes:
-        raw: Its bits.
         between: The values of the other message, by path.
-        back: What comes back.
     """
 
     error: float
@@ -59,25 +57,17 @@ class FieldResult:
     """What becomes of the values of a number.
 
     Attributes:
-        side: Where the values come from: `JAUS` or `ROS`.
-        ends: The least and the greatest value.
         total: How many values the wire can bring.
-        tried: How many of them were tried.
-        has_way_back: Whether the map has the other direction too.
         step: Difference between neighbouring values; 0 for floating point.
         drifting: How many are changed again by a second trip.
         largest_drift: The largest change by a second trip, and the value at which it is.
         others: With how many values something else in the message has changed.
         is_constant: Whether always the same comes back, though an assignment of its own gives it.
         limited: How many values were cut off, as the Python form tells.
-        left_out: How many are not there any more.
-        refused: How many drop their message.
         computed: How many of those that are left to Python come back as others do.
         faults: Errors that no bridge expects, with how many values have them.
         reasons: Why values are limited, left out or refused, with how many.
         sampled: Of how many values all that the Python form tells is; 0 for all of them.
-        compared: How many values went through both forms.
-        differing: With how many of them the forms differ.
         bins: The largest error in each part of the range.
         precision: The largest error that the model allows; 0 where it states none.
         needs: Seconds that all values would take, where they can be tried and were not.

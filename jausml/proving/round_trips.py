@@ -36,7 +36,6 @@ class RoundTrip:
     """The way of values through a map and back, in the directions that there are.
 
     Attributes:
-        to_ros: The map that makes messages of ROS.
         to_jaus: The map that makes JAUS messages: the same one, or that of another connection.
         connections: Those whose policies and quantities count; of several, those of the first.
     """

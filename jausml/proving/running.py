@@ -81,9 +81,7 @@ class Settings:
     """How proofs run.
 
     Attributes:
-        program: The compiler.
         budget: Seconds for all values of numbers of more than 16 bits, where they can be tried.
-        jobs: How many processors work at once.
         is_cached: Whether what was proved before counts.
     """
 
@@ -94,12 +92,7 @@ class Settings:
 
 
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
-    """Yields what becomes of the values of maps.
-
-    Raises:
-        ProgramError: The compiler refuses the program of a map, or it ends.
-        WorkerError: The process of the Python form ends.
-    """
+    """Yields what becomes of the values of maps."""
     deadline = time.monotonic() + settings.budget
     for each in trips:
         yield _proved(model, each, settings, deadline)
@@ -202,14 +195,7 @@ class _Prover:
 def prove_all(
     model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str = ""
 ) -> Iterator[tuple[int, MapResult]]:
-    """Yields the numbers of maps and what becomes of their values, in any order.
-
-    Args:
-        scheduler: Address of a scheduler of Dask, whose workers prove.
-
-    Raises:
-        PoolError: Nobody is there to prove them.
-    """
+    """Yields the numbers of maps and what becomes of their values, in any order."""
     until = time.time() + settings.budget
     if not scheduler and min(settings.jobs, len(trips)) == 1:
         for number, each in enumerate(trips):
@@ -226,11 +212,7 @@ def prove_all(
 
 
 def program() -> str:
-    """Returns the compiler of this machine.
-
-    Raises:
-        PoolError: There is none.
-    """
+    """Returns the compiler of this machine."""
     found = compiler()
     if found is None:
         wanted = " or ".join(COMPILERS)

@@ -35,11 +35,7 @@ MARGIN = 1.0
 
 @dataclass(frozen=True)
 class Support:
-    """What a piece of evidence says of a goal.
-
-    Attributes:
-        holds: Whether it speaks for the goal; else it speaks against it.
-    """
+    """What a piece of evidence says of a goal."""
 
     evidence: str
     holds: bool
@@ -51,10 +47,7 @@ class Concern:
     """A hazard at an element.
 
     Attributes:
-        name: Name of the element, behind that of its bridge or component.
         places: Paths by names of the element and its maps.
-        owner: The path of its bridge or component, empty for none.
-        tests: Names of generated tests that show it, by module.
     """
 
     hazard: Hazard
@@ -82,11 +75,7 @@ class Concern:
 
 
 def supports(concern: Concern, report: Report, evidence: Sequence[Evidence]) -> Iterator[Support]:
-    """Yields what evidence of the model as it is says of a hazard at an element.
-
-    Raises:
-        EvidenceError: A file holds something else than its kind does.
-    """
+    """Yields what evidence of the model as it is says of a hazard at an element."""
     for each in evidence:
         if each.kind == kinds.RULES:
             yield Support(each.id, *_rules(concern, report))
@@ -205,10 +194,6 @@ class Goal:
     """That a hazard is answered at an element.
 
     Attributes:
-        id: Hazard and element, which stays while others come and go.
-        number: Its number in pictures and documents.
-        element: Path of the element by names.
-        supported: Whether it has an answer and evidence for it, and nothing against it.
         gaps: What the model lacks, and decisions that are open.
         lacks: Kinds of evidence that could show it and were not found.
     """

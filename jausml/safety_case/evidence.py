@@ -49,7 +49,6 @@ class Evidence:
     Attributes:
         path: Its file, relative to the folder of the case; empty for what was found just now.
         stale: Why it says nothing of the model as it is; empty for nothing.
-        content: What the file holds.
     """
 
     id: str
@@ -61,15 +60,7 @@ class Evidence:
 
 
 def read_evidence(file: Path, path: str, number: int, model: Collection[str]) -> Evidence:
-    """Reads a file of evidence.
-
-    Args:
-        path: How the case names it.
-        model: Digests of the files of the model.
-
-    Raises:
-        EvidenceError: The file cannot be read, or is of no kind that is known.
-    """
+    """Reads a file of evidence."""
     data = _data(file)
     digest = sha256(data).hexdigest()
     kind, content = _content(data, is_xml=file.suffix == ".xml")
@@ -148,11 +139,7 @@ class GeneratedTests:
 
 
 def generated_tests(model: Model) -> list[GeneratedTests]:
-    """Returns the tests of the bridges of a model without errors.
-
-    Raises:
-        GenerationError: Nothing can be generated of the model.
-    """
+    """Returns the tests of the bridges of a model without errors."""
     found = []
     artifacts = {each.element_id: each for each in render(model, [TARGET]) if "/test/" in each.path}
     for owner in system_of(model).bridges:

@@ -51,7 +51,6 @@ class Row(Generic[ElementT]):
 
     Attributes:
         claim: What shall hold of an element; `{}` stands for its name.
-        gap: What is missing without an answer; one that answers is enough.
         kinds: Kinds of evidence that could show it, besides rules.
     """
 

@@ -54,11 +54,7 @@ def attribute_edit(node: ast.Attribute, new: str) -> Edit:
 def removal(
     text: Lines, statement: ast.ImportFrom, unused: Sequence[ast.alias], *, is_alone: bool
 ) -> tuple[Edit, ...]:
-    """Returns edits that take names out of an import; none where a comment would go with them.
-
-    Args:
-        is_alone: Whether its block would be empty without the statement.
-    """
+    """Returns edits that take names out of an import; none where a comment would go with them."""
     if not unused or not text.is_exact:
         return ()
     if len(unused) == len(statement.names):
@@ -159,11 +155,7 @@ _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 
 @dataclass(frozen=True)
 class File:
-    """A file of the user.
-
-    Attributes:
-        path: Relative to the output folder.
-    """
+    """A file of the user."""
 
     path: str
     data: bytes

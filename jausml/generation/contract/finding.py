@@ -101,8 +101,6 @@ class Finding:
     """One difference between a user's file and the model.
 
     Attributes:
-        path: The file, relative to the output folder.
-        line: Line in the file, from 1.
         stub: Ready text of the method that the model expects, or empty.
         column: Column in the line, in characters from 1.
         is_fatal: Whether the program ends or raises there.
@@ -133,22 +131,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Fix:
-    """An edit that was made.
-
-    Attributes:
-        path: The file, relative to the output folder.
-    """
+    """An edit that was made."""
 
     path: str
     edit: Edit
 
 
 def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
-    """Makes the edits of findings, and returns them; a file in which they do not fit stays.
-
-    Raises:
-        WriteError: A file was edited meanwhile, or the operating system refused.
-    """
+    """Makes the edits of findings, and returns them; a file in which they do not fit stays."""
     fixed: list[Fix] = []
     for path, found in groupby(sorted(findings, key=lambda f: f.path), key=lambda f: f.path):
         edits = sorted({edit for finding in found for edit in finding.edits})

@@ -24,7 +24,6 @@ class Lost:
     """An import that finds nothing.
 
     Attributes:
-        node: The place of what is not found.
         edits: What makes it fit for certain.
     """
 

@@ -32,9 +32,6 @@ def renames(old: Modules, new: Modules, names: Iterable[str]) -> dict[str, str]:
 
     What has the same code, number or bytes on the wire is the same; a name that only resembles
     another one is none. Names are dotted, those inside a renamed class by its present name.
-
-    Args:
-        names: The dotted names of modules of the former state.
     """
     found: dict[str, str] = {}
     for name in names:
@@ -150,7 +147,6 @@ class Interface:
 
     Args:
         artifacts: The files of this run; without any, the interface is that on the disk.
-        deleted: Paths that are there and will not be.
     """
 
     def __init__(
@@ -218,11 +214,7 @@ class Interface:
 
 
 def former_names(before: Interface, after: Interface, known: object = None) -> dict[str, str]:
-    """Returns the names that an interface had and has no more, with what each is called now.
-
-    Args:
-        known: Those of earlier runs.
-    """
+    """Returns the names that an interface had and has no more, with what each is called now."""
     new = renames(before.modules, after.modules, after.changed_from(before))
     former = {**_strings(known), **new}
     followed = {
@@ -260,11 +252,7 @@ def _package(path: str) -> str:
 
 
 def module_of(path: str) -> str:
-    """Returns the dotted name of a module, or nothing for what is outside of a package.
-
-    Args:
-        path: Path of the file in the workspace, e.g. `vehicle/vehicle/main.py`.
-    """
+    """Returns the dotted name of a module, or nothing for what is outside of a package."""
     parts = PurePosixPath(path).with_suffix("").parts
     if len(parts) < _FEWEST_PARTS or parts[0] != parts[1]:
         return ""

@@ -25,7 +25,6 @@ class Definition:
     """A name defined in the body of a class.
 
     Attributes:
-        line: Where, from 1.
         function: The function; None for an assignment (`on_x = helper`).
     """
 
@@ -38,7 +37,6 @@ class SourceClass:
     """A class of the file.
 
     Attributes:
-        line: Where, from 1.
         ancestors: Names of the base classes, as they were called where they were imported from;
             with those of base classes in the same file.
     """
@@ -117,11 +115,7 @@ class Comparison:
 
 
 def compare_class(file: File, contract: SkeletonContract, known: Mapping[str, str]) -> Comparison:
-    """Compares the class of a skeleton with the contract.
-
-    Args:
-        known: The identities of all methods that the base ever called, by name.
-    """
+    """Compares the class of a skeleton with the contract."""
     found = Comparison()
     classes = read_classes(file.tree)
     user = classes.get(contract.class_name)

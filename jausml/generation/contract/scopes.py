@@ -47,8 +47,6 @@ class Binding:
     Attributes:
         node: The import, class or function, the statement that annotates it, or the expression
             that is assigned or iterated over.
-        alias: What is imported.
-        position: That of a parameter.
     """
 
     how: Bound

@@ -53,11 +53,7 @@ LookUp = Callable[[str], Type]
 
 
 class Types:
-    """What expressions of the workspace are.
-
-    Args:
-        modules: The modules of the workspace.
-    """
+    """What expressions of the workspace are."""
 
     def __init__(self, modules: Modules) -> None:
         self.modules = modules

@@ -29,15 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Signature:
-    """The parameters of a call.
-
-    Attributes:
-        positional: Those that may be given by position, in order.
-        named: Those that may be given by name.
-        required: Those without a default.
-        takes_more: Whether any number may be given by position.
-        takes_any_name: Whether others may be given by name.
-    """
+    """The parameters of a call."""
 
     positional: tuple[str, ...]
     named: frozenset[str]

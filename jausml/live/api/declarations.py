@@ -21,18 +21,10 @@ if TYPE_CHECKING:
 
 
 class Declarations:
-    """Services of a component, the reports that it gives, and the messages that it takes.
-
-    Attributes:
-        identity: What it says of itself.
-    """
+    """Services of a component, the reports that it gives, and the messages that it takes."""
 
     def __init__(self, known: Catalogue, name: str, provides: str | Sequence[str]) -> None:
-        """Declares services alone.
-
-        Raises:
-            MessageError: There is no such service.
-        """
+        """Declares services alone."""
         named = (provides,) if isinstance(provides, str) else provides
         self.identity = Identity(name, _identities(known, named))
         self._known = known

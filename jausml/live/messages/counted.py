@@ -149,7 +149,6 @@ def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *mo
     Args:
         fields: The object: `hex`, and for an embedded message its decoded form, which counts only
             when there is no `hex`.
-        encode_inner: Encodes an embedded message; None when the bytes are none.
     """
     if encode_inner is not None and MESSAGE in fields and "hex" not in fields:
         try:

@@ -76,11 +76,7 @@ def read_code(payload: bytes) -> int:
 
 
 class ServiceEntry:
-    """A service of the catalogue.
-
-    Attributes:
-        inherits: The service that it extends, None when it extends none.
-    """
+    """A service of the catalogue."""
 
     def __init__(
         self,
@@ -134,11 +130,7 @@ class ServiceEntry:
 
 
 class MessageEntry:
-    """A message of the catalogue: one name, code and layout, defined by one or more services.
-
-    Attributes:
-        is_command: Whether it is a command, which only a controller may send (AS5710).
-    """
+    """A message of the catalogue: one name, code and layout, defined by one or more services."""
 
     def __init__(
         self,
@@ -146,11 +138,7 @@ class MessageEntry:
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
     ) -> None:
-        """Makes an entry without services.
-
-        Args:
-            encode_message: Encodes the messages that stand in it; `decode_message` decodes them.
-        """
+        """Makes an entry without services."""
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
@@ -174,11 +162,7 @@ class MessageEntry:
 
     @cached_property
     def record(self) -> wire.Record:
-        """The body as a record of its one field; without fields for a message of its code alone.
-
-        Raises:
-            DefinitionError: The definition gives no layout.
-        """
+        """The body as a record of its one field; without fields for a message of its code alone."""
         try:
             body = wire.resolve(self.definition).body
         except wire.LayoutError as error:
@@ -231,9 +215,6 @@ class MessageEntry:
         variable format field `{"format", "hex"}`; a variable length field `{"hex"}`, both with
         `message` instead of `hex` where they hold one that is known; a bit field an object of
         integers; arrays and lists are lists. An integer with a name is a `NamedValue`.
-
-        Args:
-            decode_message: Decodes the messages that stand in it; by default as the catalogue does.
         """
         code = read_code(payload)
         if code != self.code:

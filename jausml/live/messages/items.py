@@ -55,11 +55,7 @@ class Codec(NamedTuple):
 
 
 def item_of(kind: wire.Scalar) -> Item:
-    """Returns how a field becomes an item of a struct, and back.
-
-    Raises:
-        DefinitionError: Two groups of bits have one name.
-    """
+    """Returns how a field becomes an item of a struct, and back."""
     match kind:
         case wire.Integer():
             return _integer(kind)
@@ -254,11 +250,7 @@ class Named:
 
 
 def check_distinct(names: Iterable[str], reserved: str = "") -> None:
-    """Refuses names of which one stands twice or is reserved.
-
-    Raises:
-        DefinitionError: One does.
-    """
+    """Refuses names of which one stands twice or is reserved."""
     seen = {reserved}
     for name in names:
         if name in seen:

@@ -55,11 +55,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def number_of(value: Any, unit: str = "") -> Any:
-    """Returns the number of a text such as `1.25 m/s` or `1 (READY)`; any other value as it is.
-
-    Args:
-        unit: The unit that the number must have, in words or as a symbol.
-    """
+    """Returns the number of a text such as `1.25 m/s` or `1 (READY)`; any other value as it is."""
     if not isinstance(value, str):
         return value
     if (named := _NAMED.fullmatch(value)) is not None:
@@ -139,11 +135,7 @@ _NO_NAMES: Mapping[int, str] = {}
 
 
 def as_number(value: Any) -> int | float:
-    """Returns a value that is a number, such as those of numpy are.
-
-    Raises:
-        EncodeError: It is something else; true and false are no numbers either.
-    """
+    """Returns a value that is a number, such as those of numpy are."""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
     if isinstance(value, Real) and not isinstance(value, bool):
@@ -275,11 +267,7 @@ def listed(words: Sequence[str], most: int | None = MOST_SHOWN) -> str:
 def integers_in_words(
     ranges: wire.Ranges, names: Mapping[int, str] = _NO_NAMES, most: int | None = MOST_SHOWN
 ) -> str:
-    """Returns legal integers, e.g. `0 (Set current command), 1 .. 3`.
-
-    Args:
-        most: How many values and ranges to name; None names all.
-    """
+    """Returns legal integers, e.g. `0 (Set current command), 1 .. 3`."""
     parts: list[str] = []
     for lower, upper in ranges:
         named = sorted(value for value in names if lower <= value <= upper)

@@ -24,7 +24,6 @@ class Course:
     """How a command is to be sent.
 
     Attributes:
-        rate: Times each second, None for once.
         duration: Seconds to hold control after the first one.
     """
 

@@ -37,9 +37,6 @@ def completions(
 
     Messages and fields are those of the component that is addressed, as far as it has said what it
     provides; nothing is asked for that.
-
-    Args:
-        target: The component that is addressed where a line does not say it.
     """
     *before, begun = line.split(" ")
     words = [each for each in before if each]
@@ -125,11 +122,7 @@ class Console:
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
-        """Starts a session without a target.
-
-        Args:
-            emit: Takes each line for the user; also called on another thread.
-        """
+        """Starts a session without a target."""
         self.failures = 0
         self.has_doubts = False
         self._operator = operator

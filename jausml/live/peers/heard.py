@@ -91,12 +91,7 @@ class Heard:
     def why(
         self, target: JausAddress, message: str, report: str, services: Sequence[ServiceIdentity]
     ) -> str:
-        """Returns what is known of a component that leaves a message unanswered.
-
-        Args:
-            report: Name of the answer, empty when there are several.
-            services: What it says that it provides; none when it does not tell.
-        """
+        """Returns what is known of a component that leaves a message unanswered."""
         if not self.of(target):
             return f"{target} does not answer {message}; {self._why_silent(target)}"
         fault = self._fault(target, report)
@@ -206,11 +201,7 @@ def asked(
     report_class: type[Message],
     seconds: float,
 ) -> Question:
-    """Has a component ask, without waiting for the answer.
-
-    Args:
-        seconds: How long an answer is waited for.
-    """
+    """Has a component ask, without waiting for the answer."""
     attempts = max(ATTEMPTS, math.ceil(seconds))
     answers: SimpleQueue[Any] = SimpleQueue()
     pending = component.query(

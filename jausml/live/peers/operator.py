@@ -94,14 +94,7 @@ class Operator(AnsweringClient, WatchingClient):
         authority: int,
         on_change: Callable[[str], None] | None = None,
     ) -> Hold:
-        """Takes control and keeps it until `release`.
-
-        Args:
-            on_change: Told in words what becomes of control afterwards, on another thread.
-
-        Raises:
-            Refused: It does not give control.
-        """
+        """Takes control and keeps it until `release`."""
         self._forget(target)
         hold = self._holds[target] = Hold(target, on_change)
         hold.session = self._component.control(
@@ -117,14 +110,7 @@ class Operator(AnsweringClient, WatchingClient):
         return hold
 
     def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
-        """Sends a command of Management and returns the state that follows; None without any.
-
-        Args:
-            states: States to which it may lead.
-
-        Raises:
-            Refused: The component does not come to one of the states.
-        """
+        """Sends a command of Management and returns the state that follows; None without any."""
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
         is_urgent = isinstance(message, SetEmergency | ClearEmergency)
@@ -148,18 +134,11 @@ class Operator(AnsweringClient, WatchingClient):
             time.sleep(POLL)
 
     def emergency(self, target: JausAddress) -> Status | None:
-        """Sets an emergency, which stops a component; it needs no control.
-
-        Returns:
-            The state that follows; None when the component does not tell.
-        """
+        """Sets an emergency, which stops a component; it needs no control."""
         return self.change(target, SetEmergency(emergency_code=_STOP), Status.EMERGENCY)
 
     def clear(self, target: JausAddress) -> Status | None:
         """Ends an emergency that we have set.
-
-        Returns:
-            The state that follows; None when the component does not tell.
 
         Raises:
             Refused: It lasts: somebody else has set it.
@@ -168,11 +147,7 @@ class Operator(AnsweringClient, WatchingClient):
         return self.change(target, ClearEmergency(emergency_code=_STOP), *after)
 
     def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
-        """Sends a message, once and without waiting.
-
-        Args:
-            acknowledge: Whether the transport repeats it until it has arrived.
-        """
+        """Sends a message, once and without waiting."""
         hold = self._holds.get(target)
         if hold is not None:
             hold.count()
@@ -317,15 +292,7 @@ def running_operator(
     identity: Identity | None = None,
     prepare: Callable[[Operator], None] | None = None,
 ) -> Iterator[Operator]:
-    """Yields an operator on the network; releases control and cancels events at the end.
-
-    Args:
-        identity: What we say of ourselves; that of an operator control unit when None.
-        prepare: Makes the operator answer and obey, before anybody can ask it.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Yields an operator on the network; releases control and cancels events at the end."""
     ours = identity or Identity()
     with running_transport(network.settings) as transport:
         heard = Heard(catalogue, network, transport.counters)

@@ -15,11 +15,7 @@ _TIMEOUT_S = 1.0
 
 
 class PeerFinding(NamedTuple):
-    """What is told of a peer.
-
-    Attributes:
-        verdict: `ok`, `note` for what it does otherwise than others, `error` if it is silent.
-    """
+    """What is told of a peer."""
 
     name: str
     verdict: str
@@ -27,11 +23,7 @@ class PeerFinding(NamedTuple):
 
 
 def check_peers(network: Network, catalogue: Catalogue) -> list[PeerFinding]:
-    """Returns what the peers of a network are like, which are asked one after the other.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Returns what the peers of a network are like, which are asked one after the other."""
     found: list[PeerFinding] = []
     with running_operator(network, catalogue, _TIMEOUT_S) as operator:
         for peer in network.settings.address_book:

@@ -170,11 +170,7 @@ def status_line(state: Status | None, control: ReportControl | None) -> str:
 
 
 def lapse_words(timeout: int | None) -> str:
-    """Returns when control lapses, in words; empty if that is not known.
-
-    Args:
-        timeout: Seconds after the last request, 0 for never.
-    """
+    """Returns when control lapses, in words; empty if that is not known."""
     if timeout is None:
         return ""
     return f"control lapses {timeout} s after the last request" if timeout else "it never lapses"

@@ -38,10 +38,6 @@ class WatchingClient(QueryClient):
 
         Args:
             rate: Reports each second; None means every change.
-            on_report: Takes the report and its fields, on another thread.
-
-        Raises:
-            Refused: It gives no such event.
         """
         query, report = self.exchange(target, name)
         patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
@@ -131,15 +127,7 @@ class AnsweringClient(QueryClient):
         entry: MessageEntry,
         take: Callable[[MessageEntry, dict[str, Any], JausAddress], Reply | None],
     ) -> None:
-        """Has a function take a message; commands come from the controller in Ready alone.
-
-        Args:
-            take: Takes the message, its fields and its sender, on another thread; returns what is
-                sent back, if anything.
-
-        Raises:
-            ValueError: Something takes it already.
-        """
+        """Has a function take a message; commands come from the controller in Ready alone."""
 
         def taken(message: EntryMessage, sender: JausAddress) -> None:
             reply = take(entry, message.fields, sender)

@@ -39,18 +39,10 @@ class SplitLimits:
 
 
 class FilePair:
-    """An MCAP file and the capture beside it, which are being written.
-
-    Attributes:
-        begun: When it was opened, by the monotonic clock.
-    """
+    """An MCAP file and the capture beside it, which are being written."""
 
     def __init__(self, path: Path, compression: str, *, overwrites: bool) -> None:
-        """Creates both.
-
-        Raises:
-            OSError: A file cannot be made, or is there already.
-        """
+        """Creates both."""
         mode = "wb" if overwrites else "xb"
         self.path, self.begun = path, time.monotonic()
         self._paths = (path, path.with_suffix(CAPTURE))
@@ -97,11 +89,7 @@ class FilePair:
 
 
 class RecordingFiles:
-    """The files of a recording, one pair after the other.
-
-    Attributes:
-        paths: The MCAP files that were written, those that are gone again left out.
-    """
+    """The files of a recording, one pair after the other."""
 
     def __init__(
         self,
@@ -116,10 +104,6 @@ class RecordingFiles:
         Args:
             path: The MCAP file. A row of files has numbers before the ending, and goes on where
                 one that is there ends.
-            overwrites: Whether a file that is there is lost; a row overwrites nothing.
-
-        Raises:
-            OSError: A file cannot be made, or is there already.
         """
         need_library()
         self._path, self._limits, self._compression = path, limits, compression

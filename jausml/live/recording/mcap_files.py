@@ -74,7 +74,6 @@ class TimeSpan:
         """Yields what is in it.
 
         Args:
-            found: What was recorded, in the order of its times.
             time_of: The time of each in nanoseconds, None where nobody told: these are in it.
         """
         begin: int | None = None
@@ -234,11 +233,7 @@ class McapFile:
     def __init__(
         self, stream: BinaryIO, *, has_jaus: bool, compression: str = COMPRESSIONS[0]
     ) -> None:
-        """Begins a file.
-
-        Args:
-            compression: One of `COMPRESSIONS`.
-        """
+        """Begins a file."""
         need_library()
         from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
 
@@ -278,11 +273,7 @@ class McapFile:
         return self._of_jaus[key]
 
     def write(self, channel: int, time: int, data: bytes, published: int | None = None) -> None:
-        """Writes a message.
-
-        Args:
-            published: When it was sent, the time above by default.
-        """
+        """Writes a message."""
         self._writer.add_message(channel, time, data, time if published is None else published)
         self.count += 1
 
@@ -308,11 +299,7 @@ class McapFile:
 
 
 def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> int:
-    """Writes messages into a file with an index; returns how many.
-
-    Args:
-        ros_only: Whether those are left out that are not of ROS.
-    """
+    """Writes messages into a file with an index; returns how many."""
     from mcap.writer import Writer  # noqa: PLC0415 - an extra
 
     writer = Writer(stream)

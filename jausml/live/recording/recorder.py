@@ -97,12 +97,7 @@ class Recorder:
 
     @contextmanager
     def kept(self, period: float, begun: Callable[[], None]) -> Iterator[None]:
-        """Gives the disk what has come, again and again, and ends the files.
-
-        Args:
-            period: Seconds from one time to the next.
-            begun: Called when further files were begun, on another thread.
-        """
+        """Gives the disk what has come, again and again, and ends the files."""
         ended = Event()
         keeper = Thread(target=self._keep, args=(period, ended, begun), daemon=True)
         keeper.start()
@@ -126,11 +121,7 @@ class Recorder:
         self._write(self._write_frame, frame, datagram)
 
     def take_topic(self, topic: str, kind: str, data: bytes, heard: int, published: int) -> None:
-        """Writes a message of ROS.
-
-        Args:
-            heard: When it came, in nanoseconds since 1970.
-        """
+        """Writes a message of ROS."""
         self._write(self._write_topic, topic, kind, data, heard, published or heard)
 
     def _write_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:

@@ -63,12 +63,7 @@ class RosTopics:
         self._opened = time.monotonic()
 
     def begin(self, wanted: Collection[str] | None, take: Take) -> None:
-        """Begins to look for publishers; returns when what those publish comes that there are.
-
-        Args:
-            wanted: Full names of the topics that are wanted, None for all.
-            take: Takes each message, on another thread.
-        """
+        """Begins to look for publishers; returns when what those publish comes that there are."""
         if wanted is not None:
             self.wanted = frozenset(filter(self._selection.wants_topic, wanted))
         self._take = take

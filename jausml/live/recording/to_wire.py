@@ -40,7 +40,6 @@ class ReplayPace:
     """The pace of a replay, which may be paused.
 
     Attributes:
-        is_paused: Whether nothing passes; anybody may change it at any time.
         position: Seconds of the recording from the first message to the latest that has passed.
     """
 
@@ -48,7 +47,6 @@ class ReplayPace:
         """Has passed nothing yet.
 
         Args:
-            speed: Seconds of the recording in each second.
             most_each_second: How many messages pass at most; what comes faster is late.
         """
         self.is_paused = False
@@ -107,9 +105,6 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
-
-    Raises:
-        NoSystemError: It has no system, or several.
     """
     whole = system_of(model)
     commands: list[str] = []

@@ -50,11 +50,7 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class TranslatedMessage:
-    """A message of ROS.
-
-    Attributes:
-        time: When the message was heard of which it is, in nanoseconds since 1970.
-    """
+    """A message of ROS."""
 
     route: Route
     time: int
@@ -80,11 +76,7 @@ class Translator:
     """The translations of a model; close it at the end."""
 
     def __init__(self, model: Model) -> None:
-        """Starts the process of the translations.
-
-        Raises:
-            RecordingError: It has no bridge with a connection that could be used.
-        """
+        """Starts the process of the translations."""
         found = routes_of(model)
         self.routes = found.routes
         if not self.routes:
@@ -185,11 +177,7 @@ Addresses = frozenset[str]
 
 @dataclass(frozen=True)
 class RecordedTopic:
-    """A topic of a recording.
-
-    Attributes:
-        type: Full name of its type, e.g. `nav_msgs/msg/Odometry`.
-    """
+    """A topic of a recording."""
 
     name: str
     type: str
@@ -203,7 +191,6 @@ class RouteJoin:
     Attributes:
         senders: Whose reports are meant; those of the subsystem of the main message by default.
         freshness: Seconds after which the latest report is stale.
-        drop: Whether nothing is made without a fresh one.
     """
 
     name: str
@@ -241,9 +228,6 @@ def routes_of(model: Model) -> Routes:
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
-
-    Raises:
-        NoSystemError: It has several systems.
     """
     roots = model.documents[0].roots
     if not any(isinstance(root, system.System) for root in roots):
@@ -347,11 +331,7 @@ class CaptureReplay:
     def __init__(
         self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
     ) -> None:
-        """Has read nothing yet.
-
-        Args:
-            jaus: What writes the JAUS messages too; None leaves them out.
-        """
+        """Has read nothing yet."""
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.sources: dict[str, set[str]] = {}

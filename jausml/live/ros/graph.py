@@ -31,11 +31,7 @@ class RosEndpoint:
 
 @dataclass(frozen=True, order=True)
 class RunningTopic:
-    """A topic that runs.
-
-    Attributes:
-        types: Its types, such as `geometry_msgs/msg/Twist`; more than one is a fault of theirs.
-    """
+    """A topic that runs."""
 
     name: str
     types: tuple[str, ...]
@@ -45,13 +41,7 @@ class RunningTopic:
 
 @dataclass(frozen=True, order=True)
 class RunningCall:
-    """A service or an action that runs.
-
-    Attributes:
-        types: Its types, such as `std_srvs/srv/Trigger`; more than one is a fault of theirs.
-        servers: Names of the nodes that serve it.
-        clients: Names of the nodes that call it.
-    """
+    """A service or an action that runs."""
 
     name: str
     types: tuple[str, ...]
@@ -61,11 +51,7 @@ class RunningCall:
 
 @dataclass(frozen=True)
 class RunningGraph:
-    """What runs, each in the order of the names; that of ROS itself is left out.
-
-    Attributes:
-        nodes: Full names of the nodes.
-    """
+    """What runs, each in the order of the names; that of ROS itself is left out."""
 
     topics: tuple[RunningTopic, ...] = ()
     services: tuple[RunningCall, ...] = ()
@@ -78,11 +64,7 @@ class RunningGraph:
 
 
 def settled_graph(node: Any, end: float) -> RunningGraph:
-    """Returns what runs: it looks until nothing has changed for two seconds, if there is anything.
-
-    Args:
-        end: When it has to be over, by the monotonic clock.
-    """
+    """Returns what runs, once nothing has changed for two seconds if there is anything."""
     found = _graph(node)
     since = time.monotonic()
     while time.monotonic() < end and not (found and time.monotonic() - since >= SETTLED):

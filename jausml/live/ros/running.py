@@ -20,20 +20,12 @@ _MOST = 200
 
 
 class ParameterReader:
-    """Asks nodes for their parameters.
-
-    Attributes:
-        found: Values by name, by the full name of the node.
-    """
+    """Asks nodes for their parameters."""
 
     def __init__(
         self, node: Any, nodes: Iterable[str], is_wanted: Callable[[str], bool], come: Condition
     ) -> None:
-        """Prepares to ask.
-
-        Args:
-            come: Told of each node that has answered.
-        """
+        """Prepares to ask."""
         from rcl_interfaces.srv import GetParameters, ListParameters  # noqa: PLC0415
 
         self.found: dict[str, dict[str, Any]] = {}
@@ -92,17 +84,12 @@ class Hearing:
     """The first message on each topic whose messages name joints or frames.
 
     Attributes:
-        joints: Names of the joints by the topic on which a node publishes them.
         frames: `header.frame_id` and `child_frame_id` of the messages, by topic; an empty text for
             one that they do not name.
     """
 
     def __init__(self, node: Any, topics: Iterable[RunningTopic], come: Condition) -> None:
-        """Subscribes to what is published.
-
-        Args:
-            come: Told of each first message.
-        """
+        """Subscribes to what is published."""
         self.joints: dict[str, tuple[str, ...]] = {}
         self.frames: dict[str, tuple[str, str]] = {}
         self._come = come
@@ -164,10 +151,7 @@ class Running:
     """What runs.
 
     Attributes:
-        joints: Names of the joints by the topic on which a node publishes them.
-        frames: `header.frame_id` and `child_frame_id` of the messages, by topic.
         silent: Topics whose messages would have told such names, and on which nothing came.
-        parameters: Values by name, by node.
         unread: Nodes that do not tell their parameters.
     """
 
@@ -184,12 +168,6 @@ def what_runs(seconds: float, is_wanted: Callable[[str], bool]) -> Running:
 
     It looks until nothing has changed for two seconds, if there is anything. Then it waits for
     messages and answers, not longer than the time that is left.
-
-    Args:
-        is_wanted: Tells by the name of a parameter whether it is read.
-
-    Raises:
-        RosFault: ROS cannot be used here.
     """
     end = time.monotonic() + seconds
     quiet = QuietNode("new").open()

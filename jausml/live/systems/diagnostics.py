@@ -63,9 +63,6 @@ def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | Non
     """Returns what a status tells of a connection or of a bridge; None when it is of another maker.
 
     Whatever a value cannot be read as is left out; as text it is among the values all the same.
-
-    Args:
-        now: When it came, in seconds of a steady clock.
     """
     bridge, colon, name = status.name.rpartition(": ")
     values = tuple((cut(key), cut(value)) for key, value in status.values[:MOST_VALUES])

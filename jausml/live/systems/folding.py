@@ -60,11 +60,6 @@ class ComponentAnswer:
     """What a component tells of itself; None is what it does not tell this time.
 
     Attributes:
-        controller: JAUS id of who controls it, empty when nobody does.
-        authority: Authority code of who controls it, else its default.
-        control_timeout: Seconds after which control lapses unless it is requested again, 0 for
-            never.
-        services: URN and version of what it provides.
         round_trip: Seconds from a question to the answer.
     """
 
@@ -128,12 +123,7 @@ def fold_model(
 
 
 def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
-    """Returns the state after a source opened, or could not.
-
-    Args:
-        source: `ROS` or `JAUS`.
-        fault: Why it cannot be heard, empty when it can.
-    """
+    """Returns the state after a source opened, or could not."""
     return fold_time(replace(state, sources={**state.sources, source: fault}), state.now)
 
 

@@ -52,7 +52,6 @@ class TopicName:
     """A ROS topic of a connection, as its model names it.
 
     Attributes:
-        type: Its type, such as `std_msgs/msg/Float64`.
         is_absolute: Whether it has the same name in whatever namespace its bridge runs.
     """
 
@@ -66,7 +65,6 @@ class DeclaredConnection:
     """What a model says of a connection.
 
     Attributes:
-        rate: Messages each second that it promises, None when it promises none.
         direction: `to ROS` or `to JAUS`.
         peers: JAUS ids of the components at the other end, as far as the model names them.
     """
@@ -92,16 +90,10 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        name: Name of the connection; `jaus state` and the like concern the bridge.
         phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
-        rate: Messages each second since the status before, None when unknown.
         declared_rate: Messages each second that the model promises, None when it promises none.
-        age: Seconds since its last message when its bridge told of it, None when there was none.
-        told: When its bridge last told of it, None when it never did.
         period: Seconds between its last two statuses, 0 before there were two.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
-        values: All names and values of the last status, as they came.
-        history: Latest rates, oldest first.
         concerns_bridge: Whether it is told only while there is something to tell.
     """
 
@@ -145,13 +137,10 @@ class ComponentState:
     """A JAUS component.
 
     Attributes:
-        type: What it says that it is, such as `vehicle`.
-        state: Management state such as `READY`, empty when it tells none.
         controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
         authority: Authority code of who controls it, else its default; None when unknown.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
-        services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
     """
 

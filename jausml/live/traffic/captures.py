@@ -60,7 +60,6 @@ class CapturedFrame:
 
     Attributes:
         number: Its number in the file, from 1 as Wireshark counts.
-        time: Seconds since 1970, None when the file does not tell.
         nanoseconds: The time to the nanosecond, which no float holds; None as with it.
     """
 
@@ -73,12 +72,7 @@ class CapturedFrame:
 
 
 def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
-    """Yields the frames of a capture as they come.
-
-    Raises:
-        CaptureError: It is something else, malformed, or ends within a frame; the frames before
-            that were yielded.
-    """
+    """Yields the frames of a capture as they come."""
     file = _File(stream)
     magic = file.read(4, "the file header")
     if magic.startswith(_GZIP):
@@ -285,9 +279,6 @@ def parse_hex(line: str) -> bytes:
 
     Blanks, colons, commas, hyphens, `0x` and `\x` may stand between bytes; `#`, `;` and `//`
     begin a comment.
-
-    Raises:
-        TrafficError: It is not hexadecimal; the text names the column.
     """
     text = _COMMENT.sub("", line)
     # Two blanks keep the columns of what follows a prefix.

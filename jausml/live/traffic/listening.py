@@ -51,14 +51,7 @@ class InterfaceCapture:
     """Sees what passes an interface, that of others included, and takes no part in it."""
 
     def __init__(self, interface: str) -> None:
-        """Begins to listen.
-
-        Args:
-            interface: IPv4 address of the interface, 0.0.0.0 for all.
-
-        Raises:
-            TrafficError: It cannot be captured here; the text says why.
-        """
+        """Begins to listen."""
         try:
             kind = socket.SOCK_DGRAM  # without headers of the link
             self._socket = socket.socket(socket.AF_PACKET, kind, socket.htons(_ALL_PROTOCOLS))
@@ -157,11 +150,7 @@ class MulticastListener:
     """
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Joins the group.
-
-        Raises:
-            TrafficError: The interface or the group cannot be used.
-        """
+        """Joins the group."""
         self._group = Endpoint(settings.multicast_group, settings.port)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -194,11 +183,7 @@ class MulticastListener:
         self._socket.close()
 
     def datagrams(self, duration: float | None = None) -> Iterator[Datagram]:
-        """Yields datagrams as they arrive.
-
-        Args:
-            duration: Seconds after which to end, None for never.
-        """
+        """Yields datagrams as they arrive."""
         end = None if duration is None else time.monotonic() + duration
         number = 0
         while True:

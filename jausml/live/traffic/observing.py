@@ -156,13 +156,7 @@ class Observer:
         service: str | None = None,
         message: str | None = None,
     ) -> None:
-        """Starts with no packets.
-
-        Args:
-            catalogue: What messages there are; without it none is decoded.
-            service: Service whose messages are meant where a code has several meanings.
-            message: Name of the message that is meant where a code still has several meanings.
-        """
+        """Starts with no packets."""
         self.host_frames = 0
         self._catalogue = catalogue
         self._service = service

@@ -86,11 +86,7 @@ class PoolProcesses:
     """Processes for those who ask at once, one for each; close them at the end."""
 
     def __init__(self, begin: bytes) -> None:
-        """Begins none yet.
-
-        Args:
-            begin: What makes the worker of a process, and what it is given, pickled.
-        """
+        """Begins none yet."""
         self._begin = begin
         self._idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
         self._all: list[PoolProcess] = []
@@ -149,15 +145,7 @@ class Work(Generic[Shared, Piece, Result]):
     def results(
         self, pieces: Sequence[Piece], jobs: int, scheduler: str = ""
     ) -> Iterator[tuple[int, Result]]:
-        """Yields the number of each piece and what became of it, in any order.
-
-        Args:
-            jobs: How many processes of this machine work at once.
-            scheduler: Address of a scheduler of Dask, whose workers do it instead.
-
-        Raises:
-            PoolError: A process has ended, or nobody is there to do the work.
-        """
+        """Yields the number of each piece and what became of it, in any order."""
         if scheduler:
             try:
                 from jausml.live.workers.pool_of_dask import of_dask  # noqa: PLC0415 - an extra

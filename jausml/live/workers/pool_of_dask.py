@@ -51,11 +51,7 @@ def _which_jausml() -> str:
 def of_dask(
     begin: bytes, address: str
 ) -> Iterator[tuple[Executor, Callable[[Any], Any], Callable[[], None]]]:
-    """Gives the workers of a scheduler.
-
-    Raises:
-        PoolError: It cannot be reached, it has no workers, or they have another jausml.
-    """
+    """Gives the workers of a scheduler."""
     try:
         client = Client(address, timeout=_SECONDS, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:

@@ -89,11 +89,7 @@ def bridge_of_maps(
     name: str,
     connections: Mapping[str, tuple[bridge.AttributeMap, bool]],
 ) -> Model:
-    """Makes a system with a bridge that has connections by maps, whatever else their model holds.
-
-    Args:
-        connections: Their maps, and whether they go to ROS, by name.
-    """
+    """Makes a system with a bridge of connections by maps, whatever else their model holds."""
     make = Maker(metamodels)
     owner = make("bridge.Bridge", name=name, address="1.1.1")
     made = []
@@ -168,11 +164,7 @@ class Worker:
         return self._process.poll() is None
 
     def ask(self, request: Any, seconds: float) -> Any:
-        """Returns its answer.
-
-        Args:
-            seconds: How long it may take; then it is ended.
-        """
+        """Returns its answer."""
         late = threading.Event()
 
         def end() -> None:

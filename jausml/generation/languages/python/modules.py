@@ -119,11 +119,7 @@ def names_in(module: ast.Module) -> Names:
 
 
 def import_lines(names: Names, imports: Imports) -> str:
-    """Returns the import statements for what a module uses, in ruff's order.
-
-    Raises:
-        UnknownNameError: Nothing defines a name that it uses.
-    """
+    """Returns the import statements for what a module uses, in ruff's order."""
     origins = {**STANDARD, **imports.names}
     unknown = sorted(names.unknown - origins.keys())
     if unknown:
@@ -238,10 +234,6 @@ class Modules:
             imports: What it may import, None where it has its import statements.
             words: Names in which functions and methods of it may differ alone, e.g. those of
                 connections. It is the same without them, and takes longer.
-
-        Raises:
-            SyntaxError: Python cannot read it (or another one of CANNOT_PARSE).
-            UnknownNameError: Nothing defines a name that it uses.
         """
         with warnings.catch_warnings():
             warnings.simplefilter("error")

@@ -36,11 +36,7 @@ class JausPlusPlus:
     """
 
     def __init__(self, vehicle: Vehicle, place: Place) -> None:
-        """Listens at a place.
-
-        Raises:
-            OSError: The port is in use, or the network cannot be used.
-        """
+        """Listens at a place."""
         self.obeyed_again = 0
         self._vehicle = vehicle
         self._book: dict[int, tuple[str, int]] = {}

@@ -64,9 +64,6 @@ class JuniorPeer:
     """One component of another host that runs Junior.
 
     Attributes:
-        address: The component.
-        endpoint: Where its node manager receives.
-        received: Source and payload of each message that reached the application.
         thrown_away: Loose packets that had to make room.
         alive: Whether the component runs; its node manager goes on without it.
         transmissions: How often an acknowledged packet is sent at most; more than Junior's four
@@ -74,11 +71,7 @@ class JuniorPeer:
     """
 
     def __init__(self, address: JausAddress, place: Place) -> None:
-        """Starts the component, and the node manager of its host.
-
-        Raises:
-            OSError: The port is in use, or the network cannot be used.
-        """
+        """Starts the component, and the node manager of its host."""
         self.address = address
         self.endpoint = place.endpoint
         self.received: list[tuple[JausAddress, bytes]] = []

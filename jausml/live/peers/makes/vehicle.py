@@ -49,7 +49,6 @@ class Place:
     """Where a peer is: a host of its own of loopback, or an interface of this one.
 
     Attributes:
-        interface: IPv4 address that it has.
         multicast_group: Where it is found.
     """
 
@@ -107,7 +106,6 @@ class Vehicle:
     Attributes:
         dies_of_updates: Whether UpdateEvent brings it to a standstill.
         doubles_events: Whether it makes another event of each CreateEvent.
-        is_dead: Whether it stands still.
     """
 
     def __init__(
@@ -119,13 +117,7 @@ class Vehicle:
         dies_of_updates: bool = False,
         doubles_events: bool = False,
     ) -> None:
-        """Stands by.
-
-        Args:
-            address: Its component.
-            report: Returns what answers a query of its code.
-            obey: Takes a command of the controller, and who that is, in Ready.
-        """
+        """Stands by."""
         self.address = address
         self.dies_of_updates, self.doubles_events = dies_of_updates, doubles_events
         self.is_dead = False
