@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.filling import contents, is_set, unset
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.metamodel import FeatureTable
 
 _LONGEST = 60
@@ -56,19 +54,6 @@ def held(element: Any, feature: FeatureTable) -> Any:
     if feature.many:
         return list(contents(element, feature))
     return getattr(element, feature.name)
-
-
-def without_each(values: list[Any]) -> Iterator[list[Any]]:
-    """Yields a list without each of its values."""
-    for at in range(len(values)):
-        yield values[:at] + values[at + 1 :]
-
-
-def exchanged(values: list[Any]) -> Iterator[list[Any]]:
-    """Yields a list with each two neighbours exchanged."""
-    for at in range(len(values) - 1):
-        if values[at] != values[at + 1]:
-            yield [*values[:at], values[at + 1], values[at], *values[at + 2 :]]
 
 
 def _differing(before: list[Any], after: list[Any]) -> tuple[list[Any], list[Any]]:

@@ -18,9 +18,10 @@ from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
+from jausml.mutating.alternatives import Site
 from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.findings import Products, Proofs
-from jausml.mutating.operators import OPERATORS, Site
+from jausml.mutating.operators import OPERATORS
 from jausml.mutating.outcomes import (
     CHECK,
     EQUAL,
@@ -79,9 +80,9 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
 
 def _features(model: Model, element: Any, operator: Operator) -> Iterator[FeatureTable]:
     table = model.metamodels.class_of(element)
-    for name, features in operator.features.items():
+    for name, features in operator.of_classes():
         if table in model.metamodels.classes[name].subtypes:
-            yield from (table.features[each] for each in features.split())
+            yield from (table.features[each] for each in features)
 
 
 def sample(found: Sequence[Mutation], limit: int) -> list[int]:
