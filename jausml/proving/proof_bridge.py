@@ -96,7 +96,7 @@ def _model(model: Model, trip: RoundTrip) -> Model:
     for known in _quantities(trip).values():
         copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
         copied.value = known.value
-        make.own(owner, "quantities", copied)
+        make.link(owner, "quantities", copied)
     return made
 
 

@@ -91,7 +91,7 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     except OSError as error:
         text = f"nobody can be asked: {error.strerror or error}"
         return [Finding("peers", "network", Outcome.ERROR, text)]
-    return [Finding("peers", each.name, Outcome(each.verdict), each.text) for each in found]
+    return [Finding("peers", name, Outcome(verdict), text) for name, verdict, text in found]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer
@@ -14,26 +14,21 @@ if TYPE_CHECKING:
 _TIMEOUT_S = 1.0
 
 
-class PeerFinding(NamedTuple):
-    """What is told of a peer."""
+def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, str]]:
+    """Asks the peers of a network, one after the other; returns names, verdicts and texts.
 
-    name: str
-    verdict: str
-    text: str
-
-
-def check_peers(network: Network, catalogue: Catalogue) -> list[PeerFinding]:
-    """Returns what the peers of a network are like, which are asked one after the other."""
-    found: list[PeerFinding] = []
+    Verdicts are `ok`, `note` for what one does otherwise than others, `error` if it is silent.
+    """
+    found: list[tuple[str, str, str]] = []
     with running_operator(network, catalogue, _TIMEOUT_S) as operator:
         for peer in network.settings.address_book:
             try:
                 services = operator.meet(peer)
             except NoAnswer as error:
-                found.append(PeerFinding(str(peer), "error", str(error)))
+                found.append((str(peer), "error", str(error)))
                 continue
             count = f"{len(services)} services" if services else "no services that it tells of"
-            found.append(PeerFinding(str(peer), "ok", f"answers; {count}"))
+            found.append((str(peer), "ok", f"answers; {count}"))
             learnt = [each for each in operator.quirks() if each[0] == peer]
-            found += [PeerFinding(str(peer), "note", str(each)) for _, each in learnt]
+            found += [(str(peer), "note", str(each)) for _, each in learnt]
     return found

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, system
-from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.report_joins import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
@@ -17,7 +16,7 @@ from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.captured import CapturedMessages
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.schemas import full_name, modelled_definition
-from jausml.live.workers.worker import Maker, Worker, WorkerError, bridge_code
+from jausml.live.workers.worker import Maker, Worker, WorkerError, bridge_code, bridge_of_maps
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -77,14 +76,13 @@ class Translator:
 
     def __init__(self, model: Model) -> None:
         """Starts the process of the translations."""
-        found = routes_of(model)
-        self.routes = found.routes
+        routed, self.routes = routes_of(model)
         if not self.routes:
             raise RecordingError("the model has no map from JAUS to ROS that could be used")
         self.unmapped: Counter[int] = Counter()
         self.untranslated = Untranslated()
         self._takers: dict[tuple[int, str], list[tuple[int, str]]] = {}
-        self._worker = Worker(bridge_code(found.model), _WORKER)
+        self._worker = Worker(bridge_code(routed), _WORKER)
         self._ask({"routes": [_plan(each) for each in self.routes]})
 
     def __enter__(self) -> Self:
@@ -215,16 +213,10 @@ class Route:
     joins: tuple[RouteJoin, ...]
 
 
-@dataclass(frozen=True)
-class Routes:
-    """The routes of a model, and the model of bridges that have these routes alone."""
+def routes_of(model: Model) -> tuple[Model, list[Route]]:
+    """Returns a model of bridges that have routes alone, and these.
 
-    model: Model
-    routes: list[Route]
-
-
-def routes_of(model: Model) -> Routes:
-    """Returns the routes of a model: those of its bridges, or of all its maps when it has none.
+    They are those of the bridges of the model, or of all its maps when it has no system.
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
@@ -235,30 +227,19 @@ def routes_of(model: Model) -> Routes:
     sent: dict[bridge.Connection, Addresses] = {}
     for owner in own_bridges(system_of(model)):
         sent.update(_turn(model, owner))
-    return Routes(model, [each for view in bridge_views(model) for each in _routes(view, sent)])
+    return model, [each for view in bridge_views(model) for each in _routes(view, sent)]
 
 
 def _of_maps(model: Model) -> Model:
     """Makes a model with a bridge that has a connection for each map to ROS."""
-    make = Maker(model.metamodels)
-    owner = make("bridge.Bridge", name="maps", address="1.1.1")
-    whole = make("system.System", name="replay")
-    make.own(whole, "bridges", owner)
     libraries = [each for each in model.documents[0].roots if isinstance(each, bridge.MapLibrary)]
-    for used in (each for library in libraries for each in library.maps):
-        if used.toRos and used.message is not None and used.type is not None:
-            make.own(owner, "bridgeConnections", _to_ros(make, used, used.name, [str(used.name)]))
-    return made_model(model.metamodels, whole, owner)
-
-
-def _to_ros(
-    make: Maker, used: bridge.AttributeMap, name: str | None, topics: Iterable[str]
-) -> bridge.Connection:
-    found: bridge.Connection = make("bridge.Connection", name=str(name), direction=TO_ROS)
-    make.refer(found, "map", used)
-    for topic in topics:
-        make.own(found, "topics", make("bridge.Topic", name=topic))
-    return found
+    maps = {
+        str(each.name): (each, True)
+        for library in libraries
+        for each in library.maps
+        if each.toRos and each.message is not None and each.type is not None
+    }
+    return bridge_of_maps(model.metamodels, "maps", maps)
 
 
 def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Addresses]:
@@ -280,8 +261,11 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
         if each.map not in used and each.map.toRos:
             used.add(each.map)
             topics = [str(topic.name) for topic in each.topics if topic.join is None]
-            turned = _to_ros(make, each.map, each.name, topics)
-            make.own(owner, "bridgeConnections", turned)
+            turned = make("bridge.Connection", name=str(each.name), direction=TO_ROS)
+            make.link(turned, "map", each.map)
+            for topic in topics:
+                make.link(turned, "topics", make("bridge.Topic", name=topic))
+            make.link(owner, "bridgeConnections", turned)
             made[turned] = frozenset({str(owner.address)})
     return made
 

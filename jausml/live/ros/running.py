@@ -8,7 +8,7 @@ from threading import Condition
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros.graph import SETTLED, RunningGraph, settled_graph
-from jausml.live.ros.node import QuietNode, message_class
+from jausml.live.ros.node import QuietNode, message_class, offered_profile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -116,7 +116,8 @@ class Hearing:
                 self._waiting.discard(topic.name)
                 self._come.notify_all()
 
-        node.create_subscription(cls, topic.name, take, _asked(topic), raw=True)
+        profile = offered_profile(topic.publishers, depth=1)
+        node.create_subscription(cls, topic.name, take, profile, raw=True)
 
     def _note(self, topic: RunningTopic, message: Any) -> None:
         if topic.types == (_JOINTS,):
@@ -124,22 +125,6 @@ class Hearing:
         frames = (message.header.frame_id, getattr(message, "child_frame_id", ""))
         if any(frames):
             self.frames[topic.name] = frames
-
-
-def _asked(topic: RunningTopic) -> Any:
-    """Returns what all publishers offer: what was published before, where all of them keep it."""
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415
-
-    profile: Any = QoSProfile
-    is_kept = all(each.durability == "transient_local" for each in topic.publishers)
-    is_sure = all(each.reliability == "reliable" for each in topic.publishers)
-    return profile(
-        depth=1,
-        reliability=(
-            ReliabilityPolicy.RELIABLE if is_kept and is_sure else ReliabilityPolicy.BEST_EFFORT
-        ),
-        durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_kept else DurabilityPolicy.VOLATILE),
-    )
 
 
 _LISTENED, _TURN = 5.0, 0.1

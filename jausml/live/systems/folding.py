@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.live.systems.diagnostics import connection_of, cut
 from jausml.live.systems.state import (
@@ -35,6 +35,10 @@ FORGOTTEN = 60.0
 """Seconds after which a component that answers no more, and that no model has, is history."""
 
 _PERIODS = 3
+_TOLD = (
+    *("name", "type", "state", "controller", "authority", "control_timeout", "services"),
+    "round_trip",
+)
 _UNANSWERED = 3
 _STATES = {
     "READY": Level.OK,
@@ -158,21 +162,14 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
         former = ComponentState(answer.address)
     unanswered = former.unanswered + (answer.source is AnswerSource.NOBODY)
     is_live = answer.source is AnswerSource.ITSELF
-    latest = replace(
-        former,
-        name=former.name if answer.name is None else cut(answer.name),
-        type=former.type if answer.type is None else cut(answer.type),
-        state=former.state if answer.state is None else cut(answer.state),
-        controller=former.controller if answer.controller is None else answer.controller,
-        authority=former.authority if answer.authority is None else answer.authority,
-        control_timeout=former.control_timeout
-        if answer.control_timeout is None
-        else answer.control_timeout,
-        services=former.services if answer.services is None else answer.services,
-        round_trip=former.round_trip if answer.round_trip is None else answer.round_trip,
-        told=now if is_live else former.told,
-        unanswered=0 if is_live else unanswered,
-    )
+    told: dict[str, Any] = {
+        name: cut(value) if isinstance(value, str) else value
+        for name in _TOLD
+        if (value := getattr(answer, name)) is not None
+    }
+    told["told"] = now if is_live else former.told
+    told["unanswered"] = 0 if is_live else unanswered
+    latest = replace(former, **told)
     components = {**state.components, answer.address: _judged_component(state, latest)}
     return replace(state, now=max(now, state.now), components=components)
 

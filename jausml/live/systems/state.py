@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -282,13 +282,13 @@ def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
             found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
             if connection.map is not None and connection.map.message is not None:
-                yield _declaration(owner, connection, tuple(topics.get(connection, ())))
+                yield _with_topics(owner, connection, tuple(topics.get(connection, ())))
         for service in owner.serviceConnections:
             asking = calls.asking(service)
-            yield _called(owner, service, str(asking.name) if asking is not None else "")
+            yield _declared(owner, service, str(asking.name) if asking is not None else "")
         for action in owner.actionConnections:
             if action.element is not None and action.element.message is not None:
-                yield _called(owner, action, str(action.element.message.name))
+                yield _declared(owner, action, str(action.element.message.name))
 
 
 def components_of(model: Model) -> dict[str, str]:
@@ -297,30 +297,12 @@ def components_of(model: Model) -> dict[str, str]:
     return {str(each.address): str(each.name) for each in components if each.address}
 
 
-def _declaration(
-    owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
-) -> DeclaredConnection:
-    exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
-    is_periodic = exchange in ("periodicEvent", "query") and to_ros
-    return DeclaredConnection(
-        bridge=node_of(owner),
-        name=str(connection.name),
-        jaus_id=str(owner.address),
-        rate=(connection.rate or owner.frequency or None) if is_periodic else None,
-        direction="to ROS" if to_ros else "to JAUS",
-        topics=topics,
-        message=str(connection.map.message.name),
-        is_report=exchange != "message",
-        peers=tuple(str(each.address) for each in connection.peers),
-    )
-
-
-def _called(
+def _declared(
     owner: bridge.Bridge,
-    connection: bridge.RosServiceConnection | bridge.RosActionConnection,
+    connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
     message: str,
 ) -> DeclaredConnection:
-    """Returns a connection with a ROS service or action, which has neither topics nor a rate."""
+    """Returns what is declared of any connection; topics, reports and rates not all have."""
     return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),
@@ -332,6 +314,16 @@ def _called(
         is_report=False,
         peers=tuple(str(each.address) for each in connection.peers),
     )
+
+
+def _with_topics(
+    owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
+) -> DeclaredConnection:
+    declared = _declared(owner, connection, str(connection.map.message.name))
+    exchange = connection.exchange.name
+    is_periodic = exchange in ("periodicEvent", "query") and declared.direction == "to ROS"
+    rate = (connection.rate or owner.frequency or None) if is_periodic else None
+    return replace(declared, rate=rate, topics=topics, is_report=exchange != "message")
 
 
 def node_of(owner: bridge.Bridge) -> str:

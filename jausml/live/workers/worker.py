@@ -75,13 +75,9 @@ class Maker:
             set_value(made, feature, literals.get(value, value))
         return made
 
-    def own(self, owner: EObject, feature: str, element: EObject) -> None:
-        """Lets an element own another."""
+    def link(self, owner: EObject, feature: str, element: EObject) -> None:
+        """Lets an element own another, or refer to it."""
         link(owner, self._metamodels.class_of(owner).features[feature], element)
-
-    def refer(self, owner: EObject, feature: str, element: EObject) -> None:
-        """Lets an element refer to another."""
-        self.own(owner, feature, element)
 
 
 def bridge_of_maps(
@@ -95,26 +91,26 @@ def bridge_of_maps(
     made = []
     for connection, (used, to_ros) in connections.items():
         made.append(_connection(make, used, connection, to_ros=to_ros))
-        make.own(owner, "bridgeConnections", made[-1])
+        make.link(owner, "bridgeConnections", made[-1])
     whole = make("system.System", name=f"{name}_system")
-    make.own(whole, "bridges", owner)
+    make.link(whole, "bridges", owner)
     return made_model(metamodels, whole, owner, *made)
 
 
 def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> EObject:
     made: EObject = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
-    make.own(made, "topics", make("bridge.Topic", name=name))
+    make.link(made, "topics", make("bridge.Topic", name=name))
     if to_ros:
         for report in used.reportJoins:
             source = make("bridge.ReportSource")
-            make.refer(source, "join", report)
-            make.own(made, "sources", source)
+            make.link(source, "join", report)
+            make.link(made, "sources", source)
     else:
         for join in used.joins:
             topic = make("bridge.Topic", name=str(join.name))
-            make.refer(topic, "join", join)
-            make.own(made, "topics", topic)
-    make.refer(made, "map", used)
+            make.link(topic, "join", join)
+            make.link(made, "topics", topic)
+    make.link(made, "map", used)
     return made
 
 
