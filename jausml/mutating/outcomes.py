@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
 from jausml.mutating.operators import OPERATORS
+from jausml.views.pages import page_head
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -145,20 +146,8 @@ td { overflow-wrap: anywhere; vertical-align: top; }
 
 def page(campaign: Campaign) -> str:
     """Returns the page of a campaign."""
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Mutations of {escape(campaign.model)}</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-<h1>Mutations</h1>
-{chr(10).join(_parts(campaign))}
-</body>
-</html>
-"""
+    head = page_head(f"Mutations of {campaign.model}", _STYLE)
+    return "\n".join([head, *_parts(campaign), "</body>\n</html>\n"])
 
 
 def _parts(campaign: Campaign) -> Iterator[str]:

@@ -67,7 +67,7 @@ def read_classes(tree: ast.Module) -> dict[str, SourceClass]:
 def _read_class(
     node: ast.ClassDef, aliases: dict[str, str], earlier: dict[str, SourceClass]
 ) -> SourceClass:
-    bases = [name for name in map(_base_name, node.bases) if name]
+    bases = [name for name in map(last_name, node.bases) if name]
     methods: dict[str, Definition] = {}
     ancestors = {aliases.get(name, name) for name in bases}
     for base in (earlier[name] for name in reversed(bases) if name in earlier):
@@ -76,14 +76,6 @@ def _read_class(
     for statement in flat(node.body):
         methods.update(_definitions(statement))
     return SourceClass(node.name, node.lineno, methods, frozenset(ancestors))
-
-
-def _base_name(node: ast.expr) -> str:
-    if isinstance(node, ast.Subscript):
-        return _base_name(node.value)
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""
 
 
 def _definitions(statement: ast.stmt) -> Iterator[tuple[str, Definition]]:
