@@ -115,8 +115,8 @@ def make_plan(
     out = out.resolve()
     unique = {artifact.path: artifact for artifact in artifacts}
     problems = find_problems(artifacts)
-    actions: list[Action] = []
     files: dict[str, Entry] = {}
+    actions: list[Action] = []
     for path, artifact in unique.items():
         entry, state = manifest.files.get(path), inspect(out, path)
         problem = problems.get(path) or _foreign(entry, targets)
@@ -126,21 +126,9 @@ def make_plan(
         else:
             actions.append(_compare(artifact, state, manifest, out, force=force))
             files[path] = new_entry(artifact, entry, model)
-    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
-    for path, entry in manifest.files.items():
-        if path in unique:
-            continue
-        if _foreign(entry, targets) or model not in entry.models:
-            files[path] = entry
-            continue
-        others = tuple(name for name in entry.models if name != model)
-        if others and entry.target not in shared:
-            files[path] = replace(entry, models=others)
-            continue
-        action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
+    for path, kept, action in _others(artifacts, out, manifest, model, targets):
+        files |= {path: kept} if kept else {}
         actions += [action] if action else []
-        if action and action.kind is ActionKind.ORPHAN:
-            files[path] = entry
     actions += _strays(out, manifest, unique)
     actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
@@ -149,6 +137,30 @@ def make_plan(
     models = {**manifest.models, model: {**manifest.models.get(model, {}), **told}}
     new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
+
+
+def _others(
+    artifacts: Sequence[Artifact],
+    out: Path,
+    manifest: Manifest,
+    model: str,
+    targets: Collection[str] | None,
+) -> Iterator[tuple[str, Entry | None, Action | None]]:
+    """Yields files that this run does not produce: what stays in the manifest, what happens."""
+    produced = {artifact.path for artifact in artifacts}
+    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
+    for path, entry in manifest.files.items():
+        others = tuple(name for name in entry.models if name != model)
+        if path in produced:
+            continue
+        if _foreign(entry, targets) or model not in entry.models:
+            yield path, entry, None
+        elif others and entry.target not in shared:
+            yield path, replace(entry, models=others), None
+        else:
+            action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
+            is_orphan = action is not None and action.kind is ActionKind.ORPHAN
+            yield path, entry if is_orphan else None, action
 
 
 def unified_diff(plan: Plan) -> str:

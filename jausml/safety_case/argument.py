@@ -17,7 +17,7 @@ from jausml.language.semantics.memory import remembering
 from jausml.language.semantics.subject import Subject
 from jausml.safety_case import evidence as kinds
 from jausml.safety_case.evidence import RULES, Evidence
-from jausml.safety_case.hazards import ASSUMPTIONS, HAZARDS, Answer, carried_maps
+from jausml.safety_case.hazards import HAZARDS, Answer, carried_maps
 from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
@@ -27,6 +27,15 @@ if TYPE_CHECKING:
     from jausml.language.validation.report import Report
     from jausml.safety_case.evidence import GeneratedTests
     from jausml.safety_case.hazards import Hazard, Row
+
+ASSUMPTIONS = (
+    "Components, nodes and code of users outside of what is generated behave as the model says.",
+    "JAUS has no authentication: who can forge addresses on the network is outside of this case.",
+    "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
+    "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
+    "A stop that the model states does stop the machine: only who knows the machine can say so.",
+)
+"""What no part of a model can argue."""
 
 _ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
 MARGIN = 1.0

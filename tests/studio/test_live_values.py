@@ -10,10 +10,10 @@ import pytest
 from jausml.authoring.studio.live import HISTORY, Places, live_values, places_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.systems.diagnostics import DiagnosticStatus
 from jausml.live.systems.folding import (
     AnswerSource,
     ComponentAnswer,
+    DiagnosticStatus,
     expected,
     fold_answer,
     fold_model,

@@ -8,18 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.live.systems.diagnostics import (
-    LONGEST_TEXT,
-    MOST_VALUES,
-    DiagnosticStatus,
-    connection_of,
-)
 from jausml.live.systems.folding import (
     FORGOTTEN,
+    LONGEST_TEXT,
     MOST_COMPONENTS,
     MOST_CONNECTIONS,
+    MOST_VALUES,
     AnswerSource,
     ComponentAnswer,
+    DiagnosticStatus,
+    connection_of,
     expected,
     fold_answer,
     fold_source,

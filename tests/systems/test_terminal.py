@@ -10,8 +10,12 @@ pytest.importorskip("textual")
 
 from textual.widgets import DataTable, Input, Static
 
-from jausml.live.systems.diagnostics import DiagnosticStatus
-from jausml.live.systems.folding import ComponentAnswer, fold_answer, fold_statuses
+from jausml.live.systems.folding import (
+    ComponentAnswer,
+    DiagnosticStatus,
+    fold_answer,
+    fold_statuses,
+)
 from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.state import SystemState
 from jausml.live.systems.terminal import SystemView

@@ -82,7 +82,7 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     from jausml.cli.live.network import identified_network, network_from
     from jausml.cli.shared.models import open_catalogue
     from jausml.live.machine import Finding, Outcome
-    from jausml.live.peers.peer_checks import check_peers
+    from jausml.live.peers.operator import check_peers
 
     network = network_from(None, interface, port, group, peers)
     try:

@@ -166,6 +166,12 @@ def _compare_methods(
         if not method.optional:
             message = f"{user.name} does not define {_signature(method)}"
             yield Finding(FindingKind.MISSING, path, user.line, message, method.stub)
+    yield from _misfits(path, user, expected)
+
+
+def _misfits(
+    path: str, user: SourceClass, expected: Mapping[str, MethodContract]
+) -> Iterator[Finding]:
     for name, definition in user.methods.items():
         if name in expected and definition.function is not None:
             problem = _signature_problem(definition.function, expected[name])

@@ -332,3 +332,26 @@ class _Listening(JausComponent):
             take(payload, sender)
 
         return noting
+
+
+_TIMEOUT_S = 1.0
+
+
+def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, str]]:
+    """Asks the peers of a network, one after the other; returns names, verdicts and texts.
+
+    Verdicts are `ok`, `note` for what one does otherwise than others, `error` if it is silent.
+    """
+    found: list[tuple[str, str, str]] = []
+    with running_operator(network, catalogue, _TIMEOUT_S) as operator:
+        for peer in network.settings.address_book:
+            try:
+                services = operator.meet(peer)
+            except NoAnswer as error:
+                found.append((str(peer), "error", str(error)))
+                continue
+            count = f"{len(services)} services" if services else "no services that it tells of"
+            found.append((str(peer), "ok", f"answers; {count}"))
+            learnt = [each for each in operator.quirks() if each[0] == peer]
+            found += [(str(peer), "note", str(each)) for _, each in learnt]
+    return found

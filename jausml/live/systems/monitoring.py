@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from jausml.live.peers.discovery import KnownComponent
     from jausml.live.peers.operator import Operator
-    from jausml.live.systems.diagnostics import DiagnosticStatus
+    from jausml.live.systems.folding import DiagnosticStatus
     from jausml.live.systems.state import DeclaredConnection, SystemState
     from jausml.runtime.base.address import JausAddress
 

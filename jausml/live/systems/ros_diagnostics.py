@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros.node import QuietNode, message_class
-from jausml.live.systems.diagnostics import DiagnosticStatus
+from jausml.live.systems.folding import DiagnosticStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
