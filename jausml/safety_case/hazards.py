@@ -257,7 +257,7 @@ def _components(subject: Subject) -> list[jaus.Component]:
     return [e for e in found if not isinstance(e, bridge.Bridge) and any(_moving(e))]
 
 
-def _instances(kind: type[ElementT]) -> Callable[[Subject], list[ElementT]]:
+def _instances(kind: type[Any]) -> Callable[[Subject], list[Any]]:
     return lambda subject: subject.instances(kind)
 
 

@@ -6,7 +6,8 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.conformance.evidence import Verdict
-from jausml.live.peers.conformance.formats import evidence_lines, printable, result_json
+from jausml.live.peers.conformance.formats import evidence_lines, result_json
+from jausml.live.peers.rendering import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
