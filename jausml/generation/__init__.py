@@ -8,8 +8,7 @@ Nothing here prints; the command line does.
 from __future__ import annotations
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
-from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.drift import drift
+from jausml.generation.contract.finding import FindingKind
 from jausml.generation.errors import (
     GenerationError,
     InternalError,
@@ -17,11 +16,10 @@ from jausml.generation.errors import (
     OwnershipError,
     RefusedError,
     SelectionError,
-    TooLargeError,
     WriteError,
 )
-from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
-from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
+from jausml.generation.manifest import MANIFEST_PATH, read_manifest
+from jausml.generation.plan import ActionKind, Plan, unified_diff
 from jausml.generation.rendering import render, render_again
 from jausml.generation.target import (
     FileTask,
@@ -29,27 +27,20 @@ from jausml.generation.target import (
     Task,
     TextFile,
     TextTask,
-    View,
     WholeLibrary,
     load_targets,
-    templates_beside,
 )
 from jausml.generation.workspace import Result, Selection, broken_code, generate, select, with_code
-from jausml.generation.writer import apply
 
 __all__ = [
     "MANIFEST_PATH",
-    "Action",
     "ActionKind",
     "Artifact",
-    "Entry",
     "FileTask",
-    "Finding",
     "FindingKind",
     "GenerationError",
     "InternalError",
     "Kind",
-    "Manifest",
     "MethodContract",
     "NoSystemError",
     "OwnershipError",
@@ -63,21 +54,15 @@ __all__ = [
     "Task",
     "TextFile",
     "TextTask",
-    "TooLargeError",
-    "View",
     "WholeLibrary",
     "WriteError",
-    "apply",
     "broken_code",
-    "drift",
     "generate",
     "load_targets",
-    "make_plan",
     "read_manifest",
     "render",
     "render_again",
     "select",
-    "templates_beside",
     "unified_diff",
     "with_code",
 ]

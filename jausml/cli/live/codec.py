@@ -251,9 +251,9 @@ class _Reading:
             try:
                 self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
-                from jausml.live.traffic.observing import is_datagram
+                from jausml.live.traffic.frames import is_judp
 
-                hint = "; it has the form of a datagram: --datagram" if is_datagram(payload) else ""
+                hint = "; it has the form of a datagram: --datagram" if is_judp(payload) else ""
                 self._output.problem(place, f"{error}{hint}")
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsInt
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.entries import parts
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.values import integers_in_words
 
@@ -36,20 +37,12 @@ def lines(decoded: DecodedMessage) -> Iterator[str]:
 
 def _field(name: str, kind: wire.Kind, value: Any, indent: str) -> Iterator[str]:
     match kind:
-        case wire.Record():
-            yield f"{indent}{name}"
-            for member in kind.members:
-                if member.name in value:
-                    part = value[member.name]
-                    yield from _field(member.name, member.kind, part, indent + _INDENT)
         case wire.List() | wire.Array():
             yield from _elements(name, kind.element.kind, value, indent)
-        case wire.Variant():
-            yield f"{indent}{name}: {value[TAG]}"
-            if kind.options:
-                option = kind.options[value[TAG]]
-                part = value[option.name]
-                yield from _field(option.name, option.kind, part, indent + _INDENT)
+        case wire.Record() | wire.Variant():
+            yield f"{indent}{name}" + (f": {value[TAG]}" if isinstance(kind, wire.Variant) else "")
+            for step, inner, part in parts(kind, value):
+                yield from _field(step, inner, part, indent + _INDENT)
         case wire.Octets() | wire.FormattedOctets():
             yield f"{indent}{name}: {_octets(kind, value)}"
             yield from _message(value.get(MESSAGE), indent + _INDENT)

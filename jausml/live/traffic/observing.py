@@ -49,12 +49,6 @@ _FRAGMENTS = {
 }
 
 
-def is_datagram(data: bytes) -> bool:
-    """Tells whether bytes have the form of a JUDP datagram (AS5669A), to their end."""
-    counters = Counters()
-    return bool(parse_datagram(data, counters)) and not counters.snapshot()
-
-
 @dataclass(frozen=True)
 class Observation:
     """A message of the transport as it was seen, or a datagram that cannot be read.
