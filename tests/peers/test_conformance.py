@@ -7,9 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from jausml.live.peers.conformance.evidence import Verdict, describe
-from jausml.live.peers.conformance.groups import all_groups, fixed_checks
-from jausml.live.peers.conformance.run import TargetNotReached, opened, run
+from jausml.live.peers.conformance.check import Verdict, describe
+from jausml.live.peers.conformance.run import (
+    TargetNotReached,
+    all_groups,
+    fixed_checks,
+    opened,
+    run,
+)
 from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.network import make_network
 from jausml.runtime import JausComponent, ServiceIdentity

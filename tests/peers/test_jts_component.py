@@ -8,9 +8,8 @@ from threading import Event, Thread
 
 import pytest
 
-from jausml.live.peers.conformance.evidence import Verdict
-from jausml.live.peers.conformance.groups import CheckFilter
-from jausml.live.peers.conformance.run import opened, run
+from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.run import CheckFilter, opened, run
 from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.makes.tool_set import JtsComponent
 from jausml.live.peers.makes.vehicle import Place

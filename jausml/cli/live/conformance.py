@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
-    from jausml.live.peers.conformance.groups import CheckFilter, CheckGroup
+    from jausml.live.peers.conformance.run import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.judging.competition import Score
 
@@ -41,7 +41,7 @@ def _checks(
 ) -> tuple[str, ...]:
     """Refuses names that no group and no check has."""
     from jausml.live.messages.errors import did_you_mean, similar
-    from jausml.live.peers.conformance.groups import known_names, unknown
+    from jausml.live.peers.conformance.run import known_names, unknown
 
     for name in unknown(names):
         hint = did_you_mean(similar(name, known_names())) or "; --list names the checks"
@@ -97,8 +97,7 @@ def command(
     Exit status: 0 no check failed, 1 checks failed, 2 the target cannot be reached or an option is
     wrong, 3 internal error.
     """
-    from jausml.live.peers.conformance.groups import CheckFilter
-    from jausml.live.peers.conformance.run import opened
+    from jausml.live.peers.conformance.run import CheckFilter, opened
     from jausml.live.peers.conformance.session import Limits
 
     selection = CheckFilter(frozenset(only), frozenset(skip))
@@ -168,7 +167,7 @@ def _write(
 
 
 def _list_checks(selection: CheckFilter) -> None:
-    from jausml.live.peers.conformance.groups import fixed_checks
+    from jausml.live.peers.conformance.run import fixed_checks
 
     for check in fixed_checks():
         if not selection.takes(check.id):
