@@ -38,11 +38,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class CounterExample:
-    """How a property comes not to hold.
-
-    Attributes:
-        repeats: How many moments at the end go on for ever.
-    """
+    """How a property comes not to hold (`repeats`: how many moments at the end go on for ever)."""
 
     rule: str
     message: str

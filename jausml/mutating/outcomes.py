@@ -34,11 +34,7 @@ NOTICED_BY = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mutation.
-
-    Attributes:
-        noticed_by: A key of `NOTICED_BY`.
-    """
+    """What became of a mutation (`noticed_by`: a key of `NOTICED_BY`)."""
 
     operator: str
     place: str

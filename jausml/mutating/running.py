@@ -125,11 +125,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of a mutation.
-
-    Attributes:
-        remarks: What of the tests could not take part.
-    """
+    """What became of a mutation (`remarks`: what of the tests could not take part)."""
 
     outcome: Outcome | None
     remarks: tuple[str, ...] = ()

@@ -11,11 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extreme:
-    """The value with the largest error.
-
-    Attributes:
-        between: The values of the other message, by path.
-    """
+    """The value with the largest error (`between`: the values of the other message, by path)."""
 
     error: float
     raw: int

@@ -53,11 +53,7 @@ class Support:
 
 @dataclass(frozen=True)
 class Concern:
-    """A hazard at an element.
-
-    Attributes:
-        places: Paths by names of the element and its maps.
-    """
+    """A hazard at an element (`places`: paths by names of the element and its maps)."""
 
     hazard: Hazard
     row: Row[Any]

@@ -21,11 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lost:
-    """An import that finds nothing.
-
-    Attributes:
-        edits: What makes it fit for certain.
-    """
+    """An import that finds nothing (`edits`: what makes it fit for certain)."""
 
     node: ast.stmt | ast.alias
     message: str

@@ -11,7 +11,7 @@ from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.entries import parts
 from jausml.live.messages.errors import DefinitionError
-from jausml.live.messages.values import integers_in_words
+from jausml.live.messages.values import in_units, integers_in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -76,12 +76,12 @@ def simple(kind: wire.Scalar | wire.Text | wire.VariableNumber, value: Any) -> s
     """Returns a decoded value that has no fields inside, with its unit or its name."""
     match kind:
         case wire.Integer():
-            return f"{named(kind.legal, value)}{_unit(kind.units)}"
+            return in_units(named(kind.legal, value), kind.units)
         case wire.Scaled():
             decimals = max(0, 1 - math.floor(math.log10(kind.step)))
-            return f"{value:.{decimals}f}{_unit(kind.units)}"
+            return in_units(f"{value:.{decimals}f}", kind.units)
         case wire.Real():
-            return f"{value!r}{_unit(kind.units)}"
+            return in_units(repr(value), kind.units)
         case wire.BitField():
             return ", ".join(
                 f"{each.name} {named(each.legal, value[each.name])}" for each in kind.groups
@@ -97,10 +97,6 @@ def named(legal: wire.LegalIntegers, value: SupportsInt) -> str:
     """Returns an integer with its name, if it has one, e.g. `1 (READY)`."""
     number = int(value)
     return f"{number} ({legal.names[number]})" if number in legal.names else str(number)
-
-
-def _unit(units: str) -> str:
-    return f" {units}" if units and units != "one" else ""
 
 
 def _octets(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> str:

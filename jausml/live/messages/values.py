@@ -296,11 +296,11 @@ def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
     """Returns what may stand in a field, for an error message."""
     match kind:
         case wire.Integer():
-            return _with_unit(integers_in_words(kind.legal.ranges, kind.legal.names), kind.units)
+            return in_units(integers_in_words(kind.legal.ranges, kind.legal.names), kind.units)
         case wire.Real():
-            return _with_unit(f"{kind.legal.lower!r} .. {kind.legal.upper!r}", kind.units)
+            return in_units(f"{kind.legal.lower!r} .. {kind.legal.upper!r}", kind.units)
         case wire.Scaled():
-            return _with_unit(f"{kind.lower!r} .. {kind.upper!r}", kind.units)
+            return in_units(f"{kind.lower!r} .. {kind.upper!r}", kind.units)
         case wire.BitField():
             return f"an object of {listed([each.name for each in kind.groups])}"
         case wire.FixedText():
@@ -327,5 +327,6 @@ def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
             return f"an object of one option, {options_in_words(kind)}"
 
 
-def _with_unit(text: str, units: str) -> str:
+def in_units(text: str, units: str) -> str:
+    """Returns a number with its units as definitions write them."""
     return f"{text} {units}" if units and units != "one" else text

@@ -57,11 +57,7 @@ Management the status, Access Control the control.
 
 @dataclass(frozen=True)
 class Spread:
-    """How a time was spread, in seconds.
-
-    Attributes:
-        p99: What 99 of 100 do not exceed (nearest rank).
-    """
+    """How a time was spread, in seconds (`p99`: what 99 of 100 do not exceed, by nearest rank)."""
 
     count: int
     least: float

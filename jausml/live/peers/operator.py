@@ -138,11 +138,7 @@ class Operator(AnsweringClient, WatchingClient):
         return self.change(target, SetEmergency(emergency_code=_STOP), Status.EMERGENCY)
 
     def clear(self, target: JausAddress) -> Status | None:
-        """Ends an emergency that we have set.
-
-        Raises:
-            Refused: It lasts: somebody else has set it.
-        """
+        """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
         after = [each for each in Status if each is not Status.EMERGENCY]
         return self.change(target, ClearEmergency(emergency_code=_STOP), *after)
 

@@ -59,11 +59,7 @@ LONGEST_TEXT = 500
 
 @dataclass(frozen=True, slots=True)
 class DiagnosticStatus:
-    """A `diagnostic_msgs/msg/DiagnosticStatus`.
-
-    Attributes:
-        level: 0 OK, 1 WARN, 2 ERROR, 3 STALE.
-    """
+    """A `diagnostic_msgs/msg/DiagnosticStatus` (`level`: 0 OK, 1 WARN, 2 ERROR, 3 STALE)."""
 
     level: int
     name: str

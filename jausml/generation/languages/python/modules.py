@@ -36,11 +36,7 @@ class UnknownNameError(NameError):
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a name comes from.
-
-    Attributes:
-        name: Its name there; empty for the module itself.
-    """
+    """Where a name comes from (`name`: its name there; empty for the module itself)."""
 
     module: str
     name: str = ""
