@@ -12,7 +12,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.live.workers.worker import WorkerError
 from jausml.model_checking.checking import BOUND_MET, check_system, without_allowed
 from jausml.proving.compiled_form import ProgramError
-from jausml.proving.findings import PROOF_RULES, with_proofs
+from jausml.proving.results import PROOF_RULES, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 

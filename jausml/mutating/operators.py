@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import NEGATION
 from jausml.language.semantics.paths.attributes import NUMBER
-from jausml.mutating.alternatives import Site, next_entry, other_member, other_state, other_unit
-from jausml.mutating.changes import Change
+from jausml.mutating.changes import Change, Site, next_entry, other_member, other_state, other_unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

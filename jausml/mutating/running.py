@@ -18,8 +18,8 @@ from jausml.language.semantics.paths.directions import directions
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
-from jausml.mutating.alternatives import Site
 from jausml.mutating.broken_workspace import BrokenWorkspace
+from jausml.mutating.changes import Site
 from jausml.mutating.findings import Products, Proofs
 from jausml.mutating.operators import OPERATORS
 from jausml.mutating.outcomes import (

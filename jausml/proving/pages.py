@@ -6,7 +6,7 @@ import re
 from html import escape
 from typing import TYPE_CHECKING
 
-from jausml.proving.findings import told, unit_of
+from jausml.proving.results import told, unit_of
 from jausml.views.pages import hashed, page_head
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ import pytest
 from jausml.generation.native import compiler
 from jausml.language.validation.project import check_project
 from jausml.proving.compiled_form import CompiledForm, compiled
-from jausml.proving.findings import with_proofs
 from jausml.proving.plan import plan
 from jausml.proving.proof_bridge import proof_code
+from jausml.proving.results import with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 from tests.generators.assignment_support import generated

@@ -12,7 +12,7 @@ from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import library_root
 from jausml.language.validation.project import check_project
-from jausml.proving.findings import PROOF_RULES, with_proofs
+from jausml.proving.results import PROOF_RULES, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 

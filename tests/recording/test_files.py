@@ -7,8 +7,8 @@ from click.testing import CliRunner
 from recordings import by_mcap
 
 from jausml.cli import main
-from jausml.live.recording.files import RecordingFiles, SplitLimits
 from jausml.live.recording.mcap_files import TrafficFilter
+from jausml.live.recording.recorder import RecordingFiles, SplitLimits
 
 
 def fill(parts, number):

@@ -13,9 +13,8 @@ from ports import free_domain
 from recordings import by_mcap
 
 from jausml.cli.shared.models import open_catalogue
-from jausml.live.recording.files import RecordingFiles, SplitLimits
 from jausml.live.recording.mcap_files import TrafficFilter
-from jausml.live.recording.recorder import Recorder
+from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
 from jausml.live.recording.ros_topics import RosTopics
 
 pytestmark = [

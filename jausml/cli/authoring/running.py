@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import TopicEnd
     from jausml.cli.authoring.topics import LeftOut
-    from jausml.live.ros.graph import RosEndpoint, RunningCall, RunningTopic
-    from jausml.live.ros.running import Running
+    from jausml.live.ros.running import RosEndpoint, Running, RunningCall, RunningTopic
 
 
 _FRAME_PATHS = ("header.frame_id", "child_frame_id")

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from threading import Event
 
-    from jausml.live.recording.files import RecordingFiles, SplitLimits
-    from jausml.live.recording.recorder import Recorder
+    from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.captures import CapturedFrame
     from jausml.live.traffic.frames import UdpReader
@@ -149,9 +148,8 @@ def command(
     """
     from threading import Event
 
-    from jausml.live.recording.files import SplitLimits
     from jausml.live.recording.mcap_files import TrafficFilter
-    from jausml.live.recording.recorder import Recorder, topics_of
+    from jausml.live.recording.recorder import Recorder, SplitLimits, topics_of
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.frames import UdpReader
 
@@ -205,8 +203,8 @@ def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
 
 def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) -> RecordingFiles:
     """Returns the files, which are made."""
-    from jausml.live.recording.files import RecordingFiles
     from jausml.live.recording.mcap_files import RecordingError
+    from jausml.live.recording.recorder import RecordingFiles
 
     try:
         return RecordingFiles(path, limits, compression, overwrites=force)

@@ -22,7 +22,7 @@ from jausml.language.text.rules import TEXT_RULES
 from jausml.language.validation.catalogue import catalogue
 from jausml.language.validation.product_rules import PRODUCT_RULES
 from jausml.live.messages import UnknownServiceError
-from jausml.proving.findings import PROOF_RULES
+from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES
 
 if TYPE_CHECKING:

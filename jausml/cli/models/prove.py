@@ -64,7 +64,7 @@ def command(
     2 no compiler, no such map or an unreadable model, 3 internal error.
     """
     from jausml.language.validation.formats import sarif
-    from jausml.proving.findings import render, with_proofs
+    from jausml.proving.results import render, with_proofs
     from jausml.proving.running import Settings, processors
 
     ready = [] if Path(model).exists() else _ready(model)
@@ -118,8 +118,8 @@ def _proved(
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:
-    from jausml.proving.findings import by_map
     from jausml.proving.pages import pages
+    from jausml.proving.results import by_map
 
     made_folder(folder)
     for name, page in pages(results, by_map(judged)):
@@ -130,7 +130,7 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
     import json
 
     from jausml.language.model.digests import digests
-    from jausml.proving.findings import by_map
+    from jausml.proving.results import by_map
 
     short = by_map(judged)
     maps = [finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]

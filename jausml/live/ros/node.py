@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from jausml.live.ros.graph import RosEndpoint
+    from jausml.live.ros.running import RosEndpoint
     from jausml.runtime.bridge.ends.topics import Qos
 
 _PUBLISHED: dict[str, dict[str, tuple[str, ...]]] = {
