@@ -70,16 +70,9 @@ class Identity:
 class Operator(AnsweringClient, WatchingClient):
     """The actions of an operator; each call waits for its outcome."""
 
-    def __init__(
-        self,
-        component: JausComponent,
-        network: Network,
-        catalogue: Catalogue,
-        heard: Heard,
-        timeout: float,
-    ) -> None:
+    def __init__(self, component: JausComponent, *others: Any) -> None:
         """Use `running_operator` instead."""
-        super().__init__(component, network, catalogue, heard, timeout)
+        super().__init__(component, *others)
         self._holds: dict[JausAddress, Hold] = {}
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
         self._request_ids = count(1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
@@ -121,18 +120,8 @@ class _Reasons(Counters):
         super().__init__()
         self.names: list[str] = []
 
-    def count(
-        self,
-        name: str,
-        detail: str = "",
-        *,
-        amount: int = 1,
-        error: BaseException | None = None,
-        level: int = logging.WARNING,
-        once: bool = False,
-    ) -> None:
+    def count(self, name: str, *_: object, **__: object) -> None:
         """Keeps a reason instead of logging it."""
-        del detail, amount, error, level, once
         self.names.append(name)
 
 
