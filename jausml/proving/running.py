@@ -16,7 +16,8 @@ from jausml.generation.native import COMPILERS, compiler
 from jausml.generation.rendering import digest, tool
 from jausml.language.model.cache import keep, kept
 from jausml.language.project.one_document import OneDocument, one_document
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import Work
+from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import CompiledForm, ProgramError, PythonForm, Tally, compiled
 from jausml.proving.plan import directed, plan

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from jausml.live.peers.conformance.check import Verdict, describe
+from jausml.live.peers.conformance.evidence import Verdict, describe
 from jausml.live.peers.conformance.run import (
     TargetNotReached,
     all_groups,

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.live.messages import MessageError, load_catalogue
-from jausml.live.peers.conformance.check import MAX_LENGTH, Verdict, describe
+from jausml.live.peers.conformance.evidence import MAX_LENGTH, Verdict, describe
 from jausml.live.peers.conformance.formats import render_json, render_junit, render_text
 from jausml.live.peers.conformance.run import all_groups, opened, run
 from jausml.live.peers.rendering import report_json, report_line

@@ -8,7 +8,7 @@ from threading import Event, Thread
 
 import pytest
 
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import CheckFilter, opened, run
 from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.makes.tool_set import JtsComponent

@@ -15,7 +15,7 @@ from judged_robot import ROBOT, Robot, VirtualWire
 
 from jausml.cli.shared.options import COMPETITIONS
 from jausml.live.messages import load_catalogue
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import TargetNotReached
 from jausml.live.peers.judging import competitions, sheets
 from jausml.live.peers.judging.driving import Course

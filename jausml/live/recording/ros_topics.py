@@ -8,7 +8,8 @@ from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.ros.node import QuietNode, RosFault, message_class, offered_profile
+from jausml.live.ros.node import QuietNode, RosFault, message_class
+from jausml.live.ros.running import offered_profile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator

@@ -10,12 +10,9 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.semantics.names import is_identifier
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from typing_extensions import Self
-
-    from jausml.live.ros.running import RosEndpoint
-    from jausml.runtime.bridge.ends.topics import Qos
 
 _PUBLISHED: dict[str, dict[str, tuple[str, ...]]] = {
     "msg": {"": ()},
@@ -122,15 +119,3 @@ def message_class(name: str) -> Any:
     for attribute in _PUBLISHED[kind][role]:
         found = getattr(found, attribute, None)
     return found
-
-
-def offered_profile(offered: Sequence[Qos | RosEndpoint], depth: int) -> Any:
-    """Returns the most of quality of service that all publishers offer, as rclpy has it."""
-    from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
-    from jausml.runtime.bridge.ros.profiles import profile_of  # noqa: PLC0415
-
-    is_reliable = all(each.reliability == "reliable" for each in offered)
-    is_latched = all(each.durability == "transient_local" for each in offered)
-    reliability = "reliable" if is_reliable else "best_effort"
-    durability = "transient_local" if is_latched else "volatile"
-    return profile_of(Qos(reliability, durability, depth=depth))

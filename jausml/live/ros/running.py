@@ -8,10 +8,12 @@ from functools import partial
 from threading import Condition
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.ros.node import QuietNode, message_class, offered_profile
+from jausml.live.ros.node import QuietNode, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from jausml.runtime.bridge.ends.topics import Qos
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 _SERVED_BY_RCL = ("rcl_interfaces/", "type_description_interfaces/")
@@ -326,3 +328,15 @@ def _told(
             dict(read.found),
             read.unread,
         )
+
+
+def offered_profile(offered: Sequence[Qos | RosEndpoint], depth: int) -> Any:
+    """Returns the most of quality of service that all publishers offer, as rclpy has it."""
+    from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.profiles import profile_of  # noqa: PLC0415
+
+    is_reliable = all(each.reliability == "reliable" for each in offered)
+    is_latched = all(each.durability == "transient_local" for each in offered)
+    reliability = "reliable" if is_reliable else "best_effort"
+    durability = "transient_local" if is_latched else "volatile"
+    return profile_of(Qos(reliability, durability, depth=depth))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
-from jausml.live.peers.conformance.check import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime import messages as core
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message

@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import CheckFailed, CheckSkipped, Step, step
+from jausml.live.peers.conformance.check import Step, step
 from jausml.live.peers.conformance.client import decoded
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
 from jausml.live.peers.conformance.steps import A, B, expect, expect_none, has, send
 from jausml.runtime import messages as core
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.validation.formats.junit import Case, Suite, junit_document
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.rendering import printable
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, CheckFailed
+from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.event_steps import carries, created
+from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.steps import A, AnythingBut, ask, serves, usual
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,

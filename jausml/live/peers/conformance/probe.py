@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.check import Trace
+    from jausml.live.peers.conformance.evidence import Trace
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.settings import Endpoint, TransportSettings
 

@@ -18,12 +18,10 @@ from jausml.live.peers.conformance import (
     management,
     transport,
 )
-from jausml.live.peers.conformance.check import (
-    Check,
+from jausml.live.peers.conformance.check import Check, CheckResult, ConformanceReport
+from jausml.live.peers.conformance.evidence import (
     CheckFailed,
-    CheckResult,
     CheckSkipped,
-    ConformanceReport,
     Trace,
     Verdict,
     describe,

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.live.peers.conformance.check import CheckFailed, CheckSkipped
 from jausml.live.peers.conformance.client import UNDO_ORDER
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.live.messages import Catalogue, ServiceEntry
-    from jausml.live.peers.conformance.check import Trace
     from jausml.live.peers.conformance.client import Client
+    from jausml.live.peers.conformance.evidence import Trace
     from jausml.live.peers.conformance.probe import Probe
 
 M = TypeVar("M", bound=Message)

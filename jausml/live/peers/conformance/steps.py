@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.live.peers.conformance.check import CheckFailed, CheckSkipped, Step, step
+from jausml.live.peers.conformance.check import Step, step
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
 from jausml.live.peers.conformance.session import Session
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, CheckResult, Verdict
+from jausml.live.peers.conformance.check import Check, CheckResult
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import outcome
 
 if TYPE_CHECKING:

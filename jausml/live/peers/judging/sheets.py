@@ -7,7 +7,7 @@ from datetime import timedelta
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.formats import evidence_lines, result_json
 from jausml.live.peers.rendering import printable
 from jausml.views.pages import page_head
