@@ -15,11 +15,10 @@ from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.network import fault, identified, silence_log
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer
-from jausml.live.systems.declared import components_of, declarations_of, node_of
 from jausml.live.systems.folding import expected
 from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import Level, state_as_json
+from jausml.live.systems.state import Level, components_of, declarations_of, node_of, state_as_json
 from jausml.live.systems.tables import cell, state_text
 from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
 from jausml.views.diagrams.views.context import Context

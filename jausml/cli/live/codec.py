@@ -360,8 +360,8 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.legal import shown
     from jausml.live.messages.paths import parse_fields
+    from jausml.live.messages.values import shown
 
     name, _, fields = line.strip().partition(" ")
     if name.isidentifier() and name not in ("null", "true", "false"):

@@ -258,7 +258,7 @@ def judge(
     Exit status: 0 full marks, 1 points were lost, 2 the component cannot be reached or an option is
     wrong, 3 internal error.
     """
-    from jausml.live.peers.judging import competitions, pages, sheets
+    from jausml.live.peers.judging import competitions, sheets
     from jausml.live.peers.judging.driving import Course
 
     _check_names(only, competition)
@@ -291,7 +291,7 @@ def judge(
     else:
         click.echo(sheets.render_json(sheet), nl=False)
     if output is not None:
-        write_report(pages.render_html(sheet), output)
+        write_report(sheets.render_html(sheet), output)
     if not sheet.is_full:
         raise click.exceptions.Exit(PROBLEMS)
 

@@ -156,7 +156,7 @@ def listed_service(service: ServiceEntry) -> dict[str, Any]:
 def listed_fields(services: Iterable[ServiceEntry]) -> list[dict[str, Any]]:
     """Returns the messages of services with the paths of their fields, by name."""
     from jausml.live.messages import MessageError
-    from jausml.live.messages.definitions import paths_of
+    from jausml.live.messages.text import paths_of
 
     found: dict[str, dict[str, None]] = {}
     for entry in (each for service in services for each in service.messages):
