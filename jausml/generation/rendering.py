@@ -26,8 +26,8 @@ from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.languages.python import Modules
 from jausml.generation.target import FileTask, TextTask
 from jausml.language.model.cache import keep, kept
-from jausml.language.model.collector import without_collector
-from jausml.language.semantics.memory import remembering
+from jausml.language.model.model import without_collector
+from jausml.language.semantics.subject import remembering
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from jausml.generation.contract.finding import Finding
     from jausml.generation.target import Target
     from jausml.language.model.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)

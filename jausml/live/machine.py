@@ -24,9 +24,9 @@ from urllib.parse import urlsplit
 import jausml
 from jausml import __version__
 from jausml.generation import native
-from jausml.language.interfaces.installed import Installation
+from jausml.language.interfaces.parsing import Installation
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.port_holder import holders, manager_folder
+from jausml.runtime.transports.ports import holders, manager_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

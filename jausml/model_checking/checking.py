@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model import Diagnostic
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.product_rules import PRODUCT_RULES
+from jausml.language.validation.rules import PRODUCT_RULES
 from jausml.model_checking.search import Bounds, explore, violations
 from jausml.model_checking.systems import subjects_of
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import system
     from jausml.language.model import Model
-    from jausml.language.validation.report import SetAside
+    from jausml.language.validation.rule import SetAside
     from jausml.model_checking.search import Graph, Step, Violation
     from jausml.model_checking.systems import Subject
 

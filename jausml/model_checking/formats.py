@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.model.digests import digests
+from jausml.language.model.model import digests
 from jausml.language.validation.formats import sarif
-from jausml.language.validation.product_rules import PRODUCT_RULES
-from jausml.language.validation.report import Report
+from jausml.language.validation.rule import Report
+from jausml.language.validation.rules import PRODUCT_RULES
 from jausml.model_checking.checking import diagnostic_of
 from jausml.views.diagrams.writers.sequence import Course, Line
 

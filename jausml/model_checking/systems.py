@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
-from jausml.language.semantics.connections.list_drivers import driver_messages
+from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import machines_of

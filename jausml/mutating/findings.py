@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 _STATES = 100_000
 _BUDGET = 10.0

@@ -14,7 +14,7 @@ from jausml.generation import GenerationError, load_targets, render, select
 from jausml.language.model import Severity
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
-from jausml.language.semantics.paths.directions import directions
+from jausml.language.semantics.paths.scopes import directions
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
@@ -41,9 +41,9 @@ if TYPE_CHECKING:
     from jausml.generation import Target
     from jausml.language.metamodel import FeatureTable
     from jausml.language.model import Diagnostic, Model
-    from jausml.language.project.one_document import OneDocument
+    from jausml.language.project import OneDocument
     from jausml.language.semantics.paths.scopes import Placed
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.mutating.changes import Change
     from jausml.mutating.operators import Operator
 

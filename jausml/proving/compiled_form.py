@@ -12,7 +12,7 @@ from jausml.generation import native
 from jausml.live.workers.worker import Worker
 from jausml.proving.layout import FLOAT, NOW, SIGNED, UNSIGNED
 from jausml_generators.cpp.proof import PROOF
-from jausml_generators.cpp.support import support
+from jausml_generators.cpp.types import support
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

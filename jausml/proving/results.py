@@ -6,8 +6,7 @@ from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.model.diagnostics import Diagnostic, Severity
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import Diagnostic, RuleInfo, Severity
 from jausml.proving.layout import JAUS
 from jausml.proving.round_trips import assignment_of
 
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.language.model import Model
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.proving.round_trips import RoundTrip
 
 

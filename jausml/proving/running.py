@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.native import COMPILERS, compiler
 from jausml.generation.rendering import digest, tool
 from jausml.language.model.cache import keep, kept
-from jausml.language.project.one_document import OneDocument, one_document
+from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError

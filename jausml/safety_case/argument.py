@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 from jausml import __version__
 from jausml.generation.system import name_of
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model.digests import digests
-from jausml.language.semantics.memory import remembering
-from jausml.language.semantics.subject import Subject
+from jausml.language.model.model import digests
+from jausml.language.semantics.subject import Subject, remembering
 from jausml.safety_case import evidence as kinds
 from jausml.safety_case.evidence import RULES, Evidence
 from jausml.safety_case.hazards import HAZARDS, Answer, carried_maps
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.model import Location
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
     from jausml.safety_case.evidence import GeneratedTests
     from jausml.safety_case.hazards import Hazard, Row
 

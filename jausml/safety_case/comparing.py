@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.model.diagnostics import Diagnostic, Location, Severity
-from jausml.language.model.rules import RuleInfo
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.safety_case.argument import to_plain
 
 if TYPE_CHECKING:

@@ -10,13 +10,18 @@ from jausml.language.semantics.assignments.frames import axis_of, passage
 from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.assignments.units import Measure, attribute_measure, result_measure
 from jausml.language.semantics.connections import calls, stops
-from jausml.language.semantics.connections.freshness import freshness_of, is_report
+from jausml.language.semantics.connections.reports import freshness_of, is_report
 from jausml.language.semantics.jaus.commands import is_command, obeys_controller_alone
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
-from jausml.language.semantics.paths.directions import sound_connections
-from jausml.language.semantics.paths.scopes import Placed, flattened, outer_scope, target_paths
+from jausml.language.semantics.paths.scopes import (
+    Placed,
+    flattened,
+    outer_scope,
+    sound_connections,
+    target_paths,
+)
 from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN
 
 if TYPE_CHECKING:

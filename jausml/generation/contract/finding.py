@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.contract.files import Edit, edited
 from jausml.generation.writer import replace_file
-from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.inputs import read_input
-from jausml.language.model.rules import RuleInfo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

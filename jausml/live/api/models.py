@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from jausml.generation.workspace import Result
-    from jausml.language.validation.report import Report
+    from jausml.language.validation.rule import Report
 
 
 class ModelError(Exception):

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml.language.model.collector import without_collector
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
-from jausml.language.project.library import services_alone
+from jausml.language.model.model import without_collector
+from jausml.language.project import services_alone
 from jausml.live.messages.entries import (
     MAXIMUM_DEPTH,
     DecodedMessage,

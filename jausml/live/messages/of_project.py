@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.files import shown
+from jausml.language.model.project import shown
 from jausml.language.model.reading.reader import read_models
-from jausml.language.project.index import Index
+from jausml.language.project import Index
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages.catalogue import load_catalogue
 from jausml.live.messages.errors import CatalogueError

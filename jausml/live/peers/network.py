@@ -22,7 +22,7 @@ from jausml.runtime.base.settings import (
     TransportKind,
     TransportSettings,
 )
-from jausml.runtime.transports.port_holder import manager_folder, who_holds
+from jausml.runtime.transports.ports import manager_folder, who_holds
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -7,7 +7,7 @@ from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.language.semantics.jaus.responses import is_rejection, responses, told_after
+from jausml.language.semantics.jaus.commands import is_rejection, responses, told_after
 from jausml.live.messages import MessageError, UnknownMessageError, read_code
 from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.query_client import NoAnswer, Refused

@@ -111,7 +111,7 @@ class RosTopics:
         return self._selection.wants_topic(topic)
 
     def _subscribe(self, topic: str, kind: str) -> None:
-        from jausml.runtime.bridge.ros.profiles import qos_of  # noqa: PLC0415
+        from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
         publishers = self._quiet.node.get_publishers_info_by_topic(topic)
         offered = [qos_of(each.qos_profile) for each in publishers]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.exchanges import TO_ROS
-from jausml.language.semantics.connections.report_joins import joined_reports
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.captured import CapturedMessages

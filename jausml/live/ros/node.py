@@ -70,7 +70,7 @@ class QuietNode:
 
     def spin(self) -> None:
         """Lets callbacks come, on a thread that ends with `close`."""
-        from jausml.runtime.bridge.ros.spin import EndableExecutor  # noqa: PLC0415
+        from jausml.runtime.bridge.ros.lifecycle import EndableExecutor  # noqa: PLC0415
 
         self._executor = EndableExecutor(self._context)
         self._executor.add_node(self.node)

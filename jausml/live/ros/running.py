@@ -149,7 +149,7 @@ def _with_ends(
 
 
 def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
-    from jausml.runtime.bridge.ros.profiles import qos_of  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
     found = []
     for each in infos:
@@ -333,7 +333,7 @@ def _told(
 def offered_profile(offered: Sequence[Qos | RosEndpoint], depth: int) -> Any:
     """Returns the most of quality of service that all publishers offer, as rclpy has it."""
     from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
-    from jausml.runtime.bridge.ros.profiles import profile_of  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.parameters import profile_of  # noqa: PLC0415
 
     is_reliable = all(each.reliability == "reliable" for each in offered)
     is_latched = all(each.durability == "transient_local" for each in offered)

@@ -49,7 +49,7 @@ class RosDiagnostics:
             Why it cannot be watched, empty when it is.
         """
         from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
-        from jausml.runtime.bridge.ros.profiles import profile_of, qos_of  # noqa: PLC0415
+        from jausml.runtime.bridge.ros.parameters import profile_of, qos_of  # noqa: PLC0415
 
         self.unwatch()
         kind = message_class(topic.type)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.language.semantics.installed import package_of
+from jausml.language.semantics.ros_types import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -57,7 +57,7 @@ class OtherPorts:
         """Starts with no endpoint."""
         self.unclaimed = 0
         # Hex needs no runtime, captures do.
-        from jausml.runtime.transports.udp.shared_port import neighbour_ports  # noqa: PLC0415
+        from jausml.runtime.transports.ports import neighbour_ports  # noqa: PLC0415
 
         self._neighbours = neighbour_ports(port)
         self._known: set[Endpoint] = set()

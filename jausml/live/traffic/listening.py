@@ -204,7 +204,7 @@ def _remedy(error: OSError, settings: TransportSettings) -> str:
     """Returns who has a port that is taken, and how its traffic is seen all the same."""
     if error.errno != errno.EADDRINUSE:
         return ""
-    from jausml.runtime.transports.port_holder import who_holds  # noqa: PLC0415 - for errors alone
+    from jausml.runtime.transports.ports import who_holds  # noqa: PLC0415 - for errors alone
 
     return (
         f" and not shared; {who_holds('udp', settings)}. A capture shows its traffic: "

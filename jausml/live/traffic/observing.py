@@ -19,7 +19,7 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
-from jausml.runtime.transports.udp.shared_port import FRAME
+from jausml.runtime.transports.ports import FRAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -18,7 +18,7 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
-from jausml.runtime.transports.udp.shared_port import SharedPort
+from jausml.runtime.transports.ports import SharedPort
 
 if TYPE_CHECKING:
     import socket
