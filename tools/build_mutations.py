@@ -62,8 +62,7 @@ def operators() -> Iterator[str]:
     )
     for each in OPERATORS:
         features = "; ".join(
-            f"`{name}`: {', '.join(f'`{one}`' for one in of.split())}"
-            for name, of in each.features.items()
+            f"`{name}`: {', '.join(f'`{one}`' for one in of)}" for name, of in each.of_classes()
         )
         yield f"| {each.name} | {each.does} | {features} |"
 

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.validation.engine import check_project
 from jausml.proving.layout import JAUS
-from jausml.proving.results import by_map, with_proofs
+from jausml.proving.results import by_map, told, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, program, prove_all
-from jausml.proving.text import told
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -7,10 +7,8 @@ Nothing here prints; the command line does.
 
 from __future__ import annotations
 
-from jausml.generation.again import render_again
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
-from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.drift import drift
+from jausml.generation.contract.finding import FindingKind
 from jausml.generation.errors import (
     GenerationError,
     InternalError,
@@ -18,31 +16,31 @@ from jausml.generation.errors import (
     OwnershipError,
     RefusedError,
     SelectionError,
-    TooLargeError,
     WriteError,
 )
-from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
-from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.rendering import render
-from jausml.generation.report import with_code
-from jausml.generation.target import Target, WholeLibrary, load_targets
-from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, View, templates_beside
-from jausml.generation.workspace import Result, Selection, broken_code, generate, select
-from jausml.generation.writer import apply
+from jausml.generation.manifest import MANIFEST_PATH, read_manifest
+from jausml.generation.plan import ActionKind, Plan, unified_diff
+from jausml.generation.rendering import render, render_again
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    TextFile,
+    TextTask,
+    WholeLibrary,
+    load_targets,
+)
+from jausml.generation.workspace import Result, Selection, broken_code, generate, select, with_code
 
 __all__ = [
     "MANIFEST_PATH",
-    "Action",
     "ActionKind",
     "Artifact",
-    "Entry",
     "FileTask",
-    "Finding",
     "FindingKind",
     "GenerationError",
     "InternalError",
     "Kind",
-    "Manifest",
     "MethodContract",
     "NoSystemError",
     "OwnershipError",
@@ -56,21 +54,15 @@ __all__ = [
     "Task",
     "TextFile",
     "TextTask",
-    "TooLargeError",
-    "View",
     "WholeLibrary",
     "WriteError",
-    "apply",
     "broken_code",
-    "drift",
     "generate",
     "load_targets",
-    "make_plan",
     "read_manifest",
     "render",
     "render_again",
     "select",
-    "templates_beside",
     "unified_diff",
     "with_code",
 ]

@@ -24,14 +24,7 @@ CANNOT_PARSE = (ValueError, SyntaxError, SyntaxWarning, RecursionError)
 
 
 def syntax_problem(text: str, path: str, *, is_parsed: bool = False) -> str | None:
-    """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names.
-
-    Args:
-        path: Its path; only Python, XML and JSON are read, other formats pass.
-
-    Returns:
-        The problem with its line, or None.
-    """
+    """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names."""
     try:
         data = text.encode("utf-8")
         check = _check_encoding if is_parsed else _CHECKS.get(PurePosixPath(path).suffix)

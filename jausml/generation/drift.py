@@ -20,7 +20,7 @@ from jausml.generation.contract.symbols import Class, Module
 from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
-from jausml.generation.folder import find_python, inspect
+from jausml.generation.manifest import find_python, inspect
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
@@ -41,12 +41,7 @@ def drift(
     """Compares the user's files in a workspace with the generated interface.
 
     Args:
-        artifacts: The files of this run; skeletons with a contract are compared with it.
-        deleted: Paths that this run deletes.
         former: Names that the interface had, with those that they have now.
-
-    Returns:
-        The findings by path and line.
     """
     interface = Interface(artifacts, out, manifest, deleted)
     skeletons = {a.path: a for a in artifacts if a.kind is Kind.SKELETON}

@@ -48,11 +48,7 @@ class RefusedError(GenerationError):
 
 
 class WriteError(GenerationError):
-    """A file could not be written or deleted; files before it in the plan are already new.
-
-    Args:
-        path: The file, relative to the output folder.
-    """
+    """A file could not be written or deleted; files before it in the plan are already new."""
 
     def __init__(self, path: str, reason: str) -> None:
         super().__init__(f"{path}: {reason}")

@@ -1,4 +1,4 @@
-"""Filters for templates: model text is data, and these keep it data in every output language.
+"""Model text as data: literals, comments and docstrings of every output language.
 
 All results are the same bytes on every supported Python: no Unicode category tables are asked.
 """
@@ -11,6 +11,9 @@ import math
 import re
 import textwrap
 from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -48,11 +51,7 @@ def printable(text: str) -> str:
 
 
 def python_string(value: object) -> str:
-    r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose.
-
-    Returns:
-        A literal such as `"a \"b\""`, without line breaks.
-    """
+    r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose."""
     text = str(value)
     quote = "'" if text.count('"') > text.count("'") else '"'
     # ascii() is free in its choice of quotes; a text with no quotes at all leaves it no choice.
@@ -63,11 +62,7 @@ def python_string(value: object) -> str:
 
 
 def python_literal(value: object) -> str:
-    """Returns a Python expression for None, a bool, an int, a float or a string.
-
-    Raises:
-        TypeError: The value is of another type.
-    """
+    """Returns a Python expression for None, a bool, an int, a float or a string."""
     if isinstance(value, str):
         return python_string(value)
     if isinstance(value, float) and not math.isfinite(value):
@@ -81,11 +76,7 @@ def python_literal(value: object) -> str:
 
 
 def identifier(value: object) -> str:
-    """Returns a Python name (dots allowed) unchanged, for names that come from a model.
-
-    Raises:
-        ValueError: It is not an ASCII Python name, or is a keyword.
-    """
+    """Returns a Python name (dots allowed) unchanged, for names that come from a model."""
     name = str(value)
     for part in name.split("."):
         if not (part.isascii() and part.isidentifier()) or keyword.iskeyword(part):
@@ -132,8 +123,14 @@ def paragraphs(text: str) -> list[str]:
     return [paragraph for paragraph in joined if paragraph]
 
 
-def _wrap(text: str, width: int) -> list[str]:
-    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
+def _wrap(text: str, width: int, continued: str = "", *, breaks: bool = False) -> list[str]:
+    return textwrap.wrap(
+        text,
+        width,
+        subsequent_indent=continued,
+        break_long_words=breaks,
+        break_on_hyphens=False,
+    )
 
 
 def indented(lines: Sequence[str], indent: int) -> str:
@@ -170,9 +167,6 @@ def lua_literal(value: LuaValue, column: int = 0) -> str:
 
     Args:
         value: A bool, number or text, a sequence (it becomes a table counted from 1) or a mapping.
-
-    Raises:
-        TypeError: The value is of another type.
     """
     return _laid_out(value, 0, column)
 
@@ -220,3 +214,84 @@ def _key(key: int | str) -> str:
     if isinstance(key, str) and _NAME.fullmatch(key) and key not in _KEYWORDS:
         return key
     return f"[{lua_literal(key)}]"
+
+
+def clean(text: str | None) -> str:
+    """Returns model text on one line, safe inside a docstring and a comment."""
+    plain = " ".join(printable(text or "").split())
+    return plain.replace("\\", "/").replace('"', "'")
+
+
+def sentence(text: str) -> str:
+    """Returns clean text with a capital first and a full stop last."""
+    ended = _ended(text)
+    return ended[0].upper() + ended[1:]
+
+
+def described(text: str) -> str:
+    """Returns any text as a clean sentence, even one without a printable character."""
+    return sentence(clean(text) or "unnamed")
+
+
+def model_docstring(value: object, indent: int = 4) -> str:
+    r"""Returns a whole docstring for a text of the model, for templates.
+
+    The first paragraph is the summary; when it is too long for a line, its first sentence is, or
+    what fits of it, and the rest follows. Double quotes become single ones and a backslash becomes
+    a slash, so that no text can end the literal.
+
+    Args:
+        indent: Columns before the docstring; the first line is not indented here.
+    """
+    texts = [clean(text) for text in paragraphs(str(value))] or ["Not documented in the model."]
+    lines = docstring(_ended(texts[0]), indent, texts[1:])
+    return indented(lines.split("\n"), indent)
+
+
+def docstring(
+    summary: str,
+    column: int,
+    further: Sequence[str] = (),
+    attributes: Sequence[tuple[str, str]] = (),
+) -> str:
+    """Returns a docstring with its quotes.
+
+    Args:
+        column: Column at which it will stand; the lines themselves begin at 0.
+    """
+    width = LINE_WIDTH - column
+    if not further and not attributes and len(summary) + 6 <= width:
+        return f'"""{summary}"""'
+    # ruff's formatter puts the closing quotes behind a line that stands alone, fit or not.
+    first, rest = _summary(summary, width - (3 if further or attributes else 6))
+    lines = [f'"""{first}']
+    for paragraph in (*rest, *further):
+        lines += ["", *_wrap(paragraph, width, breaks=True)]
+    if attributes:
+        lines += ["", "Attributes:"]
+    for name, description in attributes:
+        lines += _wrap(f"    {name}: {description}", width, "        ", breaks=True)
+    return "\n".join([*lines, '"""'])
+
+
+def _ended(text: str) -> str:
+    return text if text.endswith((".", "?", "!")) else f"{text}."
+
+
+def _summary(text: str, width: int) -> tuple[str, tuple[str, ...]]:
+    """Returns a first line that fits, and what follows as a paragraph.
+
+    The line ends with a sentence or a clause; only where it ends at a comma, or amid words, the
+    paragraph says all again.
+    """
+    if len(text) <= width:
+        return text, ()
+    head, stop, rest = text.partition(". ")
+    if stop and len(head) < width:
+        return f"{head}.", (rest,)
+    for mark in ("; ", ": "):
+        head = text[:width].rpartition(mark)[0]
+        if head:
+            return f"{head}.", (sentence(text[len(head) + len(mark) :]),)
+    head = text[:width].rpartition(", ")[0] or text[:width].rpartition(" ")[0] or text[: width - 1]
+    return f"{head}.", (text,)

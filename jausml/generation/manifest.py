@@ -1,22 +1,28 @@
-"""Manifest, the list of written files: `.jausml/manifest.json`, sorted, without dates."""
+"""The output folder as it is, and the manifest of what was written: sorted, without dates."""
 
 from __future__ import annotations
 
 import json
+import os
 import stat
 from dataclasses import dataclass, field, replace
-from pathlib import PurePath, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
-from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.artifact import (
+    DIGEST_MARK,
+    Artifact,
+    Kind,
+    has_valid_header,
+    normalize_newlines,
+    text_digest,
+)
 from jausml.generation.checks import path_problem
-from jausml.generation.header import has_valid_header
-from jausml.language.model.inputs import read_input
+from jausml.language.model.inputs import open_input, read_input
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+    from collections.abc import Iterator, Mapping
 
 MANIFEST_PATH = ".jausml/manifest.json"
 PENDING_PATH = ".jausml/pending.json"
@@ -72,11 +78,7 @@ class Manifest:
         return entry.sha256 if entry else "", self.unfinished.get(path, "")
 
     def strangers(self, source: str) -> list[str]:
-        """Returns the model files of which the schema knew no model's name, but for one.
-
-        Args:
-            source: Name of the file that is generated from; in whichever notation.
-        """
+        """Returns the model files of which the schema knew no model's name, but for one."""
         stem = PurePath(source).stem
         unknown = {e.source for e in self.files.values() if not e.models and not e.is_of_runtime}
         return sorted(each for each in unknown if PurePath(each).stem != stem)
@@ -202,3 +204,103 @@ def _entry_to_json(entry: Entry) -> dict[str, object]:
     if entry.methods:
         content["methods"] = dict(entry.methods)
     return content
+
+
+_HEADER_BYTES = 4096
+
+
+@dataclass(frozen=True)
+class FileState:
+    """What stands at a path of the output folder.
+
+    Attributes:
+        text: Its text with LF line ends; None when there is none or it is not UTF-8.
+    """
+
+    exists: bool = False
+    text: str | None = None
+    obstacle: str = ""
+
+
+def inspect(out: Path, path: str) -> FileState:
+    """Looks at one path."""
+    current = out
+    segments = path.split("/")
+    for depth, segment in enumerate(segments):
+        current /= segment
+        try:
+            mode = current.lstat().st_mode
+        except FileNotFoundError:
+            return FileState()
+        except OSError as error:
+            return FileState(obstacle=f"cannot be read: {error.strerror}")
+        is_last = depth == len(segments) - 1
+        obstacle = _obstacle("/".join(segments[: depth + 1]), mode, is_last=is_last)
+        if obstacle:
+            return FileState(obstacle=obstacle)
+    return _state(current)
+
+
+def find_generated(out: Path) -> list[str]:
+    """Returns the paths of files with a valid header, for a run whose manifest is lost.
+
+    Folders that are hidden, ignored by colcon (its own build, install and log), virtual
+    environments and what has a manifest of its own are left out.
+    """
+    return sorted(
+        path.relative_to(out).as_posix()
+        for path in _files(out)
+        if _may_have_header(path) and has_valid_header(_state(path).text or "")
+    )
+
+
+def find_python(out: Path) -> list[str]:
+    """Returns the paths of Python files, in the folders that `find_generated` looks at."""
+    found = (path for path in _files(out) if path.suffix == ".py")
+    return sorted(path.relative_to(out).as_posix() for path in found)
+
+
+def _may_have_header(path: Path) -> bool:
+    """Looks at the start alone: the folder may hold large files of others."""
+    try:
+        with open_input(path) as file:
+            return DIGEST_MARK.encode() in file.read(_HEADER_BYTES)
+    except OSError:
+        return False
+
+
+def _files(out: Path) -> Iterator[Path]:
+    for folder, subfolders, names in os.walk(out):
+        here = Path(folder)
+        subfolders[:] = sorted(
+            name
+            for name in subfolders
+            if not name.startswith(".")
+            and not (here / name / "COLCON_IGNORE").exists()
+            and not (here / name / MANIFEST_PATH).exists()
+            and not (here / name / "pyvenv.cfg").exists()
+        )
+        yield from (
+            here / name
+            for name in sorted(names)
+            if not (here / name).is_symlink() and (here / name).is_file()
+        )
+
+
+def _obstacle(path: str, mode: int, *, is_last: bool) -> str:
+    if stat.S_ISLNK(mode):
+        return f"'{path}' is a symbolic link"
+    if is_last and not stat.S_ISREG(mode):
+        return f"'{path}' is not a regular file"
+    if not is_last and not stat.S_ISDIR(mode):
+        return f"'{path}' is not a folder"
+    return ""
+
+
+def _state(path: Path) -> FileState:
+    try:
+        return FileState(exists=True, text=normalize_newlines(read_input(path).decode("utf-8")))
+    except UnicodeDecodeError:
+        return FileState(exists=True)
+    except OSError as error:
+        return FileState(obstacle=f"cannot be read: {error.strerror}")

@@ -43,11 +43,7 @@ class State(Enum):
 
 @dataclass(frozen=True)
 class Built:
-    """The core of one package.
-
-    Attributes:
-        reason: Why there is no library; empty where there is one.
-    """
+    """The core of one package."""
 
     library: Path
     state: State
@@ -81,11 +77,7 @@ def is_current(source: Path) -> bool:
 
 
 def build(sources: Sequence[Path], program: str) -> list[Built]:
-    """Builds cores, as many at once as there are processors; those that are current stay.
-
-    Args:
-        program: The compiler.
-    """
+    """Builds cores, as many at once as there are processors; those that are current stay."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return list(pool.map(lambda each: _build(each, program), sources))
 

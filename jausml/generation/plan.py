@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.artifact import Artifact, Kind, has_valid_header, text_digest
 from jausml.generation.checks import find_problems
-from jausml.generation.folder import FileState, find_generated, inspect
-from jausml.generation.header import has_valid_header
 from jausml.generation.manifest import (
     MANIFEST_PATH,
     PENDING_PATH,
     Entry,
+    FileState,
     Manifest,
+    find_generated,
+    inspect,
     new_entry,
     temporary,
 )
@@ -41,10 +42,7 @@ class Action:
     """What happens to one file, and why.
 
     Attributes:
-        path: The file, relative to the output folder.
-        reason: Why, for people.
         old: Text that stands there now (LF line ends); None for no file or no text.
-        new: Text to be written; None when nothing is written.
         backup: Where the old bytes are copied before an overwrite, or empty.
     """
 
@@ -113,15 +111,12 @@ def make_plan(
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         known: Returns what is to be known of the model, for the paths that are deleted.
-
-    Returns:
-        The plan.
     """
     out = out.resolve()
     unique = {artifact.path: artifact for artifact in artifacts}
     problems = find_problems(artifacts)
-    actions: list[Action] = []
     files: dict[str, Entry] = {}
+    actions: list[Action] = []
     for path, artifact in unique.items():
         entry, state = manifest.files.get(path), inspect(out, path)
         problem = problems.get(path) or _foreign(entry, targets)
@@ -131,21 +126,9 @@ def make_plan(
         else:
             actions.append(_compare(artifact, state, manifest, out, force=force))
             files[path] = new_entry(artifact, entry, model)
-    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
-    for path, entry in manifest.files.items():
-        if path in unique:
-            continue
-        if _foreign(entry, targets) or model not in entry.models:
-            files[path] = entry
-            continue
-        others = tuple(name for name in entry.models if name != model)
-        if others and entry.target not in shared:
-            files[path] = replace(entry, models=others)
-            continue
-        action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
+    for path, kept, action in _others(artifacts, out, manifest, model, targets):
+        files |= {path: kept} if kept else {}
         actions += [action] if action else []
-        if action and action.kind is ActionKind.ORPHAN:
-            files[path] = entry
     actions += _strays(out, manifest, unique)
     actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
@@ -154,6 +137,30 @@ def make_plan(
     models = {**manifest.models, model: {**manifest.models.get(model, {}), **told}}
     new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
+
+
+def _others(
+    artifacts: Sequence[Artifact],
+    out: Path,
+    manifest: Manifest,
+    model: str,
+    targets: Collection[str] | None,
+) -> Iterator[tuple[str, Entry | None, Action | None]]:
+    """Yields files that this run does not produce: what stays in the manifest, what happens."""
+    produced = {artifact.path for artifact in artifacts}
+    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
+    for path, entry in manifest.files.items():
+        others = tuple(name for name in entry.models if name != model)
+        if path in produced:
+            continue
+        if _foreign(entry, targets) or model not in entry.models:
+            yield path, entry, None
+        elif others and entry.target not in shared:
+            yield path, replace(entry, models=others), None
+        else:
+            action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
+            is_orphan = action is not None and action.kind is ActionKind.ORPHAN
+            yield path, entry if is_orphan else None, action
 
 
 def unified_diff(plan: Plan) -> str:

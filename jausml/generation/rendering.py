@@ -5,32 +5,38 @@ The only importer of multigen. Nothing here touches the output folder.
 
 from __future__ import annotations
 
+import sys
 import traceback
+from dataclasses import asdict
 from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import jinja2
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
-from jausml.generation import docstrings, literals
-from jausml.generation.artifact import Artifact, Kind
+from jausml.generation import literals
+from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract, add_header
 from jausml.generation.checks import CANNOT_PARSE, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
-from jausml.generation.header import add_header
 from jausml.generation.languages.python import Modules
-from jausml.generation.tasks import FileTask, TextTask
+from jausml.generation.target import FileTask, TextTask
+from jausml.language.model.cache import keep, kept
 from jausml.language.model.model import without_collector
 from jausml.language.semantics.subject import remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from types import CodeType
 
     from jinja2.bccache import Bucket
 
-    from jausml.generation.target import Target
-    from jausml.generation.tasks import Task, View
+    from jausml.generation.target import Target, Task, View
+    from jausml.language.model.model import Model
 
 ModelT = TypeVar("ModelT")
 
@@ -47,7 +53,7 @@ FILTERS: Mapping[str, Callable[..., str]] = {
     "xml": literals.xml_text,
     "xmlcomment": literals.xml_comment,
     "yamlstr": literals.yaml_string,
-    "docstring": docstrings.model_docstring,
+    "docstring": literals.model_docstring,
     "comment": literals.comment,
     "lua": literals.lua_literal,
 }
@@ -57,13 +63,9 @@ FILTERS: Mapping[str, Callable[..., str]] = {
 def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
 
-    Returns:
-        The files in the order of their paths.
-
     Raises:
         InternalError: A template, a view or a produced text is wrong; the text names the template
             file and line.
-        TooLargeError: There would be too many files, or too much in them.
     """
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
@@ -155,12 +157,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
         return self.task.views
 
     def run(self, element: Any, outfolder: str) -> None:  # noqa: ARG002 - nothing is written
-        """Renders one element, as multigen's loop asks.
-
-        Raises:
-            InternalError: The template, the view or the produced text is wrong.
-            TooLargeError: With it there would be too much in all files.
-        """
+        """Renders one element, as multigen's loop asks."""
         try:
             self.artifacts.append(self._artifact(element))
         except InternalError:
@@ -226,3 +223,75 @@ def _laid_out(text: str) -> str:
     """Returns a rendered text as it is to stand in its file."""
     body = text.replace("\r\n", "\n").rstrip("\n")
     return body + "\n" if body else ""
+
+
+LARGE = 1 << 18
+"""Bytes of a model of which the files are kept: those of a smaller one are rendered in a second."""
+
+_CODE = ("jausml", "jausml_generators", "jausml.metamodels")
+_LIBRARIES = ("jinja2", "pyecore", "pyecoregen")
+
+
+def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> list[Artifact]:
+    """Renders as `render` does, or returns what was rendered of the same before.
+
+    Nothing but files and what is written in them is kept: what becomes of files in a folder, and
+    whether those of users fit, is found out as ever.
+
+    Args:
+        reading: How the model was read of its documents, where options change what it says.
+    """
+    own = sum(len(each.data) for each in model.documents if not each.is_library)
+    packages = {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets}
+    if own < LARGE or not packages <= set(_CODE):
+        return render(model, targets)
+    wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
+    named = digest([str(model.documents[0].path), *wanted])
+    name = f"artifacts-{named[:24]}"
+    try:
+        state = digest([reading, *wanted, *_documents(model), *tool()])
+    except (OSError, PackageNotFoundError):
+        return render(model, targets)  # nobody knows what renders
+    found = kept(name, state)
+    if found is not None:
+        return [_artifact(each) for each in found]
+    artifacts = render(model, targets)
+    keep(name, state, [asdict(each) | {"kind": each.kind.value} for each in artifacts])
+    return artifacts
+
+
+def _artifact(raw: dict[str, Any]) -> Artifact:
+    contract = raw["contract"]
+    if contract is not None:
+        methods = [
+            MethodContract(**each | {"parameters": tuple(each["parameters"])})
+            for each in contract["methods"]
+        ]
+        prefixes = tuple(contract["prefixes"])
+        contract = SkeletonContract(**contract | {"methods": tuple(methods), "prefixes": prefixes})
+    return Artifact(**raw | {"kind": Kind(raw["kind"]), "contract": contract})
+
+
+def _documents(model: Model) -> Iterator[str]:
+    for each in model.documents:
+        yield f"{each.path} {each.display} {each.given} {sha256(each.data).hexdigest()}"
+
+
+def tool() -> Iterator[str]:
+    """Yields what says which program renders: versions, and all files of it, as in a checkout."""
+    yield f"{__version__} {sys.version}"
+    yield from map(version, _LIBRARIES)
+    for package in _CODE:
+        folder = Path(str(files(package)))
+        for path in sorted(folder.rglob("*")):
+            if "__pycache__" not in path.parts and path.is_file():
+                yield f"{path.relative_to(folder)} {sha256(path.read_bytes()).hexdigest()}"
+
+
+def digest(texts: Iterable[str]) -> str:
+    """Returns the digest of some texts, which tells them apart however they are cut."""
+    found = sha256()
+    for each in texts:
+        data = each.encode("utf-8", "surrogateescape")
+        found.update(b"%d " % len(data) + data)
+    return found.hexdigest()

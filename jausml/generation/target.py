@@ -1,18 +1,107 @@
-"""Targets: what each declares of itself, and how they are found."""
+"""Targets: what each declares of itself, the tasks that it wants done, and how they are found."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
+from jausml.generation.artifact import Kind, SkeletonContract
 from jausml.generation.errors import GenerationError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
-    from jausml.generation.tasks import Task
+    from jausml.generation.languages.python import Imports
+
+
+class View(Protocol):
+    """What a target's views module offers about one model element.
+
+    A template asks it (as `view`) and computes nothing.
+    """
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element, e.g. `component:vehicle`."""
+
+    @property
+    def source(self) -> str:
+        """Model file it comes from, relative path."""
+
+
+ViewT = TypeVar("ViewT", bound=View)
+
+
+@dataclass(frozen=True)
+class FileTask(Generic[ViewT]):
+    """One file for each view, made from a template.
+
+    Attributes:
+        imports: For Python, what a file may import; its template has no import statements then.
+        words: For Python, names in which functions and methods of a file may differ alone; where
+            it has many that do, it is made faster.
+    """
+
+    template: str
+    views: Sequence[ViewT]
+    path: Callable[[ViewT], str]
+    _: KW_ONLY
+    kind: Kind = Kind.GENERATED
+    executable: bool = False
+    contract: Callable[[ViewT], SkeletonContract] | None = None
+    imports: Callable[[ViewT], Imports] | None = None
+    words: Callable[[ViewT], Collection[str]] | None = None
+
+    def label(self, view: ViewT) -> str:
+        """Returns what an error names when no template line is known."""
+        return f"{self.template} for {view.element_id}"
+
+
+@dataclass(frozen=True)
+class TextFile:
+    """A file whose text is not made by a template, e.g. a copied module or a diagram."""
+
+    path: str
+    content: str
+    element_id: str
+    source: str
+
+
+@dataclass(frozen=True)
+class TextTask:
+    """Files of ready text.
+
+    Attributes:
+        is_copied: What is copied from modules that run here need not be read to be believed.
+    """
+
+    views: Sequence[TextFile]
+    _: KW_ONLY
+    is_copied: bool = False
+    kind: Kind = Kind.GENERATED
+    executable: bool = False
+    contract: Callable[[TextFile], SkeletonContract] | None = None
+
+    @staticmethod
+    def path(view: TextFile) -> str:
+        """Returns the path of a file, relative to the output folder."""
+        return view.path
+
+    @staticmethod
+    def label(view: TextFile) -> str:
+        """Returns what an error names."""
+        return view.element_id
+
+
+Task: TypeAlias = FileTask[Any] | TextTask
+
+
+def templates_beside(module_file: str) -> Path:
+    """Returns the folder `templates` beside a target's module."""
+    return Path(module_file).resolve().parent / "templates"
+
 
 ENTRY_POINT_GROUP = "jausml.targets"
 
@@ -35,7 +124,6 @@ class Target(Generic[ModelT]):
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
-        whole_library: What it does with `--all`, or None when it has no such option.
         processes: Returns what `jausml run` starts, as the manifest records it; None for a target
             that knows no processes.
     """

@@ -1,13 +1,13 @@
-"""Workspaces: the use case, from a valid model, some targets and a folder."""
+"""Workspaces: from a valid model, some targets and a folder to files and a report of findings."""
 
 from __future__ import annotations
 
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.contract.fixes import Fix, fix_files
+from jausml.generation.contract.finding import CODE_RULES, STALE, Fix, fix_files
 from jausml.generation.contract.interface import Interface, former_names
 from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
@@ -16,7 +16,7 @@ from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.system import name_of, source_of, system_of
 from jausml.generation.writer import apply, locked
-from jausml.language.model.diagnostics import Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from jausml.generation.contract.finding import Finding
     from jausml.generation.target import Target
     from jausml.language.model.model import Model
+    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,7 @@ def select(
     *,
     whole_library: bool = False,
 ) -> Selection:
-    """Chooses targets.
-
-    Args:
-        names: Those that are meant; all that do not run on request alone when there is none.
-
-    Raises:
-        SelectionError: There is no such target, or none that can describe the whole library.
-    """
+    """Chooses targets."""
     unknown = [name for name in names if name not in installed]
     if unknown:
         known = ", ".join(installed) or "none"
@@ -102,15 +96,9 @@ def generate(
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         fix: Make users' files fit where it is certain how.
-        rendering: Makes the files of targets.
 
     Raises:
-        NoSystemError: A target needs one system, and the model's file holds none or several.
-        InternalError: A target is wrong.
-        GenerationError: The model has what a target cannot generate.
-        TooLargeError: The workspace would be too large.
         OwnershipError: The workspace is that of another model, or has no such one to adopt.
-        WriteError: The operating system refused.
     """
     if any(target.needs_system for target in targets):
         system_of(model)
@@ -127,15 +115,7 @@ def generate(
 
 
 def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Path) -> list[Finding]:
-    """Returns what a change of a model breaks in users' files; writes nothing.
-
-    Args:
-        out: The workspace, as generated from either.
-
-    Raises:
-        NoSystemError: A target needs one system, and a model's file holds none or several.
-        GenerationError: A model has what a target cannot generate.
-    """
+    """Returns what a change of a model breaks in users' files; writes nothing."""
     before, after = render(old, targets), render(new, targets)
     manifest = read_manifest(out)
     paths = [{each.path for each in state} for state in (before, after)]
@@ -232,3 +212,20 @@ def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
         names = ", ".join(sorted(filter(None, former))) or "none"
         raise OwnershipError(f"{out} knows no model '{adopt}' to adopt; there are: {names}")
     return manifest.adopted(name, adopt)
+
+
+def with_code(report: Report, result: Result, out: Path) -> Report:
+    """Returns the report of a model with what does not fit it in the workspace."""
+    plan = result.plan
+    found = [each.diagnostic(out) for each in result.drift]
+    for each in (*plan.changes, *plan.refused):
+        place = Location(str(out / each.path))
+        message = f"{each.kind.value}: {each.reason}"
+        found.append(Diagnostic(STALE, Severity.ERROR, place, message))
+    paths = (each.location.path for each in found)
+    return replace(
+        report,
+        files=tuple(dict.fromkeys((*report.files, *paths))),
+        diagnostics=(*report.diagnostics, *sorted(found)),
+        rules=CODE_RULES,
+    )

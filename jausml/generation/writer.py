@@ -153,11 +153,7 @@ def _announce(plan: Plan) -> None:
 
 
 def replace_file(out: Path, path: str, old: bytes, new: bytes) -> None:
-    """Replaces what a file of the user says, which keeps its permissions.
-
-    Raises:
-        WriteError: The file says something else by now, or the operating system refused.
-    """
+    """Replaces what a file of the user says, which keeps its permissions."""
     with _faults_named(path), _opened(out, path) as file:
         if file.read() != old:
             raise WriteError(path, "the file was edited while jausml was running")

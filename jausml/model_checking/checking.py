@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.language.model import Diagnostic
 from jausml.language.validation.allowances import settled
 from jausml.language.validation.rules import PRODUCT_RULES
-from jausml.model_checking.properties import violations
-from jausml.model_checking.search import Bounds, explore
+from jausml.model_checking.search import Bounds, explore, violations
 from jausml.model_checking.systems import subjects_of
 
 if TYPE_CHECKING:
@@ -18,8 +17,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import system
     from jausml.language.model import Model
     from jausml.language.validation.rule import SetAside
-    from jausml.model_checking.properties import Violation
-    from jausml.model_checking.search import Graph, Step
+    from jausml.model_checking.search import Graph, Step, Violation
     from jausml.model_checking.systems import Subject
 
 BOUND_MET = "JML935"
@@ -40,11 +38,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class CounterExample:
-    """How a property comes not to hold.
-
-    Attributes:
-        repeats: How many moments at the end go on for ever.
-    """
+    """How a property comes not to hold (`repeats`: how many moments at the end go on for ever)."""
 
     rule: str
     message: str
@@ -54,11 +48,7 @@ class CounterExample:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was found of one subject.
-
-    Attributes:
-        allowed: What the documentation of the model allows.
-    """
+    """What was found of one subject."""
 
     subject: Subject
     states: int
@@ -78,13 +68,7 @@ def check_system(
     is_over: Callable[[], bool],
     demanded: float = 0.0,
 ) -> list[Outcome]:
-    """Checks all that there is to check of a system.
-
-    Args:
-        states: How many states of each product are searched.
-        is_over: Tells whether the time is up.
-        demanded: Seconds in which each stop is demanded; 0 for what the model says of each.
-    """
+    """Checks all that there is to check of a system."""
     bounds = Bounds(states, is_over)
     return [check_subject(each, bounds) for each in subjects_of(system_, demanded)]
 

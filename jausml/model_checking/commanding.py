@@ -5,21 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.model_checking.connection import CommandConnection, ConnectionState, halts
-from jausml.model_checking.core_services import (
+from jausml.model_checking.runtime_machines import (
     FINAL,
     PASSIVE,
     READY,
     STANDBY,
+    CommandConnection,
+    ConnectionState,
     Core,
     emergency_steps,
+    halts,
 )
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model_checking.core_services import CoreServices
+    from jausml.model_checking.runtime_machines import CoreServices
 
 RADIO = "the radio"
 PUBLISHER = "the ROS node that commands"
@@ -31,8 +33,6 @@ class Commanding(NamedTuple):
     Attributes:
         believed: State in which the bridge takes the peer to be that it controls; empty for none.
         lost_in: Ticks until the bridge takes control for lost, of which nothing is confirmed.
-        is_linked: Whether messages pass between the bridge and the peer.
-        is_moving: Whether a command of the bridge is in effect at the peer.
         watched_in: Ticks until the peer itself minds the silence; 0 where it does not.
     """
 

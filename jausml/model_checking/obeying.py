@@ -5,14 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.model_checking.connection import CommandConnection, ConnectionState, halts
-from jausml.model_checking.core_services import FINAL, PASSIVE, READY, STANDBY, Core, core_steps
+from jausml.model_checking.runtime_machines import (
+    FINAL,
+    PASSIVE,
+    READY,
+    STANDBY,
+    CommandConnection,
+    ConnectionState,
+    Core,
+    core_steps,
+    halts,
+)
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model_checking.core_services import CoreServices
+    from jausml.model_checking.runtime_machines import CoreServices
 
 
 class Obeying(NamedTuple):

@@ -1,4 +1,7 @@
-"""Explicit search: all states that can be reached, nearest first, and how each is reached."""
+"""Explicit search of a product, nearest states first, and the properties that it must have.
+
+These are safety, stops in time, no deadlock, no livelock.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,6 @@ class Step(NamedTuple):
     """What happens between two states.
 
     Attributes:
-        actor: Who does it.
-        what: What is done, as a person says it.
         receiver: To whom; empty where it concerns the actor alone.
         is_tick: Whether it is one step of time.
         passes: Whose command takes effect by it.
@@ -47,12 +48,7 @@ class Product(Protocol):
 
 
 class Bounds(NamedTuple):
-    """How far a search goes.
-
-    Attributes:
-        states: How many states it keeps.
-        is_over: Whether the time is up.
-    """
+    """How far a search goes."""
 
     states: int
     is_over: Callable[[], bool]
@@ -65,7 +61,6 @@ class Graph:
     Attributes:
         edges: For each state the numbers of steps and of the states after them.
         before: For each state the number of the one before it, and of the step between.
-        is_complete: Whether no bound was met.
     """
 
     states: list[Any] = field(default_factory=list)
@@ -128,3 +123,187 @@ def explore(product: Product, bounds: Bounds) -> Graph:
     graph.edges += [()] * (len(graph.states) - len(graph.edges))
     graph.steps = list(steps)
     return graph
+
+
+DEADLOCK, LIVELOCK, LATE_STOP, CONTROL = "JML931", "JML932", "JML933", "JML934"
+
+
+class CheckedProduct(Product, Protocol):
+    """A product that says what must hold in it."""
+
+    @property
+    def bound(self) -> int:
+        """Ticks after the loss of a source in which its stop is due; 0 for never."""
+
+    @property
+    def late(self) -> str:
+        """What is wrong when it does not come by then."""
+
+    def source(self, state: Any) -> str:
+        """Returns whose command is in effect, and could be lost; empty for nobody's."""
+
+    def is_over(self, state: Any) -> bool:
+        """Tells whether there is nothing left to wait for."""
+
+    def fault(self, state: Any, step: Step, after: Any) -> str:
+        """Returns what must not happen in a transition; empty for nothing."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A property that does not hold.
+
+    Attributes:
+        way: Numbers of steps and of the states after them, from the start.
+        repeats: How many steps at the end of the way go on for ever.
+    """
+
+    rule: str
+    message: str
+    way: tuple[tuple[int, int], ...]
+    repeats: int = 0
+
+
+def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
+    """Returns a shortest counter-example to each property that does not hold.
+
+    What is not to be reached in what was not searched to its end is not judged.
+    """
+    found = [_unsafe(product, graph), _late_stop(product, graph)]
+    if graph.is_complete:
+        found += [_deadlock(product, graph), _livelock(product, graph)]
+    return [each for each in found if each is not None]
+
+
+def _unsafe(product: CheckedProduct, graph: Graph) -> Violation | None:
+    for state, step, after in graph.transitions():
+        states = graph.states
+        message = product.fault(states[state], graph.steps[step], states[after])
+        if message:
+            return Violation(CONTROL, message, (*graph.way_to(state), (step, after)))
+    return None
+
+
+def _late_stop(product: CheckedProduct, graph: Graph) -> Violation | None:
+    """Lets time pass from all states in which a command stands, while its source says nothing."""
+    lasting = _lasting(product, graph)
+    still = {state for state, edges in enumerate(lasting) if edges is not None}
+    for _ in range(max(product.bound, 1)):
+        still = _after_tick(lasting, still)
+        if not still:
+            return None
+    return Violation(LATE_STOP, product.late, _late_way(product, graph, lasting))
+
+
+_Lasting = list[list[tuple[int, int, bool]] | None]
+"""For each state in which a command stands the transitions in which it goes on to stand, without
+its source: step, state after it, and whether time passes. None for other states."""
+
+
+def _lasting(product: CheckedProduct, graph: Graph) -> _Lasting:
+    sources = [product.source(state) for state in graph.states]
+    found: _Lasting = [[] if source else None for source in sources]
+    for state, step, after in graph.transitions():
+        source, edges = sources[state], found[state]
+        each = graph.steps[step]
+        if edges is not None and each.actor != source and sources[after] == source:
+            edges.append((step, after, each.is_tick))
+    return found
+
+
+def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
+    """Returns where a command still stands when time has passed once, whatever else happens."""
+    pending, seen, found = list(states), set(states), set()
+    while pending:
+        for _, after, is_tick in lasting[pending.pop()] or ():
+            if is_tick:
+                found.add(after)
+            elif after not in seen:
+                seen.add(after)
+                pending.append(after)
+    return found
+
+
+def _late_way(
+    product: CheckedProduct, graph: Graph, lasting: _Lasting
+) -> tuple[tuple[int, int], ...]:
+    """Returns a shortest way on which a command stands too long."""
+    starts = ((state, 0) for state, edges in enumerate(lasting) if edges is not None)
+    before: dict[tuple[int, int], tuple[tuple[int, int], int] | None] = dict.fromkeys(starts)
+    pending = deque(before)
+    while pending:
+        at = pending.popleft()
+        state, ticks = at
+        for step, after, is_tick in lasting[state] or ():
+            reached = (after, ticks + is_tick)
+            if reached in before:
+                continue
+            before[reached] = (at, step)
+            pending.append(reached)
+            if reached[1] == max(product.bound, 1):
+                return _traced(graph, before, reached)
+    raise AssertionError("there is such a way: it was just found")
+
+
+def _traced(
+    graph: Graph,
+    before: dict[tuple[int, int], tuple[tuple[int, int], int] | None],
+    reached: tuple[int, int],
+) -> tuple[tuple[int, int], ...]:
+    way: list[tuple[int, int]] = []
+    while (previous := before[reached]) is not None:
+        way.append((previous[1], reached[0]))
+        reached = previous[0]
+    return (*graph.way_to(reached[0]), *way[::-1])
+
+
+def _deadlock(product: CheckedProduct, graph: Graph) -> Violation | None:
+    """Finds a state from which nothing that is asked for can happen any more."""
+    stuck = _stuck(product, graph, lambda _: True)
+    if stuck is None:
+        return None
+    return Violation(DEADLOCK, "no command can take effect any more", tuple(graph.way_to(stuck)))
+
+
+def _livelock(product: CheckedProduct, graph: Graph) -> Violation | None:
+    """Finds a state from which nothing that is asked for happens, though nobody hinders it."""
+    stuck = _stuck(product, graph, lambda step: step.is_helpful)
+    if stuck is None:
+        return None
+    way, cycle = graph.way_to(stuck), _cycle(graph, stuck)
+    message = "time goes on and no command takes effect, though nobody hinders it"
+    return Violation(LIVELOCK, message, (*way, *cycle), repeats=len(cycle))
+
+
+def _stuck(product: CheckedProduct, graph: Graph, counts: Callable[[Step], bool]) -> int | None:
+    """Returns the nearest state from which no command takes effect by steps that count."""
+    counted = [counts(step) for step in graph.steps]
+    origins: list[list[int]] = [[] for _ in graph.states]
+    pending: list[int] = []
+    for state, step, after in graph.transitions():
+        if counted[step]:
+            origins[after].append(state)
+            if graph.steps[step].passes:
+                pending.append(state)
+    lively = set(pending)
+    while pending:
+        fresh = [each for each in origins[pending.pop()] if each not in lively]
+        lively.update(fresh)
+        pending += fresh
+    for number, state in enumerate(graph.states):
+        if number not in lively and not product.is_over(state):
+            return number
+    return None
+
+
+def _cycle(graph: Graph, state: int) -> list[tuple[int, int]]:
+    """Returns the steps of time from a state on, until they come back to where they were."""
+    way: list[tuple[int, int]] = []
+    seen = {state: 0}
+    while True:
+        ticks = (each for each in graph.edges[state] if graph.steps[each[0]].is_tick)
+        step, state = next(ticks)
+        way.append((step, state))
+        if state in seen:
+            return way
+        seen[state] = len(way)

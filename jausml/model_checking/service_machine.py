@@ -17,7 +17,7 @@ from jausml.language.attributes.guards import (
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.inherited_machines import event_name
 from jausml.language.semantics.jaus.machines import is_core_trigger
-from jausml.model_checking.core_services import (
+from jausml.model_checking.runtime_machines import (
     EMERGENCY,
     FINAL,
     PASSIVE,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from jausml.language.attributes.guards import Guard
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.model_checking.core_services import CoreServices
+    from jausml.model_checking.runtime_machines import CoreServices
 
 REMEMBERED = 4
 """Pushes that are followed; the runtime remembers more."""
@@ -63,7 +63,6 @@ class Behaving(NamedTuple):
     """State of the product.
 
     Attributes:
-        path: State of the machine.
         remembered: States to which pops lead back.
         commanded_by: Whose command has led here, and is to end with its control.
     """
@@ -164,11 +163,7 @@ class MachineProduct:
     def outcomes(
         self, state: Behaving, trigger: str, sender: str
     ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
-        """Yields what conditions of the user may say of a trigger, and what is taken then.
-
-        Args:
-            sender: Who sends the message; empty for an internal event.
-        """
+        """Yields what conditions of the user may say of a trigger, and what is taken then."""
         if sender and not self.services.allows(state.core, self.obeyed[trigger], sender):
             return
         candidates = self._candidates(state.path, trigger)

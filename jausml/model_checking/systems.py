@@ -20,9 +20,8 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.connection import CommandConnection
-from jausml.model_checking.core_services import CoreServices
 from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
 from jausml.model_checking.service_machine import MachineProduct
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.jaus.commands import Guard
     from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.model_checking.properties import CheckedProduct
+    from jausml.model_checking.search import CheckedProduct
 
 MOST_TICKS = 60
 """Ticks of the longest time-out; shorter ones are rounded up then."""
@@ -66,11 +65,7 @@ class Subject:
 
 
 def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
-    """Yields what is checked of a system.
-
-    Args:
-        demanded: Seconds in which each stop is demanded; 0 for what the model says of each.
-    """
+    """Yields what is checked of a system."""
     for owner in system_.bridges:
         for connection in () if owner.external else owner.bridgeConnections:
             if not stops.is_command(connection):

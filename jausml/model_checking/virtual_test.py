@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.model_checking.commanding import PUBLISHER, RADIO, CommandingProduct
-from jausml.model_checking.core_services import EMERGENCY_CLIENT
 from jausml.model_checking.obeying import ObeyingProduct
-from jausml.model_checking.properties import LATE_STOP, LIVELOCK
+from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
+from jausml.model_checking.search import LATE_STOP, LIVELOCK
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import address_call
 from jausml_generators.python.names import snake_case
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.model_checking.checking import CounterExample, Moment
-    from jausml.model_checking.properties import CheckedProduct
+    from jausml.model_checking.search import CheckedProduct
     from jausml.model_checking.systems import Subject
     from jausml_generators.bridge.connections import ConnectionView
     from jausml_generators.bridge.views import BridgeView
@@ -71,6 +71,24 @@ class Peer(JausComponent):
         self.moves = False
 
 '''
+
+
+_TWO_RADIOS = """\
+beside, radio = world.transport(), world.transport()
+peer = Peer(beside, {at}, name="peer", services=services({minor}), settings={settings})
+bridge = {class_name}()
+
+def take(_message, _sender):
+    peer.moves = bridge.{name}.stopped is None
+
+peer.handle(messages.{message}, take, when=Guard.{guard})
+peer.start()
+bridge.open(world.ros_node("{node}"), radio)
+rival = client(beside, JausAddress(64000, 1, 1), "{rival}")
+emergency = client(beside, JausAddress(64000, 1, 2), "{emergency}")
+inside = client(radio, JausAddress(64000, 1, 3), "{emergency}")
+world.run_for({tick!r})
+"""
 
 
 def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str | None:
@@ -144,23 +162,19 @@ def _commanding(
     peer = peers.get(product.peer)
     at = "JausAddress(64000, 1, 9)" if peer is None else address_call(peer)
     lapse = round(product.services.timeout * subject.tick)
-    settings = f"ComponentSettings({product.services.default_authority}, {lapse})"
-    minor = 0 if product.services.is_1_0 else 1
-    yield "beside, radio = world.transport(), world.transport()"
-    yield f'peer = Peer(beside, {at}, name="peer", services=services({minor}), settings={settings})'
-    yield f"bridge = {view.class_name}()"
-    yield ""
-    yield "def take(_message, _sender):"
-    yield f"    peer.moves = bridge.{own.name}.stopped is None"
-    yield ""
-    guard = product.connection.guard
-    yield f"peer.handle(messages.{own.message_name}, take, when=Guard.{guard})"
-    yield "peer.start()"
-    yield f'bridge.open(world.ros_node("{view.name}"), radio)'
-    yield f'rival = client(beside, JausAddress(64000, 1, 1), "{product.rival}")'
-    yield f'emergency = client(beside, JausAddress(64000, 1, 2), "{EMERGENCY_CLIENT}")'
-    yield f'inside = client(radio, JausAddress(64000, 1, 3), "{EMERGENCY_CLIENT}")'
-    yield f"world.run_for({subject.tick!r})"
+    yield from _TWO_RADIOS.format(
+        at=at,
+        minor=0 if product.services.is_1_0 else 1,
+        settings=f"ComponentSettings({product.services.default_authority}, {lapse})",
+        class_name=view.class_name,
+        name=own.name,
+        message=own.message_name,
+        guard=product.connection.guard,
+        node=view.name,
+        rival=product.rival,
+        emergency=EMERGENCY_CLIENT,
+        tick=subject.tick,
+    ).splitlines()
     topics = (each.name for each in connection.topics if each.join is None)
     topic = resolve_topic(str(next(topics)), owner.namespace or "", str(owner.name))
 
@@ -182,11 +196,8 @@ def _commanding(
         return f"{sender}.send({sent}, {to})"
 
     yield from _steps(example, done)
-    yield (
-        "assert not peer.moves"
-        if example.rule != LIVELOCK
-        else ("assert peer.controller in (None, bridge.settings.address)")
-    )
+    free = "peer.controller in (None, bridge.settings.address)"
+    yield f"assert {free}" if example.rule == LIVELOCK else "assert not peer.moves"
 
 
 def _for_ever(product: CheckedProduct, example: CounterExample) -> Iterator[str]:

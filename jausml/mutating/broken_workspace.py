@@ -11,7 +11,7 @@ import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from jausml.generation.header import without_header
+from jausml.generation.artifact import without_header
 from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
@@ -35,11 +35,7 @@ class BrokenWorkspace:
     """The files of a model that is not broken, in a folder of their own."""
 
     def __init__(self, folder: Path, files: Mapping[str, str], command: Sequence[str] = ()) -> None:
-        """Writes the files.
-
-        Args:
-            command: What tries the packages besides their tests; see `refusing`.
-        """
+        """Writes the files."""
         self._folder = folder
         self._command = command
         self._files = dict(files)

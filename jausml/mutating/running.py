@@ -1,8 +1,9 @@
-"""Runs of campaigns: each mutation is made, judged, generated and tested, in several processes."""
+"""Campaigns: the mutations of a model, each made, judged, generated and tested, in processes."""
 
 from __future__ import annotations
 
 import os
+import random
 import tempfile
 import time
 from dataclasses import dataclass, replace
@@ -13,10 +14,14 @@ from jausml.generation import GenerationError, load_targets, render, select
 from jausml.language.model import Severity
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+from jausml.language.semantics.paths.scopes import directions
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
-from jausml.mutating.mutations import mutations
+from jausml.mutating.changes import Site
+from jausml.mutating.findings import Products, Proofs
+from jausml.mutating.operators import OPERATORS
 from jausml.mutating.outcomes import (
     CHECK,
     EQUAL,
@@ -29,17 +34,73 @@ from jausml.mutating.outcomes import (
     WARNING,
     Outcome,
 )
-from jausml.mutating.products import Products
-from jausml.mutating.proofs import Proofs
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from jausml.generation import Target
+    from jausml.language.metamodel import FeatureTable
     from jausml.language.model import Diagnostic, Model
     from jausml.language.project import OneDocument
+    from jausml.language.semantics.paths.scopes import Placed
     from jausml.language.validation.rule import Report
-    from jausml.mutating.mutations import Mutation
+    from jausml.mutating.changes import Change
+    from jausml.mutating.operators import Operator
+
+_SEED = 27
+
+
+@dataclass(frozen=True, eq=False)
+class Mutation:
+    """One thing in a model that is broken."""
+
+    operator: Operator
+    place: str
+    words: str
+    change: Change
+
+
+def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
+    """Returns what operators can do to the elements of a model, without those of the library."""
+    subject = Subject(model, [])
+    placed: dict[Any, Placed[Any]] = {
+        each.assignment: each for one in directions(subject) for each in one.assignments
+    }
+    operators = [each for each in OPERATORS if not names or each.name in names]
+    found = []
+    for element in model.elements(library=False):
+        for operator in operators:
+            for table in _features(model, element, operator):
+                site = Site(element, table, placed.get(element))
+                place = model.element_path(element)
+                for change in operator.changes(site):
+                    found.append(Mutation(operator, place, change.words(), change))
+    return found
+
+
+def _features(model: Model, element: Any, operator: Operator) -> Iterator[FeatureTable]:
+    table = model.metamodels.class_of(element)
+    for name, features in operator.of_classes():
+        if table in model.metamodels.classes[name].subtypes:
+            yield from (table.features[each] for each in features)
+
+
+def sample(found: Sequence[Mutation], limit: int) -> list[int]:
+    """Returns the numbers of at most so many, spread over the operators, the same in each run."""
+    if len(found) <= limit:
+        return list(range(len(found)))
+    chance = random.Random(_SEED)
+    by_operator: dict[str, list[int]] = {}
+    for number, each in enumerate(found):
+        by_operator.setdefault(each.operator.name, []).append(number)
+    for numbers in by_operator.values():
+        chance.shuffle(numbers)
+    chosen: list[int] = []
+    while len(chosen) < limit:
+        for numbers in by_operator.values():
+            if numbers and len(chosen) < limit:
+                chosen.append(numbers.pop())
+    return sorted(chosen)
 
 
 class CampaignError(Exception):
@@ -51,11 +112,8 @@ class Settings:
     """How a campaign runs.
 
     Attributes:
-        names: The operators; all of them when there is none.
         budget: Seconds after which no further mutation is begun.
-        jobs: How many processes work at once.
         command: What else tries the packages of a model, as arguments of a process.
-        scheduler: Address of a scheduler of Dask, whose workers break the model instead.
     """
 
     names: tuple[str, ...]
@@ -67,12 +125,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of a mutation.
-
-    Attributes:
-        outcome: None where the time was over.
-        remarks: What of the tests could not take part.
-    """
+    """What became of a mutation (`remarks`: what of the tests could not take part)."""
 
     outcome: Outcome | None
     remarks: tuple[str, ...] = ()
@@ -81,15 +134,7 @@ class Tried:
 def outcomes(
     document: OneDocument, chosen: Sequence[int], settings: Settings
 ) -> Iterator[tuple[int, Tried]]:
-    """Yields what becomes of mutations, in any order, by their place among the chosen ones.
-
-    Args:
-        chosen: Their numbers among those that the operators can make.
-
-    Raises:
-        CampaignError: Nothing can be generated of the model.
-        PoolError: Nobody is there to break it, or not any more.
-    """
+    """Yields what becomes of mutations, in any order, by their place among the chosen ones."""
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
     until = time.time() + settings.budget

@@ -1,23 +1,25 @@
-"""The compiled form of a map: a program of its core, as bridges have it, and of sweeps."""
+"""Both forms of a map in processes: the program of its core, and Python, which decides the rest."""
 
 from __future__ import annotations
 
 import platform
 import subprocess
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import native
-from jausml.proving.layout import FLOAT, SIGNED, UNSIGNED
+from jausml.live.workers.worker import Worker
+from jausml.proving.layout import FLOAT, NOW, SIGNED, UNSIGNED
 from jausml_generators.cpp.proof import PROOF
 from jausml_generators.cpp.types import support
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from typing_extensions import Self
 
+    from jausml.live.workers.worker import BridgeCode
     from jausml.proving.layout import Number
     from jausml.proving.proof_bridge import ProofCode
 
@@ -41,15 +43,7 @@ class ProgramError(Exception):
 
 
 def compiled(code: ProofCode, folder: Path, program: str) -> Path:
-    """Returns the program of a map.
-
-    Args:
-        folder: Where it is made.
-        program: The compiler.
-
-    Raises:
-        ProgramError: It cannot be compiled.
-    """
+    """Returns the program of a map."""
     files = {**code.headers, **_WITHOUT_LOOP, native.SOURCE.name: code.core, PROOF: support(PROOF)}
     files["proof.cpp"] = code.program
     for name, text in files.items():
@@ -74,14 +68,10 @@ class Sweep:
     """Values of one number that go through a translation, and back where there is a way.
 
     Attributes:
-        to_ros: Whether the translation makes messages of ROS.
-        number: The number that is swept in a message.
         turn: What makes a full turn where the number is an angle, else 0.
         message: What the translation takes, with what is joined to it.
         size: Bytes of the message without that.
         joins_back: What is joined to the message between both ways.
-        between: Bytes of that message.
-        watched: Numbers of that message.
         shortcut: Number of the function that does without the rest of the message; 0 for none.
         varied: Numbers of the message that take random values meanwhile.
     """
@@ -117,13 +107,7 @@ def _words(number: Number, turn: float) -> Iterator[object]:
 
 @dataclass(frozen=True)
 class Course:
-    """How a number goes while another one rises.
-
-    Attributes:
-        seen: How many values there were.
-        rises: How often the next one was greater.
-        falls: How often the next one was smaller.
-    """
+    """How a number goes while another one rises."""
 
     least: float
     greatest: float
@@ -228,3 +212,53 @@ def _tally(words: Iterator[str]) -> Tally:
 def _course(words: Iterator[str]) -> Course:
     least, greatest = float(next(words)), float(next(words))
     return Course(least, greatest, *(int(next(words)) for _ in range(3)))
+
+
+_SCRIPT = Path(__file__).with_name("python_worker.py")
+_SECONDS = 300.0
+_AT_ONCE = 4096
+
+
+@dataclass(frozen=True)
+class Trip:
+    """What becomes of a message.
+
+    Attributes:
+        notes: Policy and field of each value that was limited or left out.
+        is_refused: Whether the error is one by which bridges drop messages.
+    """
+
+    between: bytes | None
+    back: bytes | None
+    notes: tuple[str, ...]
+    error: str
+    is_refused: bool
+
+
+class PythonForm(Worker):
+    """The process with the Python form of a map; close it at the end."""
+
+    def __init__(self, code: BridgeCode, name: str) -> None:
+        now = str(int(NOW.timestamp())), str(NOW.microsecond * 1000)
+        super().__init__(code, _SCRIPT, name, name.capitalize(), *now)
+
+    def trips(
+        self, messages: Sequence[bytes], joins_back: bytes, *, to_ros: bool, has_back: bool
+    ) -> list[Trip]:
+        """Returns what becomes of messages by a translation, and by its opposite."""
+        found: list[Trip] = []
+        way = "to_ros" if to_ros else "to_jaus"
+        for start in range(0, len(messages), _AT_ONCE):
+            part = [each.hex() for each in messages[start : start + _AT_ONCE]]
+            request = {"way": way, "back": has_back, "joins": joins_back.hex(), "messages": part}
+            found += map(_trip, self.ask(request, _SECONDS))
+        return found
+
+
+def _trip(answer: list[Any]) -> Trip:
+    between, back, notes, error, is_refused = answer
+    return Trip(_bytes(between), _bytes(back), tuple(notes), error, is_refused)
+
+
+def _bytes(text: str | None) -> bytes | None:
+    return None if text is None else bytes.fromhex(text)

@@ -73,12 +73,9 @@ class Number:
     """A number in the bytes of a message.
 
     Attributes:
-        at: Its first byte.
         size: Bytes of the integer that it is, or is a part of.
-        kind: `unsigned`, `signed` or `float`.
         shift: Its lowest bit in that integer.
         lower: Value of the integer 0.
-        step: Difference between the values of neighbouring integers.
     """
 
     path: str
@@ -188,11 +185,7 @@ class _Walk:
         self.numbers: list[Number] = []
 
     def layout(self) -> Layout:
-        """Returns what was found.
-
-        Raises:
-            LayoutError: Not all bytes are of the message.
-        """
+        """Returns what was found."""
         if self._at != len(self._data):
             raise LayoutError("there are bytes behind the message")
         return Layout(bytes(self._data), self.numbers)

@@ -6,7 +6,7 @@ import re
 from html import escape
 from typing import TYPE_CHECKING
 
-from jausml.proving.text import told, unit_of
+from jausml.proving.results import told, unit_of
 from jausml.views.pages import hashed, page_head
 
 if TYPE_CHECKING:
@@ -35,11 +35,7 @@ _WIDTH, _HEIGHT, _TOP, _BELOW = 720, 150, 18, 24
 def pages(
     results: Sequence[MapResult], faults: Mapping[str, Sequence[str]]
 ) -> Iterator[tuple[str, str]]:
-    """Yields the names and texts of the pages.
-
-    Args:
-        faults: What falls short, by name of the map.
-    """
+    """Yields the names and texts of the pages."""
     files = dict.fromkeys(["index.html"])
     rows = []
     for each in results:

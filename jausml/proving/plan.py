@@ -1,13 +1,10 @@
-"""What is to be proved of a map: which numbers go through it, in which message, which values.
-
-Which number reaches which is found by trying: a number counts as carried where another value of it
-makes another message.
-"""
+"""What is to be proved of a map: which numbers go through it, in which message, which values."""
 
 from __future__ import annotations
 
 import functools
 import math
+import random
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -15,27 +12,64 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.proving.compiled_form import Sweep
-from jausml.proving.inputs import inputs
-from jausml.proving.layout import (
-    FLOAT,
-    JAUS,
-    ROS,
-    SHARES,
-    USUAL,
-    LayoutError,
-    Usual,
-)
-from jausml.proving.values import directed, some
+from jausml.proving.layout import FLOAT, JAUS, ROS, SHARES, USUAL, LayoutError, Usual
+from jausml.proving.round_trips import inputs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.language.semantics.paths.scopes import PathScope
     from jausml.proving.compiled_form import CompiledForm
-    from jausml.proving.inputs import Input
     from jausml.proving.layout import Layout, Number
     from jausml.proving.proof_bridge import ProofCode
-    from jausml.proving.round_trips import RoundTrip
+    from jausml.proving.round_trips import Input, RoundTrip
+
+SEED = 5684
+"""Begins the random values, so that each run tries the same ones."""
+
+_NEAR = 64
+"""How many neighbours of an end are tried."""
+
+_USUAL = 400.0
+_REALS = (0.5, 1.0, 1.5, 2.0, 3.141592653589793, 1.5707963267948966, 6.283185307179586, 90.0, 180.0)
+
+
+def directed(number: Number, count: int) -> list[int]:
+    """Returns positions of values in their order: ends, powers of two, halves, and random ones."""
+    total = 1 << number.bits
+    if total <= count:
+        return list(range(total))
+    found = {each for each in _marked(number, total) if 0 <= each < total}
+    draw = random.Random(SEED)
+    if number.kind == FLOAT:
+        # Of all bits, most are numbers that no quantity has; these are of a usual size.
+        usual = (draw.uniform(-_USUAL, _USUAL) for _ in range(count // 2))
+        found.update(number.index(number.bits_of(each)) for each in usual)
+    while len(found) < count:
+        found.add(draw.getrandbits(number.bits))
+    return sorted(found)
+
+
+def some(number: Number, count: int) -> list[int]:
+    """Returns about so many of these positions."""
+    found = directed(number, count)
+    return found[:: max(1, len(found) // count)]
+
+
+def _marked(number: Number, total: int) -> Iterator[int]:
+    for end in (0, total // 2, total - 1, total // 4, 3 * total // 4):
+        yield from range(end - _NEAR, end + _NEAR + 1)
+    for power in range(number.bits):
+        for near in (-1, 0, 1):
+            yield (1 << power) + near
+            yield total - (1 << power) + near
+            yield number.index(((1 << power) + near) % total)
+    if number.kind == FLOAT:
+        for each in _REALS:
+            for sign in (1, -1):
+                middle = number.index(number.bits_of(sign * each))
+                yield from range(middle - 2, middle + 3)
+
 
 _WATCHED = 8
 """Of how many numbers of the other message it is followed how they go with one."""
@@ -53,8 +87,6 @@ class Field:
     """A number whose values go through a map.
 
     Attributes:
-        side: Where its values come from: `JAUS` or `ROS`.
-        sweep: Its values in whole messages.
         shortcut: Number of the function that does without the rest of the message; 0 for none.
         partners: The numbers that share a number of the other message with it.
     """
@@ -96,8 +128,6 @@ class _Side:
     """A message with the translation that takes it, and whether there is one that makes it.
 
     Attributes:
-        own: What the translation takes.
-        other: What the opposite one takes.
         shortcuts: The functions that sweep single numbers, by path.
         units: Returns the unit that the model knows of a path.
     """
@@ -113,11 +143,7 @@ class _Side:
 
 @dataclass(frozen=True)
 class _Passing:
-    """A message that is translated, and what of it comes back, if it does.
-
-    Attributes:
-        made: Bytes of the message that is made of it.
-    """
+    """A message that is translated, and what of it comes back, if it does."""
 
     first: Layout
     settled: Layout | None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation import native
 from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge
-from jausml.live.workers.bridge_code import Maker, bridge_code, bridge_of_maps
+from jausml.live.workers.worker import Maker, bridge_code, bridge_of_maps
 from jausml.proving.layout import NOW
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model import Model
-    from jausml.live.workers.bridge_code import BridgeCode
+    from jausml.live.workers.worker import BridgeCode
     from jausml.proving.round_trips import RoundTrip
 
 NAME = "proof"
@@ -32,10 +32,7 @@ class ProofCode:
     """The code of a map, as `jausml generate` makes it of a bridge, and the program of its proof.
 
     Attributes:
-        core: The source of the compiled core.
-        headers: What it includes, by name.
         directions: Those that are compiled, by whether they make messages of ROS.
-        reasons: Why the others are left to Python.
         shortcuts: Paths of the numbers that the program sweeps without the rest of the message.
     """
 
@@ -99,7 +96,7 @@ def _model(model: Model, trip: RoundTrip) -> Model:
     for known in _quantities(trip).values():
         copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
         copied.value = known.value
-        make.own(owner, "quantities", copied)
+        make.link(owner, "quantities", copied)
     return made
 
 

@@ -1,18 +1,32 @@
-"""What is proved: the ways of values through maps and back."""
+"""What is proved: ways of values through maps and back, what they take, which assignment gives."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+import re
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.language import wire
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.subject import Subject
+from jausml.proving.layout import (
+    JAUS,
+    USUAL,
+    Layout,
+    LayoutError,
+    Number,
+    Usual,
+    jaus_layout,
+    ros_layout,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
+    from jausml.language.metamodel.classes import jaus, ros
     from jausml.language.model import Model
     from jausml.language.semantics.connections.topics import Endpoint
 
@@ -22,7 +36,6 @@ class RoundTrip:
     """The way of values through a map and back, in the directions that there are.
 
     Attributes:
-        to_ros: The map that makes messages of ROS.
         to_jaus: The map that makes JAUS messages: the same one, or that of another connection.
         connections: Those whose policies and quantities count; of several, those of the first.
     """
@@ -76,3 +89,119 @@ def _trip(published: Endpoint, taken: Endpoint) -> Iterator[RoundTrip]:
     if all(len(each) == 1 for each in values.values()):
         name = f"{published.owner.name}.{first.name} + {taken.owner.name}.{second.name}"
         yield RoundTrip(name, to_ros, to_jaus, (first, second))
+
+
+def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:
+    """Returns the assignment that gives a number of a side its value when it comes back."""
+    assignments = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
+    for each in field_assignments(assignments):
+        targets = (one.strip() for one in str(each.target).split(","))
+        if any(_is_at(path, target) for target in targets):
+            return each
+    return None
+
+
+def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
+    """Whether an assignment gives one number the value of one source.
+
+    What shares an assignment, as the parts of an orientation do, may rightly be lost in it.
+    """
+    if assignment is None or "," in assignment.source:
+        return False
+    return f".{path}".endswith(f".{str(assignment.target).strip()}")
+
+
+def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
+    """Yields those of fields, in lists too."""
+    for each in assignments:
+        if isinstance(each, bridge.FieldAssignment):
+            yield each
+        elif isinstance(each, bridge.ListAssignment):
+            yield from field_assignments(each.assignments)
+
+
+def _is_at(path: str, target: str) -> bool:
+    """Whether the path of a number is that of a target, or of something in it."""
+    if path == target or path.startswith(f"{target}."):
+        return True
+    plain = re.sub(r"\[\d+\]", "", path)
+    return "[" in path and "[" not in target and plain.endswith(f".{target.lstrip('/')}")
+
+
+Making: TypeAlias = "Callable[[bytes | None, Usual], Layout]"
+"""Makes a message of usual values, or finds the numbers in one."""
+
+_SIZE = 4
+
+
+@dataclass(frozen=True)
+class Input:
+    """What a translation takes.
+
+    Attributes:
+        joins: The joined messages, by the names with which paths of their numbers begin.
+    """
+
+    message: Making
+    joins: Mapping[str, Making]
+
+    def layout(self, data: bytes | None, usual: Usual = USUAL) -> Layout:
+        """Returns messages of usual values, or the numbers in some."""
+        makings = {"": self.message, **self.joins}
+        given = [None] * len(makings) if data is None else self._split(data)
+        made, numbers, sizes = b"", list[Number](), b""
+        for (name, making), part in zip(makings.items(), given, strict=True):
+            layout = making(part, usual)
+            numbers += [_behind(made, name, each) for each in layout.numbers]
+            made += layout.data
+            sizes += len(layout.data).to_bytes(_SIZE, "little") if name else b""
+        return Layout(made + sizes, numbers)
+
+    def main(self, data: bytes) -> bytes:
+        """Returns the message without the joined ones."""
+        return self._split(data)[0]
+
+    @functools.cached_property
+    def usual_joins(self) -> bytes:
+        """Joined messages of usual values, which stand behind a message."""
+        made = self.layout(None).data
+        return made[len(self.main(made)) :]
+
+    def _split(self, data: bytes) -> list[bytes]:
+        count, parts = len(self.joins), list[bytes]()
+        end = len(data) - _SIZE * count
+        sizes = data[max(0, end) :]
+        for at in reversed(range(0, _SIZE * count, _SIZE)):
+            begin = end - int.from_bytes(sizes[at : at + _SIZE], "little")
+            if begin < 0:
+                raise LayoutError("joined messages are cut off")
+            parts.append(data[begin:end])
+            end = begin
+        return [data[:end], *reversed(parts)]
+
+
+def _behind(made: bytes, name: str, number: Number) -> Number:
+    path = f"{name}.{number.path}" if name else number.path
+    return replace(number, path=path, at=len(made) + number.at)
+
+
+def inputs(trip: RoundTrip) -> dict[bool, Input]:
+    """Returns what the translations of a round trip take, by whether they make messages of ROS."""
+    return {
+        True: Input(
+            _jaus(trip.to_ros.message),
+            {str(each.name): _jaus(each.message) for each in trip.to_ros.reportJoins},
+        ),
+        False: Input(
+            _ros(trip.to_jaus.type),
+            {str(each.name): _ros(each.type) for each in trip.to_jaus.joins},
+        ),
+    }
+
+
+def _jaus(message: jaus.MessageDef) -> Making:
+    return functools.partial(jaus_layout, wire.resolve(message))
+
+
+def _ros(type_: ros.MessageType) -> Making:
+    return functools.partial(ros_layout, type_)

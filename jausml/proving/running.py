@@ -1,30 +1,68 @@
-"""Runs of proofs: all values of narrow numbers, and those of wide ones as far as the time goes."""
+"""Runs of proofs: all values of narrow numbers, of wide ones as far as time goes, in a pool."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 import time
+from collections import Counter
 from contextlib import closing
 from dataclasses import dataclass, replace
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.proving.compiled_form import CompiledForm, Tally, compiled
-from jausml.proving.known import Known
-from jausml.proving.plan import plan
+from jausml.generation.native import COMPILERS, compiler
+from jausml.generation.rendering import digest, tool
+from jausml.language.model.cache import keep, kept
+from jausml.language.project import OneDocument, one_document
+from jausml.live.workers.pool import Work
+from jausml.live.workers.pool_processes import PoolError
+from jausml.live.workers.worker import WorkerError
+from jausml.proving.compiled_form import CompiledForm, ProgramError, PythonForm, Tally, compiled
+from jausml.proving.plan import directed, plan
 from jausml.proving.proof_bridge import NAME, proof_code
-from jausml.proving.python_form import PythonForm
-from jausml.proving.results import MapResult
+from jausml.proving.results import MapResult, map_result
+from jausml.proving.round_trips import field_assignments, inputs, round_trips
 from jausml.proving.summary import EXAMPLES, Swept, summed_up
-from jausml.proving.values import directed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.model import Model
     from jausml.proving.plan import Field
+    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.round_trips import RoundTrip
+
+
+class Known:
+    """The place of the result of a map."""
+
+    def __init__(self, code: ProofCode, trip: RoundTrip) -> None:
+        self._name = (
+            f"proof-{digest([trip.name, code.core, code.program, code.python.digest])[:24]}"
+        )
+        try:
+            self._state = digest(
+                [
+                    *tool(),
+                    *(repr(each.layout(None)) for each in inputs(trip).values()),
+                    repr([each.precision for each in field_assignments(trip.to_jaus.toJaus)]),
+                ]
+            )
+        except (OSError, PackageNotFoundError, ValueError):
+            self._state = ""  # nobody knows what proves
+
+    def load(self) -> MapResult | None:
+        """Returns what was found; None where nothing is known."""
+        found = kept(self._name, self._state) if self._state else None
+        return None if found is None else map_result(found)
+
+    def store(self, result: MapResult) -> None:
+        """Keeps what was found."""
+        if self._state:
+            keep(self._name, self._state, result.to_json())
+
 
 NARROW = 16
 """Bits of numbers of which all values are tried in whole messages."""
@@ -44,9 +82,7 @@ class Settings:
     """How proofs run.
 
     Attributes:
-        program: The compiler.
         budget: Seconds for all values of numbers of more than 16 bits, where they can be tried.
-        jobs: How many processors work at once.
         is_cached: Whether what was proved before counts.
     """
 
@@ -57,12 +93,7 @@ class Settings:
 
 
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
-    """Yields what becomes of the values of maps.
-
-    Raises:
-        ProgramError: The compiler refuses the program of a map, or it ends.
-        WorkerError: The process of the Python form ends.
-    """
+    """Yields what becomes of the values of maps."""
     deadline = time.monotonic() + settings.budget
     for each in trips:
         yield _proved(model, each, settings, deadline)
@@ -138,3 +169,64 @@ def _is_alike(whole: Tally, short: Tally) -> bool:
 def processors() -> int:
     """Returns how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class _Shared:
+    document: OneDocument
+    settings: Settings
+    until: float
+
+
+class _Prover:
+    """Proves the maps of a model, one after another."""
+
+    def __init__(self, shared: _Shared) -> None:
+        self._shared = shared
+        self._model = shared.document.read().model
+        self._trips = round_trips(self._model)
+
+    def __call__(self, piece: tuple[str, int]) -> MapResult:
+        name, number = piece
+        trip = [each for each in self._trips if each.name == name][number]
+        settings = replace(self._shared.settings, program=program())
+        return _piece(self._model, trip, settings, self._shared.until)
+
+
+def prove_all(
+    model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str = ""
+) -> Iterator[tuple[int, MapResult]]:
+    """Yields the numbers of maps and what becomes of their values, in any order."""
+    until = time.time() + settings.budget
+    if not scheduler and min(settings.jobs, len(trips)) == 1:
+        for number, each in enumerate(trips):
+            yield number, _piece(model, each, settings, until)
+        return
+    threads = 1 if scheduler else max(1, settings.jobs // len(trips))
+    shared = _Shared(one_document(model), replace(settings, jobs=threads), until)
+    seen: Counter[str] = Counter()
+    pieces = []
+    for each in trips:
+        pieces.append((each.name, seen[each.name]))
+        seen[each.name] += 1
+    yield from Work(_Prover, shared).results(pieces, settings.jobs, scheduler)
+
+
+def program() -> str:
+    """Returns the compiler of this machine."""
+    found = compiler()
+    if found is None:
+        wanted = " or ".join(COMPILERS)
+        raise PoolError(f"there is no C++ compiler: install {wanted}, or name one by CXX")
+    return found
+
+
+def _piece(model: Model, trip: RoundTrip, settings: Settings, until: float) -> MapResult:
+    settings = replace(settings, budget=max(0.0, until - time.time()))
+    try:
+        (found,) = prove(model, [trip], settings)
+    except (ProgramError, WorkerError) as error:
+        found = unproved(trip)
+        found.error = str(error)
+        found.remarks = [f"not proved: {found.error.partition(chr(10))[0]}"]
+    return found

@@ -7,18 +7,17 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.proving.assignments import assignment_of, is_alone
 from jausml.proving.layout import FLOAT, JAUS
+from jausml.proving.plan import some
 from jausml.proving.results import Extreme, FieldResult, Mixed, Reached
-from jausml.proving.values import some
+from jausml.proving.round_trips import assignment_of, is_alone
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.proving.compiled_form import CompiledForm, Tally
+    from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
     from jausml.proving.layout import Number
     from jausml.proving.plan import Field
-    from jausml.proving.python_form import PythonForm, Trip
     from jausml.proving.round_trips import RoundTrip
 
 _COMPARED = 300

@@ -1,8 +1,9 @@
-"""The argument: a goal for each hazard and element, with answers, evidence, and what is missing."""
+"""The argument: a goal for each hazard and element, with answers, what evidence says, and gaps."""
 
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import PurePath
@@ -13,18 +14,183 @@ from jausml.generation.system import name_of
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.model import digests
 from jausml.language.semantics.subject import Subject, remembering
+from jausml.safety_case import evidence as kinds
 from jausml.safety_case.evidence import RULES, Evidence
-from jausml.safety_case.hazards import ASSUMPTIONS, HAZARDS, Answer, carried_maps
-from jausml.safety_case.supports import Concern, Support, supports
+from jausml.safety_case.hazards import HAZARDS, Answer, carried_maps
 from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.model import Location
     from jausml.language.validation.rule import Report
-    from jausml.safety_case.generated import GeneratedTests
+    from jausml.safety_case.evidence import GeneratedTests
     from jausml.safety_case.hazards import Hazard, Row
+
+ASSUMPTIONS = (
+    "Components, nodes and code of users outside of what is generated behave as the model says.",
+    "JAUS has no authentication: who can forge addresses on the network is outside of this case.",
+    "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
+    "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
+    "A stop that the model states does stop the machine: only who knows the machine can say so.",
+)
+"""What no part of a model can argue."""
+
+_ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
+MARGIN = 1.0
+"""Seconds that a stop in a fault run may come later than the model says: those of its watch."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """What a piece of evidence says of a goal."""
+
+    evidence: str
+    holds: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class Concern:
+    """A hazard at an element (`places`: paths by names of the element and its maps)."""
+
+    hazard: Hazard
+    row: Row[Any]
+    name: str
+    places: tuple[str, ...]
+    owner: str
+    maps: tuple[str, ...]
+    answers: tuple[Answer, ...]
+    tests: Mapping[str, Sequence[str]]
+
+    @property
+    def kinds(self) -> list[str]:
+        """The kinds of evidence that could show its answers, besides rules."""
+        without = [] if self.hazard.properties else [kinds.MODEL_CHECK]
+        if self.answers and all(each.reason for each in self.answers):
+            # What stands has no stop that could be seen.
+            without += [kinds.TEST_RUN, kinds.FAULT_RUNS, kinds.MUTATIONS]
+        return [each for each in self.row.kinds if each not in without]
+
+    def has(self, path: str) -> bool:
+        """Tells whether a path is that of the element, of a map, what is in them, or the owner."""
+        inside = (path == each or path.startswith(f"{each}/") for each in self.places)
+        return path == self.owner or any(inside)
+
+
+def supports(concern: Concern, report: Report, evidence: Sequence[Evidence]) -> Iterator[Support]:
+    """Yields what evidence of the model as it is says of a hazard at an element."""
+    for each in evidence:
+        if each.kind == kinds.RULES:
+            yield Support(each.id, *_rules(concern, report))
+        elif each.kind in concern.kinds and not each.stale:
+            try:
+                said = list(_READERS[each.kind](concern, each.content))
+            except (AttributeError, KeyError, TypeError, ValueError) as error:
+                what = f"{each.path} holds no {each.kind} that can be read"
+                raise kinds.EvidenceError(f"{what}: {type(error).__name__} {error}") from error
+            yield from (Support(each.id, *one) for one in said)
+
+
+_Said = tuple[bool, str]
+
+
+def _rules(concern: Concern, report: Report) -> _Said:
+    rules = concern.hazard.rules.split()
+    found = [e for e in report.diagnostics if e.rule in rules and concern.has(e.element)]
+    if found:
+        return False, "; ".join(f"{each.rule} {each.message}" for each in found)
+    aside = [e for e in report.set_aside if e.diagnostic.rule in rules]
+    aside = [each for each in aside if concern.has(each.diagnostic.element)]
+    notes = (f"; {each.diagnostic.rule} {each.ground.value}: {each.reason}" for each in aside)
+    return True, f"{', '.join(rules)} hold{''.join(notes)}"
+
+
+def _tests(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
+    for module, names in concern.tests.items():
+        outcomes = {name: content["tests"].get(f"{module}.{name}") for name in names}
+        bad = [name for name, each in outcomes.items() if each in ("failure", "error")]
+        if bad:
+            yield False, f"{', '.join(bad)} failed"
+        elif {*outcomes.values()} == {"passed"}:
+            number = names[0] if len(names) == 1 else f"{len(names)} tests"
+            yield True, f"{number} of {module} passed"
+
+
+def _found(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
+    """Returns what was found about a subject of evidence, by some rules or by any."""
+    found = subject["found"] if isinstance(subject["found"], list) else []
+    told = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in found]
+    chosen = [each for each in told if not rules or each.get("rule") in rules]
+    return "; ".join(f"{e.get('rule', '')} {e.get('message', '')}".strip() for e in chosen)
+
+
+def _proof(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
+    for each in content["maps"]:
+        if each["name"] in concern.maps:
+            tried = [int(one["tried"]) for one in each["fields"]]
+            whole = sum(one["tried"] == one["total"] for one in each["fields"])
+            about = f"{len(tried)} numbers, {whole} of them whole, {sum(tried):,} values"
+            against = _found(each)
+            text = against or f"{about}, no findings"
+            yield not against, f"map {each['name']}: {text}"
+
+
+def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
+    rules = concern.hazard.properties
+    for each in content["products"]:
+        name = str(each["name"])
+        if name == concern.name or name.startswith((f"{concern.name} to ", f"{concern.name}: ")):
+            against = _found(each, rules)
+            if against or each["complete"] is True:
+                text = against or f"{', '.join(rules)} hold in all states"
+                yield not against, f"{name}: {text}"
+
+
+def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
+    """Yields what became of mutations: of assignments for what maps mean, of the rest for stops."""
+    is_of_maps = concern.hazard.checks == "*"
+    tried = [
+        each
+        for each in content["outcomes"]
+        if concern.has(str(each["place"]))
+        and (is_of_maps or not _ASSIGNMENT.search(str(each["place"])))
+    ]
+    alive = [each for each in tried if each["noticed_by"] == "nothing"]
+    if alive:
+        told = (f"{each['words']} ({each.get('by') or 'for no known reason'})" for each in alive)
+        yield False, f"nothing notices: {'; '.join(told)}"
+    elif tried:
+        yield True, f"{len(tried)} mutations, all noticed or of no effect"
+
+
+def _fault_runs(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
+    """Yields the slowest stop of the runs that provoke the hazard."""
+    runs = {run: each.get("stopped") for run, each in content["faults"].items()}
+    runs |= content["guardian"] if isinstance(content.get("guardian"), dict) else {}
+    name = concern.name.rpartition(".")[2]
+    times = {
+        run: float(each[name])
+        for run, each in runs.items()
+        if isinstance(each, dict)
+        and isinstance(each.get(name), int | float)
+        and any(fnmatchcase(run, pattern) for pattern in concern.hazard.runs)
+    }
+    if times:
+        run, slowest = max(times.items(), key=lambda each: each[1])
+        stated = max((each.seconds for each in concern.answers), default=0.0)
+        holds = not stated or slowest <= stated + MARGIN
+        late = "" if holds else f", the model says {stated:g} s"
+        yield holds, f"{len(times)} runs; slowest stop after {slowest:.2f} s ({run}){late}"
+
+
+_READERS = {
+    kinds.TEST_RUN: _tests,
+    kinds.PROOF: _proof,
+    kinds.MODEL_CHECK: _model_check,
+    kinds.MUTATIONS: _mutations,
+    kinds.FAULT_RUNS: _fault_runs,
+}
 
 
 @dataclass(frozen=True)
@@ -32,10 +198,6 @@ class Goal:
     """That a hazard is answered at an element.
 
     Attributes:
-        id: Hazard and element, which stays while others come and go.
-        number: Its number in pictures and documents.
-        element: Path of the element by names.
-        supported: Whether it has an answer and evidence for it, and nothing against it.
         gaps: What the model lacks, and decisions that are open.
         lacks: Kinds of evidence that could show it and were not found.
     """

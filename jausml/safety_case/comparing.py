@@ -52,7 +52,6 @@ class Former:
     """A case that is checked in.
 
     Attributes:
-        path: Its file, as findings name it.
         evidence: What it says of its files of evidence, by their paths.
         goals: Ids and elements of the goals that it shows.
     """
@@ -70,11 +69,7 @@ class Former:
 
 
 def former_case(path: str, text: str) -> Former:
-    """Returns the case that a text holds.
-
-    Raises:
-        CaseError: It holds none.
-    """
+    """Returns the case that a text holds."""
     try:
         plain = json.loads(text)
         evidence = {str(e["path"]): e for e in plain["evidence"] if e["path"]}
@@ -89,11 +84,7 @@ def former_case(path: str, text: str) -> Former:
 
 
 def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> list[Diagnostic]:
-    """Returns what a case has lost, compared with one that is made now of the same files.
-
-    Args:
-        unread: Why files of evidence cannot be read, by their paths.
-    """
+    """Returns what a case has lost, compared with one that is made now of the same files."""
     found = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
     if not found and to_plain(case) != former.plain:
         found = [_finding(_OLD, Location(former.path), "the case is not what is found now")]

@@ -1,9 +1,4 @@
-"""Evidence: files that say what was found of a model, and of which version of it.
-
-Results of jausml name the files of their model by `digests`. Of others, such as JUnit reports and
-fault runs, a list by `sha256sum` beside them does: FILE.sha256 has the digests of FILE and of the
-model. Evidence of another version of the model, or that names none, says nothing.
-"""
+"""Evidence: files that say what was found of a model, and the tests that are generated of it."""
 
 from __future__ import annotations
 
@@ -16,11 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from jausml.generation.artifact import text_digest
+from jausml.generation.rendering import render
+from jausml.generation.system import system_of
 from jausml.language.model.inputs import read_input
+from jausml_generators.bridge.target import TARGET
+from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
+
+    from jausml.language.model.model import Model
 
 RULES, PROOF, MODEL_CHECK = "rules", "proof", "model check"
 MUTATIONS, FAULT_RUNS, TEST_RUN = "mutations", "fault runs", "test run"
@@ -47,7 +49,6 @@ class Evidence:
     Attributes:
         path: Its file, relative to the folder of the case; empty for what was found just now.
         stale: Why it says nothing of the model as it is; empty for nothing.
-        content: What the file holds.
     """
 
     id: str
@@ -59,15 +60,7 @@ class Evidence:
 
 
 def read_evidence(file: Path, path: str, number: int, model: Collection[str]) -> Evidence:
-    """Reads a file of evidence.
-
-    Args:
-        path: How the case names it.
-        model: Digests of the files of the model.
-
-    Raises:
-        EvidenceError: The file cannot be read, or is of no kind that is known.
-    """
+    """Reads a file of evidence."""
     data = _data(file)
     digest = sha256(data).hexdigest()
     kind, content = _content(data, is_xml=file.suffix == ".xml")
@@ -125,4 +118,39 @@ def _tests(data: bytes) -> dict[str, str]:
             found[name] = outcomes[0] if outcomes else "passed"
     if not found:
         raise EvidenceError("is no JUnit report: it has no test cases")
+    return found
+
+
+_TEST = re.compile(r"^def test_(\w+)\(", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class GeneratedTests:
+    """Tests of a bridge.
+
+    Attributes:
+        names: What stands behind the names of connections in those of tests, by connection.
+    """
+
+    path: str
+    sha256: str
+    owner: str
+    names: dict[str, list[str]]
+
+
+def generated_tests(model: Model) -> list[GeneratedTests]:
+    """Returns the tests of the bridges of a model without errors."""
+    found = []
+    artifacts = {each.element_id: each for each in render(model, [TARGET]) if "/test/" in each.path}
+    for owner in system_of(model).bridges:
+        artifact = artifacts[f"bridge:{owner.name}"]
+        carriers = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
+        names: dict[str, list[str]] = {snake_case(str(each.name)): [] for each in carriers}
+        for test in _TEST.findall(artifact.text):
+            known = (e for e in names if test == e or test.startswith(f"{e}_"))
+            longest = max(known, key=len, default="")
+            if longest:
+                names[longest].append(test.removeprefix(longest))
+        digest = text_digest(artifact.text)
+        found.append(GeneratedTests(artifact.path, digest, str(owner.name), names))
     return found

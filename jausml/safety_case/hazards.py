@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.assignments.frames import axis_of, passage
@@ -38,12 +38,7 @@ ElementT = TypeVar("ElementT")
 
 @dataclass(frozen=True)
 class Answer:
-    """What an element does about a hazard.
-
-    Attributes:
-        seconds: Within which it does so; 0 where the model states no time.
-        reason: Why a person says that it is safe, where the answer stands on that.
-    """
+    """What an element does about a hazard: in some seconds, or for a reason that a person gave."""
 
     text: str
     seconds: float = 0.0
@@ -52,13 +47,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Row(Generic[ElementT]):
-    """Elements of one kind that a hazard concerns.
-
-    Attributes:
-        claim: What shall hold of an element; `{}` stands for its name.
-        gap: What is missing without an answer; one that answers is enough.
-        kinds: Kinds of evidence that could show it, besides rules.
-    """
+    """Elements of one kind that a hazard concerns; `{}` in the claim stands for the name of one."""
 
     claim: str
     find: Callable[[Subject], Iterable[ElementT]]
@@ -105,13 +94,7 @@ def _is_to_ros(carrier: Carrier) -> bool:
 
 
 def _owner(carrier: Carrier) -> bridge.Bridge:
-    owner = carrier.eContainer()
-    if not isinstance(owner, bridge.Bridge):
-        raise TypeError(f"'{carrier.name}' is in no bridge")
-    return owner
-
-
-# Answers.
+    return cast("bridge.Bridge", carrier.eContainer())
 
 
 def _after(seconds: float, text: str) -> Answer | None:
@@ -165,11 +148,8 @@ def _held(commander: Commander) -> Answer | None:
 def _peers_lapse(commander: Commander) -> Answer | None:
     times = [int(each.controlTimeout) for each in commander.peers]
     lapse = max(times) if times and all(times) and commander.control else 0
-    said = (
-        " (external: if they do what the model says)"
-        if any(e.external for e in commander.peers)
-        else ""
-    )
+    is_external = any(each.external for each in commander.peers)
+    said = " (external: if they do what the model says)" if is_external else ""
     return _after(lapse, f"control of its peers lapses when it is not renewed for {{:g}} s{said}")
 
 
@@ -241,9 +221,6 @@ def _is_known(placed: Placed[bridge.FieldAssignment]) -> bool:
     return bool(sources and targets) and len(axes) == 1 and is_followed
 
 
-# Elements.
-
-
 def _connections(
     wanted: Callable[[bridge.Connection], bool],
 ) -> Callable[[Subject], list[bridge.Connection]]:
@@ -285,15 +262,11 @@ def _components(subject: Subject) -> list[jaus.Component]:
     return [e for e in found if not isinstance(e, bridge.Bridge) and any(_moving(e))]
 
 
-def _asking(subject: Subject) -> list[jaus.ServiceConnection]:
-    return subject.instances(jaus.ServiceConnection)
+def _instances(kind: type[Any]) -> Callable[[Subject], list[Any]]:
+    return lambda subject: subject.instances(kind)
 
 
-def _bridges(subject: Subject) -> list[bridge.Bridge]:
-    return subject.instances(bridge.Bridge)
-
-
-# The table.
+_asking, _bridges = _instances(jaus.ServiceConnection), _instances(bridge.Bridge)
 
 
 def _unfresh(connection: bridge.Connection) -> str:
@@ -427,12 +400,3 @@ HAZARDS = (
         ),
     ),
 )
-
-ASSUMPTIONS = (
-    "Components, nodes and code of users outside of what is generated behave as the model says.",
-    "JAUS has no authentication: who can forge addresses on the network is outside of this case.",
-    "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
-    "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
-    "A stop that the model states does stop the machine: only who knows the machine can say so.",
-)
-"""What no part of a model can argue."""

@@ -11,7 +11,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from jausml.generation import literals
-from jausml.generation import literals as docstrings
 
 HOSTILE = [
     '"""; import os; os.abort() #',
@@ -68,7 +67,7 @@ def test_pyliteral_of_nan_and_of_other_types():
 @given(encodable, st.integers(0, 12))
 def test_docstring_is_one_string_and_nothing_else(text, indent):
     margin = " " * indent
-    literal = docstrings.model_docstring(text, indent)
+    literal = literals.model_docstring(text, indent)
     source = f"if True:\n{margin} {literal}\n"
 
     body = ast.parse(source).body[0].body
@@ -82,13 +81,13 @@ def test_docstring_is_one_string_and_nothing_else(text, indent):
 def test_docstring_keeps_words_and_paragraphs():
     text = 'Says "hi" to C:\\temp.\n\nSecond\nparagraph.'
 
-    literal = docstrings.model_docstring(text, 4)
+    literal = literals.model_docstring(text, 4)
 
     assert literal == ('"""Says \'hi\' to C:/temp.\n\n    Second paragraph.\n    """')
 
 
 def test_docstring_splits_a_long_first_paragraph_after_its_sentence():
-    literal = docstrings.model_docstring("First. " + "word " * 30, 4)
+    literal = literals.model_docstring("First. " + "word " * 30, 4)
 
     assert literal.startswith('"""First.\n\n    word word')
     assert max(map(len, literal.split("\n"))) <= 100

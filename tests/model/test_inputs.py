@@ -14,7 +14,7 @@ pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
     "views/analysis/assumptions.py",
-    "generation/again.py",
+    "generation/rendering.py",
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
@@ -34,7 +34,7 @@ STREAMS = {
     "cli/shared/files.py": "lines of bounded length, by pipes too",
     "cli/live/recordings.py": "writes, and captures, large and by pipes",
     "live/recording/parts.py": "writes",
-    "live/machine/network.py": "a setting of the kernel",
+    "live/machine.py": "a setting of the kernel",
 }
 
 

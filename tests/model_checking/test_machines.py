@@ -9,8 +9,7 @@ import pytest
 from jausml.generation.system import system_of
 from jausml.language.model import read_models
 from jausml.model_checking.checking import check_subject
-from jausml.model_checking.properties import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK
-from jausml.model_checking.search import Bounds
+from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, Bounds
 from jausml.model_checking.systems import subjects_of
 
 ROOT = Path(__file__).resolve().parents[2]

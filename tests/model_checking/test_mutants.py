@@ -12,11 +12,15 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.model_checking.checking import check_subject
 from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.connection import CommandConnection
-from jausml.model_checking.core_services import EMERGENCY, READY, STANDBY, CoreServices
 from jausml.model_checking.obeying import ObeyingProduct
-from jausml.model_checking.properties import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK
-from jausml.model_checking.search import Bounds
+from jausml.model_checking.runtime_machines import (
+    EMERGENCY,
+    READY,
+    STANDBY,
+    CommandConnection,
+    CoreServices,
+)
+from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, Bounds
 from jausml.model_checking.systems import Subject, subjects_of
 
 TOLD = Bounds(100_000, lambda: False)

@@ -30,7 +30,7 @@ from jausml_runtime.virtual import VirtualWorld
 from jausml.generation.system import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.model_checking.core_services import EMERGENCY_CLIENT
+from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
 from jausml.model_checking.systems import subjects_of
 
 SERVICES = tuple(

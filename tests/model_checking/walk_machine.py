@@ -22,7 +22,7 @@ from winch.winch_base import WinchBase
 
 from jausml.generation.system import system_of
 from jausml.language.model import read_models
-from jausml.model_checking.core_services import CLIENT_MESSAGES, EMERGENCY_CLIENT
+from jausml.model_checking.runtime_machines import CLIENT_MESSAGES, EMERGENCY_CLIENT
 from jausml.model_checking.systems import subjects_of
 from jausml_generators.python.names import snake_case
 

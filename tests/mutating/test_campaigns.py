@@ -10,8 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.mutating.outcomes import Campaign, Outcome
-from jausml.mutating.text import render
+from jausml.mutating.outcomes import Campaign, Outcome, render
 
 GUARDS = ("jausml/mutating", "jausml/cli/models/mutate.py")
 ROOT = Path(__file__).resolve().parents[2]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from jausml.language.validation.engine import check_project
-from jausml.mutating.products import Products
+from jausml.mutating.findings import Products
 
-GUARDS = ("jausml/mutating/products.py",)
+GUARDS = ("jausml/mutating/findings.py",)
 
 MODEL = Path(__file__).with_name("drive.ros2jaus").read_text()
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from jausml.mutating.findings import Proofs
 
 from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.engine import check_project
+from jausml.mutating.findings import Proofs
 
 GUARDS = ("jausml/mutating/findings.py",)
 

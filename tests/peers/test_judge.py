@@ -18,7 +18,6 @@ from jausml.live.messages import load_catalogue
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import TargetNotReached
 from jausml.live.peers.judging import competitions, sheets
-from jausml.live.peers.judging import sheets as pages
 from jausml.live.peers.judging.driving import Course
 from jausml.live.peers.network import make_network
 from jausml.runtime.virtual import VirtualWorld
@@ -246,7 +245,7 @@ def test_ctrl_c_stops_the_robot_and_keeps_what_was_judged():
 def test_a_robot_that_babbles_gets_a_sheet(seed):
     sheet = judged("babbles", COMPETITIONS[seed % 3], seed=seed)
     assert sheet.reached() < sheet.possible()
-    Page(pages.render_html(sheet))
+    Page(sheets.render_html(sheet))
     assert json.loads(sheets.render_json(sheet))["full"] is False
     assert all(line.isprintable() for each in sheet.scores for line in sheets.score_lines(each))
 
@@ -255,7 +254,7 @@ def test_the_same_run_gives_the_same_sheet():
     made = []
     for _ in range(2):
         random.seed(7)  # the first sequence number is drawn
-        made.append(pages.render_html(judged("skips the second")))
+        made.append(sheets.render_html(judged("skips the second")))
     assert made[0] == made[1]
 
 
@@ -281,7 +280,7 @@ class Page(HTMLParser):
 
 def test_a_sheet_tells_points_reasons_times_and_bytes():
     sheet = judged("tells half the speed")
-    page = Page(pages.render_html(sheet))
+    page = Page(sheets.render_html(sheet))
     assert page.open == []
     words = "\n".join(page.words)
     assert "58 of 60" in words
@@ -298,8 +297,8 @@ def test_a_sheet_tells_points_reasons_times_and_bytes():
 
 def test_a_name_with_markup_stays_text():
     sheet = judged("identifies as a subsystem")
-    assert "<b>" not in pages.render_html(sheet)
-    assert "&lt;b&gt;" in pages.render_html(sheet)
+    assert "<b>" not in sheets.render_html(sheet)
+    assert "&lt;b&gt;" in sheets.render_html(sheet)
 
 
 def test_json_has_all_that_a_program_needs():

@@ -20,7 +20,7 @@ def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(
 ):
     target = component()
     with opened(network, TARGET, catalogue, timeout=0.4, quiet=0.05) as session:
-        session.second.send(SetEmergency(emergency_code=1))
+        session.client(1).send(SetEmergency(emergency_code=1))
         assert session.reaches(Status.EMERGENCY)
         put = Client.put
 

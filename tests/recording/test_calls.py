@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 
 import pytest
-from jausml.live.recording.schemas import installed_definition
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -17,6 +16,7 @@ from jausml.live.messages import Catalogue
 from jausml.live.recording.mcap_files import McapRecording, TrafficFilter, copied
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits, topics_of
 from jausml.live.recording.ros_topics import RosTopics
+from jausml.live.recording.schemas import installed_definition
 
 PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"

@@ -9,8 +9,7 @@ import pytest
 
 from jausml.language.validation.engine import check_project
 from jausml.safety_case.argument import safety_case
-from jausml.safety_case.evidence import Evidence
-from jausml.safety_case.generated import generated_tests
+from jausml.safety_case.evidence import Evidence, generated_tests
 from jausml.safety_case.hazards import HAZARDS
 
 GUARDS = ("jausml/safety_case", "metamodels")

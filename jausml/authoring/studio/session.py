@@ -8,7 +8,6 @@ import os
 import threading
 from contextlib import asynccontextmanager
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from watchfiles import awatch
@@ -25,6 +24,7 @@ from jausml.language.model.project import is_model_file
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from contextlib import AbstractContextManager
+    from pathlib import Path
 
     from watchfiles import Change
 

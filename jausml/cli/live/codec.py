@@ -137,18 +137,18 @@ def _lines(inputs: tuple[str, ...], *, are_datagrams: bool) -> Iterator[Line]:
     if len(inputs) > 1 and all(map(part.fullmatch, inputs)):
         yield "arguments", " ".join(inputs)
         return
-    for number, observing in enumerate(inputs or (STDIN,), 1):
-        if observing == STDIN or _is_file(observing):
-            _refuse_capture(observing)
-            for line_number, line in enumerate(read_lines(observing), 1):
+    for number, text in enumerate(inputs or (STDIN,), 1):
+        if text == STDIN or _is_file(text):
+            _refuse_capture(text)
+            for line_number, line in enumerate(read_lines(text), 1):
                 yield f"{shown_path(text)}:{line_number}", line
         else:
-            yield f"{_ARGUMENT}{number}", observing
+            yield f"{_ARGUMENT}{number}", text
 
 
-def _is_file(observing: str) -> bool:
+def _is_file(text: str) -> bool:
     try:
-        return bool(observing) and Path(observing).exists()
+        return bool(text) and Path(text).exists()
     except (OSError, ValueError):
         return False
 
@@ -179,7 +179,7 @@ class _Output:
 
     def message(self, decoded: DecodedMessage) -> None:
         """Writes a message."""
-        from jausml.live.messages import observing as message_text
+        from jausml.live.messages import text as message_text
 
         if self._is_json:
             write(to_json(decoded.to_json()))
@@ -251,9 +251,9 @@ class _Reading:
             try:
                 self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
-                from jausml.live.traffic.observing import is_datagram
+                from jausml.live.traffic.frames import is_judp
 
-                hint = "; it has the form of a datagram: --datagram" if is_datagram(payload) else ""
+                hint = "; it has the form of a datagram: --datagram" if is_judp(payload) else ""
                 self._output.problem(place, f"{error}{hint}")
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:

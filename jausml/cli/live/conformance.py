@@ -259,7 +259,6 @@ def judge(
     wrong, 3 internal error.
     """
     from jausml.live.peers.judging import competitions, sheets
-    from jausml.live.peers.judging import sheets as pages
     from jausml.live.peers.judging.driving import Course
 
     _check_names(only, competition)
@@ -292,7 +291,7 @@ def judge(
     else:
         click.echo(sheets.render_json(sheet), nl=False)
     if output is not None:
-        write_report(pages.render_html(sheet), output)
+        write_report(sheets.render_html(sheet), output)
     if not sheet.is_full:
         raise click.exceptions.Exit(PROBLEMS)
 

@@ -58,17 +58,16 @@ def command(
     usage, 3 internal error.
     """
     from jausml.live import machine
-    from jausml.live import machine as network
-    from jausml.live import machine as ros
     from jausml.live.machine import Outcome
 
     try:
-        settings = network.settings_of(interface, port, multicast_group)
+        settings = machine.settings_of(interface, port, multicast_group)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    found = [*machine.checks(), *ros.checks(packages), *network.checks(settings)]
+    found = [*machine.python_checks(), *machine.ros_checks(packages)]
+    found += machine.network_checks(settings)
     if peers:
         found += _peers(interface, port, multicast_group, peers)
     shown = [each for each in found if not (quiet and each.verdict is Outcome.OK)]
@@ -92,7 +91,7 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     except OSError as error:
         text = f"nobody can be asked: {error.strerror or error}"
         return [Finding("peers", "network", Outcome.ERROR, text)]
-    return [Finding("peers", each.name, Outcome(each.verdict), each.text) for each in found]
+    return [Finding("peers", name, Outcome(verdict), text) for name, verdict, text in found]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:

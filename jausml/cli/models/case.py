@@ -107,8 +107,7 @@ def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCas
     from jausml.generation.errors import GenerationError
     from jausml.language.model.model import digests
     from jausml.safety_case.argument import safety_case
-    from jausml.safety_case.evidence import EvidenceError, read_evidence
-    from jausml.safety_case.generated import generated_tests
+    from jausml.safety_case.evidence import EvidenceError, generated_tests, read_evidence
 
     known, evidence, unread = digests(report.model).values(), [], {}
     for number, link in enumerate(dict.fromkeys(links), start=1):

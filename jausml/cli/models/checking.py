@@ -214,7 +214,7 @@ def _write_examples(
     outcomes: Sequence[Outcome], model: Model, folder: Path, *, force: bool
 ) -> None:
     """Writes the files of each counter-example that has steps."""
-    from jausml.model_checking.courses import course_of
+    from jausml.model_checking.formats import course_of
     from jausml.model_checking.virtual_test import virtual_test
     from jausml.views.diagrams.writers import sequence
 

@@ -77,8 +77,7 @@ def command(
     import json
 
     from jausml.language.model.model import digests
-    from jausml.mutating import text
-    from jausml.mutating.outcomes import Campaign, page
+    from jausml.mutating.outcomes import Campaign, page, render
     from jausml.mutating.running import Settings, mutations, sample
     from jausml.proving.running import processors
 
@@ -96,7 +95,7 @@ def command(
         found = {"digests": digests(broken), **campaign.to_json()}
         write_report(json.dumps(found, indent=2) + "\n", None)
     else:
-        write_report(f"{text.render(campaign)}\n", None)
+        write_report(f"{render(campaign)}\n", None)
     if output is not None:
         _write_page(page(campaign), Path(output))
     if campaign.survivors():

@@ -64,8 +64,7 @@ def command(
     2 no compiler, no such map or an unreadable model, 3 internal error.
     """
     from jausml.language.validation.formats import sarif
-    from jausml.proving import text
-    from jausml.proving.results import with_proofs
+    from jausml.proving.results import render, with_proofs
     from jausml.proving.running import Settings, processors
 
     ready = [] if Path(model).exists() else _ready(model)
@@ -82,7 +81,7 @@ def command(
     elif output_format == "json":
         write_report(_json(results, judged), None)
     else:
-        write_report(f"{text.render(results)}\n", None)
+        write_report(f"{render(results)}\n", None)
     if output_format != "sarif":
         show_findings(judged)
     if output is not None:

@@ -1,19 +1,21 @@
-"""What is found in a user's file that does not fit the model."""
+"""What is found in a user's file that does not fit the model, and the fixes that are certain."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import groupby
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from jausml.generation.contract.files import Edit, edited
+from jausml.generation.writer import replace_file
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
+from jausml.language.model.inputs import read_input
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
-
-    from jausml.generation.contract.edits import Edit
 
 
 class FindingKind(Enum):
@@ -98,8 +100,6 @@ class Finding:
     """One difference between a user's file and the model.
 
     Attributes:
-        path: The file, relative to the output folder.
-        line: Line in the file, from 1.
         stub: Ready text of the method that the model expects, or empty.
         column: Column in the line, in characters from 1.
         is_fatal: Whether the program ends or raises there.
@@ -126,3 +126,24 @@ class Finding:
         """Returns the finding as reports have it, its file being in a folder."""
         place = Location(str(out / self.path), self.line, self.column)
         return Diagnostic(self.kind.value, self.severity, place, self.message)
+
+
+@dataclass(frozen=True)
+class Fix:
+    """An edit that was made."""
+
+    path: str
+    edit: Edit
+
+
+def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
+    """Makes the edits of findings, and returns them; a file in which they do not fit stays."""
+    fixed: list[Fix] = []
+    for path, found in groupby(sorted(findings, key=lambda f: f.path), key=lambda f: f.path):
+        edits = sorted({edit for finding in found for edit in finding.edits})
+        data = read_input(out / path) if edits else b""
+        new = edited(data, edits) if edits else None
+        if new is not None and new != data:
+            replace_file(out, path, data, new)
+            fixed += [Fix(path, edit) for edit in edits]
+    return fixed

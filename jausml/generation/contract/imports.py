@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.edits import Edit, name_edit, removal
+from jausml.generation.contract.files import Edit, name_edit, removal
 from jausml.generation.contract.scopes import Scope, own_nodes
 from jausml.generation.contract.symbols import Module
 from jausml.generation.contract.syntax import absolute
@@ -16,18 +16,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.generation.contract.files import File
-    from jausml.generation.contract.names import Names
-    from jausml.generation.contract.types import Types
+    from jausml.generation.contract.types import Names, Types
 
 
 @dataclass(frozen=True)
 class Lost:
-    """An import that finds nothing.
-
-    Attributes:
-        node: The place of what is not found.
-        edits: What makes it fit for certain.
-    """
+    """An import that finds nothing (`edits`: what makes it fit for certain)."""
 
     node: ast.stmt | ast.alias
     message: str

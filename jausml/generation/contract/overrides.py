@@ -1,4 +1,4 @@
-"""Methods of a user's class against those that its generated base calls."""
+"""Classes of users' files, and their methods against those that generated bases call."""
 
 from __future__ import annotations
 
@@ -7,17 +7,87 @@ import difflib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.edits import Edit, attribute_edit, name_edit
+from jausml.generation.contract.files import Edit, attribute_edit, name_edit
 from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.contract.source import Function, read_classes
-from jausml.generation.contract.syntax import last_name
+from jausml.generation.contract.syntax import flat, last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.generation.artifact import MethodContract, SkeletonContract
     from jausml.generation.contract.files import File
-    from jausml.generation.contract.source import Definition, SourceClass
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A name defined in the body of a class.
+
+    Attributes:
+        function: The function; None for an assignment (`on_x = helper`).
+    """
+
+    line: int
+    function: Function | None
+
+
+@dataclass(frozen=True)
+class SourceClass:
+    """A class of the file.
+
+    Attributes:
+        ancestors: Names of the base classes, as they were called where they were imported from;
+            with those of base classes in the same file.
+    """
+
+    name: str
+    line: int
+    methods: dict[str, Definition]
+    ancestors: frozenset[str]
+
+
+def read_classes(tree: ast.Module) -> dict[str, SourceClass]:
+    """Returns the top-level classes of a Python file by name."""
+    statements = list(flat(tree.body))
+    aliases = {
+        alias.asname: alias.name
+        for statement in statements
+        if isinstance(statement, ast.ImportFrom)
+        for alias in statement.names
+        if alias.asname
+    }
+    classes: dict[str, SourceClass] = {}
+    for statement in statements:
+        if isinstance(statement, ast.ClassDef):
+            classes[statement.name] = _read_class(statement, aliases, classes)
+    return classes
+
+
+def _read_class(
+    node: ast.ClassDef, aliases: dict[str, str], earlier: dict[str, SourceClass]
+) -> SourceClass:
+    bases = [name for name in map(last_name, node.bases) if name]
+    methods: dict[str, Definition] = {}
+    ancestors = {aliases.get(name, name) for name in bases}
+    for base in (earlier[name] for name in reversed(bases) if name in earlier):
+        methods.update(base.methods)
+        ancestors |= base.ancestors
+    for statement in flat(node.body):
+        methods.update(_definitions(statement))
+    return SourceClass(node.name, node.lineno, methods, frozenset(ancestors))
+
+
+def _definitions(statement: ast.stmt) -> Iterator[tuple[str, Definition]]:
+    if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef)):
+        yield statement.name, Definition(statement.lineno, statement)
+    elif isinstance(statement, ast.Assign):
+        for target in statement.targets:
+            if isinstance(target, ast.Name):
+                yield target.id, Definition(statement.lineno, None)
+    elif isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name):
+        yield statement.target.id, Definition(statement.lineno, None)
+
 
 _SIMILAR = 0.6  # ratio of difflib above which two method names may be one renamed
 
@@ -37,11 +107,7 @@ class Comparison:
 
 
 def compare_class(file: File, contract: SkeletonContract, known: Mapping[str, str]) -> Comparison:
-    """Compares the class of a skeleton with the contract.
-
-    Args:
-        known: The identities of all methods that the base ever called, by name.
-    """
+    """Compares the class of a skeleton with the contract."""
     found = Comparison()
     classes = read_classes(file.tree)
     user = classes.get(contract.class_name)
@@ -100,6 +166,12 @@ def _compare_methods(
         if not method.optional:
             message = f"{user.name} does not define {_signature(method)}"
             yield Finding(FindingKind.MISSING, path, user.line, message, method.stub)
+    yield from _misfits(path, user, expected)
+
+
+def _misfits(
+    path: str, user: SourceClass, expected: Mapping[str, MethodContract]
+) -> Iterator[Finding]:
     for name, definition in user.methods.items():
         if name in expected and definition.function is not None:
             problem = _signature_problem(definition.function, expected[name])

@@ -1,14 +1,16 @@
-"""Which names a file binds where, so that a use is told from another of the same name."""
+"""Which names a file binds where, and a walk that knows the scope of each use."""
 
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
+from jausml.generation.contract.syntax import last_name
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
 Block = (
     ast.Module
@@ -45,8 +47,6 @@ class Binding:
     Attributes:
         node: The import, class or function, the statement that annotates it, or the expression
             that is assigned or iterated over.
-        alias: What is imported.
-        position: That of a parameter.
     """
 
     how: Bound
@@ -204,3 +204,103 @@ def _count(scope: Scope, target: ast.Name, binding: Binding) -> None:
 
 def _add(scope: Scope, name: str, binding: Binding) -> None:
     scope.bindings.setdefault(name, []).append(binding)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a node stands.
+
+    Attributes:
+        caught: The exceptions that are caught there, by their names; an empty one for each.
+        is_run: Whether the program comes there, as it does not to what type checkers alone read.
+    """
+
+    scope: Scope
+    caught: frozenset[str] = frozenset()
+    is_run: bool = True
+
+
+class Walk:
+    """The nodes of a file with their places, outer ones first."""
+
+    def __init__(self, tree: ast.Module, scopes: Mapping[ast.AST, Scope]) -> None:
+        self._tree = tree
+        self._scopes = scopes
+        self._is_lazy = any(
+            isinstance(each, ast.ImportFrom)
+            and each.module == "__future__"
+            and any(alias.name == "annotations" for alias in each.names)
+            for each in tree.body
+        )
+
+    def __iter__(self) -> Iterator[tuple[ast.AST, Place]]:
+        """Yields each node."""
+        waiting: list[tuple[ast.AST, Place]] = [(self._tree, Place(self._scopes[self._tree]))]
+        while waiting:
+            node, place = waiting.pop()
+            yield node, place
+            inside = [(each, at) for each, at in self._inside(node, place) if each is not None]
+            waiting += reversed(inside)
+
+    def _inside(self, node: ast.AST, place: Place) -> Iterator[tuple[ast.AST | None, Place]]:
+        match node:
+            case ast.ClassDef():
+                outside: Iterable[ast.AST | None] = (
+                    *node.decorator_list,
+                    *node.bases,
+                    *node.keywords,
+                )
+                yield from _at(place, outside)
+                yield from _at(self._within(node, place), node.body)
+            case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
+                yield from self._of_function(node, place)
+            case ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
+                yield from _at(self._within(node, place), ast.iter_child_nodes(node))
+            case ast.AnnAssign():
+                is_local = isinstance(place.scope.node, Function)
+                yield node.annotation, self._annotation(place, is_run=not is_local)
+                yield from _at(place, (node.target, node.value))
+            case ast.If():
+                is_run = place.is_run and last_name(node.test) != "TYPE_CHECKING"
+                yield node.test, place
+                yield from _at(replace(place, is_run=is_run), node.body)
+                yield from _at(place, node.orelse)
+            case ast.Try():
+                caught = frozenset(name for each in node.handlers for name in _caught(each))
+                yield from _at(replace(place, caught=place.caught | caught), node.body)
+                yield from _at(place, (*node.handlers, *node.orelse, *node.finalbody))
+            case _:
+                yield from _at(place, ast.iter_child_nodes(node))
+
+    def _of_function(
+        self, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda, place: Place
+    ) -> Iterator[tuple[ast.AST | None, Place]]:
+        given = node.args
+        yield from _at(place, (*given.defaults, *given.kw_defaults))
+        # What is caught around a definition is not caught where the function is called.
+        inner = replace(self._within(node, place), caught=frozenset())
+        if isinstance(node, ast.Lambda):
+            yield node.body, inner
+            return
+        yield from _at(place, node.decorator_list)
+        parameters = (*given.posonlyargs, *given.args, given.vararg, *given.kwonlyargs, given.kwarg)
+        annotations = (each.annotation for each in parameters if each is not None)
+        yield from _at(self._annotation(place), (*annotations, node.returns))
+        yield from _at(inner, node.body)
+
+    def _within(self, node: Block, place: Place) -> Place:
+        return replace(place, scope=self._scopes[node])
+
+    def _annotation(self, place: Place, *, is_run: bool = True) -> Place:
+        return replace(place, is_run=place.is_run and is_run and not self._is_lazy)
+
+
+def _at(place: Place, nodes: Iterable[ast.AST | None]) -> Iterator[tuple[ast.AST | None, Place]]:
+    for each in nodes:
+        yield each, place
+
+
+def _caught(handler: ast.ExceptHandler) -> list[str]:
+    """Returns the names of what a handler catches; an empty one for everything."""
+    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
+    return ["" if each is None else last_name(each) for each in kinds]

@@ -33,11 +33,7 @@ _SETTERS = ("setattr", "__setattr__", "vars")
 
 @dataclass(frozen=True, eq=False)
 class Module:
-    """A module of the workspace.
-
-    Attributes:
-        is_generated: Whether it is of the generated interface; else it is the user's.
-    """
+    """A module of the workspace."""
 
     name: str
     tree: ast.Module
@@ -112,8 +108,6 @@ class Modules:
     Args:
         read: Returns the text of a path of the workspace; None for none, UNKNOWN for what is
             there and is no text of Python.
-        packages: Packages whose modules are known, all of them.
-        generated: Tells the paths of the generated interface.
     """
 
     def __init__(

@@ -11,11 +11,7 @@ if TYPE_CHECKING:
 
 
 class SourceProblem(Exception):  # noqa: N818 - a finding, not a failure of jausml
-    """The file is not Python.
-
-    Args:
-        line: Where, from 1.
-    """
+    """The file is not Python."""
 
     def __init__(self, message: str, line: int) -> None:
         super().__init__(message)

@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from contextlib import asynccontextmanager
+from functools import wraps
 from inspect import iscoroutinefunction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from jausml.live.api.component import Component
-from jausml.live.api.reports import MOST_WAITING
+from jausml.live.api.messages import MOST_WAITING
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Generator
+    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Generator
 
-    from jausml.live.api.component import ComponentStatus
-    from jausml.live.api.reports import Fields, Received
+    from jausml.live.api.messages import Fields, Received
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 class AsyncSubscription:
@@ -94,6 +97,18 @@ class Subscribing:
             await self._made.close()
 
 
+def _in_thread(
+    method: Callable[Concatenate[Component, P], R],
+) -> Callable[Concatenate[AsyncComponent, P], Coroutine[Any, Any, R]]:
+    """Returns a method of `Component` as one that can be awaited."""
+
+    @wraps(method)
+    async def call(self: AsyncComponent, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        return await asyncio.to_thread(method, self._inner, *args, **kwargs)
+
+    return call
+
+
 class AsyncComponent:
     """A `Component` whose calls can be awaited.
 
@@ -101,14 +116,7 @@ class AsyncComponent:
     """
 
     def __init__(self, address: str | None = None, **options: Any) -> None:
-        """Describes a component.
-
-        Args:
-            address: JAUS id, subsystem.node.component; None for a free one of 65000.
-
-        Raises:
-            MessageError: A model cannot be read, or there is no such service.
-        """
+        """Describes a component as `Component` does."""
         self._inner = Component(address, **options)
         self._tasks: set[asyncio.Future[None]] = set()
 
@@ -122,28 +130,20 @@ class AsyncComponent:
     async def __aexit__(self, *_: object) -> None:
         await self.stop()
 
-    async def start(self) -> None:
-        """Opens the network and begins to answer, as `Component.start`."""
-        await asyncio.to_thread(self._inner.start)
-
-    async def stop(self) -> None:
-        """Releases control, cancels events and closes the network, as `Component.stop`."""
-        await asyncio.to_thread(self._inner.stop)
+    start = _in_thread(Component.start)
+    stop = _in_thread(Component.stop)
+    query = _in_thread(Component.query)
+    discover = _in_thread(Component.discover)
+    request = _in_thread(Component.request)
+    status = _in_thread(Component.status)
+    emergency = _in_thread(Component.emergency)
+    clear = _in_thread(Component.clear)
+    command = _in_thread(Component.command)
 
     @property
     def address(self) -> str:
         """Its JAUS id."""
         return self._inner.address
-
-    async def query(
-        self,
-        target: str,
-        name: str | int,
-        fields: Fields | None = None,
-        timeout: float | None = None,
-    ) -> Fields:
-        """Asks for a report, as `Component.query`."""
-        return await asyncio.to_thread(self._inner.query, target, name, fields, timeout)
 
     def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscribing:
         """Subscribes to a report, as `Component.subscribe`, when it is awaited or entered."""
@@ -154,10 +154,6 @@ class AsyncComponent:
             return made
 
         return Subscribing(begin)
-
-    async def discover(self, duration: float = 2.0) -> dict[str, tuple[str, ...]]:
-        """Returns the services of each component, as `Component.discover`."""
-        return await asyncio.to_thread(self._inner.discover, duration)
 
     @asynccontextmanager
     async def control(
@@ -170,32 +166,6 @@ class AsyncComponent:
             yield self
         finally:
             await asyncio.to_thread(held.__exit__, None, None, None)
-
-    async def request(
-        self,
-        target: str,
-        name: str | int,
-        fields: Fields | None = None,
-        timeout: float | None = None,
-    ) -> Received:
-        """Sends a command and returns what came back, as `Component.request`."""
-        return await asyncio.to_thread(self._inner.request, target, name, fields, timeout)
-
-    async def status(self, target: str) -> ComponentStatus:
-        """Returns the state of a component, as `Component.status`."""
-        return await asyncio.to_thread(self._inner.status, target)
-
-    async def emergency(self, target: str) -> ComponentStatus:
-        """Stops a component, as `Component.emergency`."""
-        return await asyncio.to_thread(self._inner.emergency, target)
-
-    async def clear(self, target: str) -> ComponentStatus:
-        """Ends our emergency, as `Component.clear`."""
-        return await asyncio.to_thread(self._inner.clear, target)
-
-    async def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
-        """Sends a message once, as `Component.command`."""
-        await asyncio.to_thread(self._inner.command, target, name, fields)
 
     def answer(self, name: str | int, give: Callable[[], Fields | None]) -> Callable[[], None]:
         """Answers a query, as `Component.answer`; `give` is called on a thread of the component."""

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.live.api.declarations import Declarations, taking
-from jausml.live.api.payloads import catalogue
-from jausml.live.api.reports import Received, Subscription
+from jausml.live.api.messages import Received, Subscription, catalogue
 from jausml.live.peers.discovery import controller_of
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Operator, running_operator
@@ -24,10 +23,9 @@ from jausml.runtime.services.definitions import Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from jausml.live.api.payloads import Models
-    from jausml.live.api.reports import Fields
+    from jausml.live.api.messages import Fields, Models
     from jausml.live.messages import MessageEntry
-    from jausml.live.peers.answering import Reply
+    from jausml.live.peers.watching import Reply
     from jausml.runtime.base.address import JausAddress
 
 _REMEDY = "Give all components that speak with each other another port="

@@ -5,7 +5,7 @@ from __future__ import annotations
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING
 
-from jausml.live.api.reports import Received
+from jausml.live.api.messages import Received
 from jausml.live.peers.entry_messages import find_exchange, find_message
 from jausml.live.peers.operator import Identity
 from jausml.runtime.services.definitions import ServiceIdentity
@@ -13,26 +13,18 @@ from jausml.runtime.services.definitions import ServiceIdentity
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from jausml.live.api.reports import Fields
+    from jausml.live.api.messages import Fields
     from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.answering import Reply
     from jausml.live.peers.operator import Operator
+    from jausml.live.peers.watching import Reply
     from jausml.runtime.base.address import JausAddress
 
 
 class Declarations:
-    """Services of a component, the reports that it gives, and the messages that it takes.
-
-    Attributes:
-        identity: What it says of itself.
-    """
+    """Services of a component, the reports that it gives, and the messages that it takes."""
 
     def __init__(self, known: Catalogue, name: str, provides: str | Sequence[str]) -> None:
-        """Declares services alone.
-
-        Raises:
-            MessageError: There is no such service.
-        """
+        """Declares services alone."""
         named = (provides,) if isinstance(provides, str) else provides
         self.identity = Identity(name, _identities(known, named))
         self._known = known

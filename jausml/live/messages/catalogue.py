@@ -12,8 +12,14 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.model.model import without_collector
 from jausml.language.project import services_alone
-from jausml.live.messages.embedded import MAXIMUM_DEPTH, as_it_is
-from jausml.live.messages.entries import DecodedMessage, MessageEntry, ServiceEntry, read_code
+from jausml.live.messages.entries import (
+    MAXIMUM_DEPTH,
+    DecodedMessage,
+    MessageEntry,
+    ServiceEntry,
+    as_it_is,
+    read_code,
+)
 from jausml.live.messages.errors import (
     AmbiguousMessageError,
     CatalogueError,
@@ -25,7 +31,7 @@ from jausml.live.messages.errors import (
     UnknownServiceError,
     similar,
 )
-from jausml.live.messages.legal import check_names, shown
+from jausml.live.messages.values import check_names, shown
 
 if TYPE_CHECKING:
     import os
@@ -49,9 +55,6 @@ def load_catalogue(
 
     That of the library alone is read once in a process. A service of these models takes the place
     of the library's service of the same URN and version.
-
-    Args:
-        project_root: The folder that their references may not leave; see `read_models`.
 
     Raises:
         CatalogueError: A model cannot be read; the text has all errors with their places.
@@ -81,11 +84,7 @@ def _catalogue_of(result: ReadResult) -> Catalogue:
 
 
 class Catalogue:
-    """Services and messages by name and code.
-
-    Attributes:
-        model: What defines them.
-    """
+    """Services and messages by name and code."""
 
     def __init__(self, model: Model) -> None:
         """Lists what a model defines; codecs are made when they are used."""
@@ -190,10 +189,6 @@ class Catalogue:
 
         Args:
             name_or_code: Name, code, or code in hexadecimal such as `4002` or `0x4002`.
-
-        Raises:
-            UnknownMessageError: There is none; the error suggests similar ones.
-            AmbiguousMessageError: There are several; the error lists them.
         """
         found = self.named(name_or_code)
         what = name_or_code if isinstance(name_or_code, str) else f"0x{name_or_code:04X}"
@@ -246,7 +241,6 @@ class Catalogue:
             DecodeError: The bytes are no message of their code.
             UnknownMessageError: There is no message of the code.
             AmbiguousMessageError: Several definitions fit; the error lists them.
-            DefinitionError: The only definition gives no codec.
         """
         return self._decode(payload, service, message, MAXIMUM_DEPTH)
 

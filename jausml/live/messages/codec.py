@@ -31,7 +31,7 @@ from jausml.live.messages.items import (
     too_short,
     unsigned,
 )
-from jausml.live.messages.legal import (
+from jausml.live.messages.values import (
     as_list,
     as_object,
     check_names,

@@ -6,17 +6,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.live.messages.errors import DecodeError, EncodeError, did_you_mean, similar
 from jausml.live.messages.items import Codec, Item, Named, item_of, single, too_short
-from jausml.live.messages.legal import (
+from jausml.live.messages.values import (
     as_object,
     check_names,
     formats_in_words,
     latin1,
     legal_integer,
     listed,
+    named_values,
+    number_of,
     shown,
+    symbol,
 )
-from jausml.live.messages.quantities import number_of, symbol
-from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -148,7 +149,6 @@ def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *mo
     Args:
         fields: The object: `hex`, and for an embedded message its decoded form, which counts only
             when there is no `hex`.
-        encode_inner: Encodes an embedded message; None when the bytes are none.
     """
     if encode_inner is not None and MESSAGE in fields and "hex" not in fields:
         try:

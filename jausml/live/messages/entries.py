@@ -1,4 +1,4 @@
-"""Entries of the catalogue: services and messages."""
+"""Entries of the catalogue: services and messages, also messages inside messages."""
 
 from __future__ import annotations
 
@@ -8,18 +8,59 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.language import wire
-from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.embedded import holders
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 from jausml.live.messages.paths import by_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
     from jausml.live.messages.items import Codec
+
+MAXIMUM_DEPTH = 8
+"""Messages inside messages that are decoded; what stands deeper remains hex."""
+
+
+def as_it_is(_payload: bytes, /) -> None:
+    """Decodes no embedded message."""
+
+
+def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
+    """Tells whether a decoded byte field holds a message."""
+    if isinstance(kind, wire.Octets):
+        return kind.holds_message
+    return kind.holds_message(int(value["format"]))
+
+
+def holders(kind: wire.Kind, value: Any) -> Iterator[dict[str, Any]]:
+    """Yields the objects of a decoded field that hold a message."""
+    if isinstance(kind, wire.Octets | wire.FormattedOctets):
+        if holds(kind, value):
+            yield value
+        return
+    for _, inner, part in parts(kind, value):
+        yield from holders(inner, part)
+
+
+def parts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, wire.Kind, Any]]:
+    """Yields the fields inside a decoded field: their names or `[index]`, kinds and values."""
+    match kind:
+        case wire.Record():
+            for member in kind.members:
+                if member.name in value:
+                    yield member.name, member.kind, value[member.name]
+        case wire.List() | wire.Array():
+            for index, item in enumerate(value):
+                yield f"[{index}]", kind.element.kind, item
+        case wire.Variant() if kind.options:
+            option = kind.options[value[TAG]]
+            yield option.name, option.kind, value[option.name]
+        case _:
+            pass  # a leaf
+
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.
@@ -35,11 +76,7 @@ def read_code(payload: bytes) -> int:
 
 
 class ServiceEntry:
-    """A service of the catalogue.
-
-    Attributes:
-        inherits: The service that it extends, None when it extends none.
-    """
+    """A service of the catalogue."""
 
     def __init__(
         self,
@@ -93,11 +130,7 @@ class ServiceEntry:
 
 
 class MessageEntry:
-    """A message of the catalogue: one name, code and layout, defined by one or more services.
-
-    Attributes:
-        is_command: Whether it is a command, which only a controller may send (AS5710).
-    """
+    """A message of the catalogue: one name, code and layout, defined by one or more services."""
 
     def __init__(
         self,
@@ -105,11 +138,7 @@ class MessageEntry:
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
     ) -> None:
-        """Makes an entry without services.
-
-        Args:
-            encode_message: Encodes the messages that stand in it; `decode_message` decodes them.
-        """
+        """Makes an entry without services."""
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)
@@ -133,11 +162,7 @@ class MessageEntry:
 
     @cached_property
     def record(self) -> wire.Record:
-        """The body as a record of its one field; without fields for a message of its code alone.
-
-        Raises:
-            DefinitionError: The definition gives no layout.
-        """
+        """The body as a record of its one field; without fields for a message of its code alone."""
         try:
             body = wire.resolve(self.definition).body
         except wire.LayoutError as error:
@@ -190,9 +215,6 @@ class MessageEntry:
         variable format field `{"format", "hex"}`; a variable length field `{"hex"}`, both with
         `message` instead of `hex` where they hold one that is known; a bit field an object of
         integers; arrays and lists are lists. An integer with a name is a `NamedValue`.
-
-        Args:
-            decode_message: Decodes the messages that stand in it; by default as the catalogue does.
         """
         code = read_code(payload)
         if code != self.code:

@@ -36,11 +36,7 @@ class CodecError(MessageError):
         return "; ".join([own, *map(str, self.others)])
 
     def inside(self: ErrorT, step: str) -> ErrorT:
-        """Puts a step before the path and returns the error, on its way out of a container.
-
-        Args:
-            step: Name of the field, or `[index]` of an element.
-        """
+        """Puts a step before the path and returns the error, on its way out of a container."""
         joint = "" if not self.path or self.path.startswith("[") else "."
         self.path = f"{step}{joint}{self.path}"
         for each in self.others:

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jausml.language import wire
 from jausml.live.messages.errors import CodecError, DecodeError, DefinitionError, EncodeError
-from jausml.live.messages.legal import (
+from jausml.live.messages.values import (
     as_number,
     as_object,
     check_names,
     integers_in_words,
     latin1,
     legal_integer,
+    named_values,
+    number_of,
     shown,
 )
-from jausml.live.messages.quantities import number_of
-from jausml.live.messages.values import named_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -55,11 +55,7 @@ class Codec(NamedTuple):
 
 
 def item_of(kind: wire.Scalar) -> Item:
-    """Returns how a field becomes an item of a struct, and back.
-
-    Raises:
-        DefinitionError: Two groups of bits have one name.
-    """
+    """Returns how a field becomes an item of a struct, and back."""
     match kind:
         case wire.Integer():
             return _integer(kind)
@@ -119,30 +115,29 @@ def _scaled(kind: wire.Scaled) -> Item:
 
 def _bit_field(kind: wire.BitField) -> Item:
     check_distinct(each.name for each in kind.groups)
-    groups = [
-        (each.name, each.low, each.mask, each.legal.offset, each.legal.ranges, each.legal.names)
-        for each in kind.groups
-    ]
-    legal = {each.name: each.legal for each in kind.groups}
+    groups = {each.name: each for each in kind.groups}
     named = {each.name: named_values(each.legal.names) for each in kind.groups}
 
     def in_words(name: str) -> str:
-        return integers_in_words(legal[name].ranges, legal[name].names)
+        return integers_in_words(groups[name].legal.ranges, groups[name].legal.names)
 
     def from_wire(item: int) -> dict[str, int | NamedValue]:
-        numbers = {name: (item >> low & mask) + offset for name, low, mask, offset, _, _ in groups}
-        return {name: named[name].get(number, number) for name, number in numbers.items()}
+        found: dict[str, int | NamedValue] = {}
+        for name, each in groups.items():
+            number = (item >> each.low & each.mask) + each.legal.offset
+            found[name] = named[name].get(number, number)
+        return found
 
     def to_wire(value: Any) -> int:
         fields = as_object(value)
-        check_names(fields, legal, legal, in_words)
+        check_names(fields, groups, groups, in_words)
         whole = 0
-        for name, low, _, offset, ranges, names in groups:
+        for name, each in groups.items():
             try:
-                number = legal_integer(fields[name], ranges, names)
+                number = legal_integer(fields[name], each.legal.ranges, each.legal.names)
             except EncodeError as error:
                 raise error.inside(name) from None
-            whole |= number - offset << low
+            whole |= number - each.legal.offset << each.low
         return whole
 
     return Item(kind.type.format, kind.type.size, from_wire, to_wire)
@@ -254,11 +249,7 @@ class Named:
 
 
 def check_distinct(names: Iterable[str], reserved: str = "") -> None:
-    """Refuses names of which one stands twice or is reserved.
-
-    Raises:
-        DefinitionError: One does.
-    """
+    """Refuses names of which one stands twice or is reserved."""
     seen = {reserved}
     for name in names:
         if name in seen:

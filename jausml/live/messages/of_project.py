@@ -20,11 +20,7 @@ if TYPE_CHECKING:
 
 
 def project_catalogue(warn: Callable[[str], None]) -> Catalogue:
-    """Returns the messages of the library and of the project of the current folder, if it is one.
-
-    Args:
-        warn: Takes what is to be said of models with errors, which are left out.
-    """
+    """Returns the messages of the library and those of the current project, if there is one."""
     index = Index.here()
     files = index.files_with_messages if index is not None else ()
     try:

@@ -14,11 +14,7 @@ _ASSIGNMENT = re.compile(rf"(?:^|(?<=\s))({_PATH})=")
 
 
 def by_name(fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns fields in which names that are paths have become objects and lists.
-
-    Raises:
-        EncodeError: Paths contradict each other, or leave out an element.
-    """
+    """Returns fields in which names that are paths have become objects and lists."""
     made: dict[str, Any] = {}
     for path, value in fields.items():
         steps = [name or int(index) for name, index in _STEP.findall(str(path))]

@@ -1,18 +1,23 @@
-"""Messages for people: one line for each field, with units and the names of values."""
+"""Messages and their definitions for people: a line for each field."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, SupportsInt
 
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.entries import parts
+from jausml.live.messages.errors import DefinitionError
+from jausml.live.messages.values import in_units, integers_in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage
+    from jausml.language.metamodel.classes import jaus
+    from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry
 
 _INDENT = "  "
 _SHOWN_OCTETS = 32
@@ -32,20 +37,12 @@ def lines(decoded: DecodedMessage) -> Iterator[str]:
 
 def _field(name: str, kind: wire.Kind, value: Any, indent: str) -> Iterator[str]:
     match kind:
-        case wire.Record():
-            yield f"{indent}{name}"
-            for member in kind.members:
-                if member.name in value:
-                    part = value[member.name]
-                    yield from _field(member.name, member.kind, part, indent + _INDENT)
         case wire.List() | wire.Array():
             yield from _elements(name, kind.element.kind, value, indent)
-        case wire.Variant():
-            yield f"{indent}{name}: {value[TAG]}"
-            if kind.options:
-                option = kind.options[value[TAG]]
-                part = value[option.name]
-                yield from _field(option.name, option.kind, part, indent + _INDENT)
+        case wire.Record() | wire.Variant():
+            yield f"{indent}{name}" + (f": {value[TAG]}" if isinstance(kind, wire.Variant) else "")
+            for step, inner, part in parts(kind, value):
+                yield from _field(step, inner, part, indent + _INDENT)
         case wire.Octets() | wire.FormattedOctets():
             yield f"{indent}{name}: {_octets(kind, value)}"
             yield from _message(value.get(MESSAGE), indent + _INDENT)
@@ -79,12 +76,12 @@ def simple(kind: wire.Scalar | wire.Text | wire.VariableNumber, value: Any) -> s
     """Returns a decoded value that has no fields inside, with its unit or its name."""
     match kind:
         case wire.Integer():
-            return f"{named(kind.legal, value)}{_unit(kind.units)}"
+            return in_units(named(kind.legal, value), kind.units)
         case wire.Scaled():
             decimals = max(0, 1 - math.floor(math.log10(kind.step)))
-            return f"{value:.{decimals}f}{_unit(kind.units)}"
+            return in_units(f"{value:.{decimals}f}", kind.units)
         case wire.Real():
-            return f"{value!r}{_unit(kind.units)}"
+            return in_units(repr(value), kind.units)
         case wire.BitField():
             return ", ".join(
                 f"{each.name} {named(each.legal, value[each.name])}" for each in kind.groups
@@ -102,10 +99,6 @@ def named(legal: wire.LegalIntegers, value: SupportsInt) -> str:
     return f"{number} ({legal.names[number]})" if number in legal.names else str(number)
 
 
-def _unit(units: str) -> str:
-    return f" {units}" if units and units != "one" else ""
-
-
 def _octets(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> str:
     if isinstance(kind, wire.Octets):
         name = kind.content
@@ -116,3 +109,172 @@ def _octets(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) 
         return name
     shown = digits[: 2 * _SHOWN_OCTETS] + ("..." if len(digits) > 2 * _SHOWN_OCTETS else "")
     return f"{len(digits) // 2} bytes of {name} {shown}".rstrip()
+
+
+@dataclass(frozen=True)
+class Row:
+    """One field of a message.
+
+    Attributes:
+        path: Its path, as errors of `encode` name it; `[]` stands for an element.
+        legal: Its legal values, in words; empty when all that the type can say are legal, and when
+            `names` say it.
+        presence: `optional` when a presence vector says whether it is there, `option 0` and so on
+            in a variant, else empty.
+    """
+
+    path: str
+    depth: int
+    type: str
+    legal: str = ""
+    units: str = ""
+    presence: str = ""
+    names: Mapping[int, str] | None = None
+    documentation: str = ""
+
+    @property
+    def name(self) -> str:
+        """The last step of the path."""
+        return self.path.rpartition(".")[2]
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns what is known, without what is empty."""
+        content = {
+            "path": self.path,
+            "type": self.type,
+            "legal": self.legal,
+            "units": self.units,
+            "presence": self.presence or "always",
+            "names": {str(value): name for value, name in (self.names or {}).items()},
+            "documentation": self.documentation,
+        }
+        return {key: value for key, value in content.items() if value}
+
+
+def rows(entry: MessageEntry) -> list[Row]:
+    """Returns the fields of a message from the outermost inwards."""
+    return rows_of(entry.definition)
+
+
+def paths_of(entry: MessageEntry) -> list[str]:
+    """Returns the paths of the values of a message, without the one record of a body.
+
+    Elements of lists are those of the first one.
+    """
+    found = rows(entry)
+    body = f"{found[0].path}." if found and found[0].type.startswith("record") else ""
+    # The number of a variable field needs no path of its own: its unit tells the index.
+    whole = [each for each in found if not each.presence.startswith("index ")]
+    paths = [each.path.removeprefix(body).replace("[]", "[0]") for each in whole]
+    outer = {path.rpartition(".")[0].removesuffix("[0]") for path in paths}
+    return [path for path in paths if path not in outer and f"{path}." != body]
+
+
+def rows_of(definition: jaus.MessageDef) -> list[Row]:
+    """Returns the fields of a definition from the outermost inwards, as `rows` does."""
+    try:
+        body = wire.resolve(definition).body
+    except wire.LayoutError as error:
+        raise DefinitionError(error.reason, error.path) from None
+    return [] if body is None else list(_rows(body, "", 0))
+
+
+def _rows(field: wire.Field, before: str, depth: int, presence: str = "") -> Iterator[Row]:
+    path = f"{before}.{field.name}" if before else field.name
+    presence = presence or ("optional" if field.is_optional else "")
+    kind = field.kind
+    row = Row(path, depth, "", presence=presence, documentation=field.documentation)
+    yield _typed(row, kind)
+    match kind:
+        case wire.Record():
+            for member in kind.members:
+                yield from _rows(member, path, depth + 1)
+        case wire.List() | wire.Array():
+            yield from _list_rows(kind.element, f"{path}[]", depth + 1)
+        case wire.Variant():
+            for tag, option in enumerate(kind.options):
+                yield from _rows(option, path, depth + 1, f"option {tag}")
+        case wire.BitField():
+            for bits in kind.groups:
+                yield _bits(bits, path, depth + 1)
+        case wire.VariableNumber():
+            for each in kind.alternatives:
+                part = Row(f"{path}.value", depth + 1, "", presence=f"index {each.index}")
+                yield _typed(part, each.number)
+        case _:
+            pass  # a leaf
+
+
+def _list_rows(element: wire.Field, path: str, depth: int) -> Iterator[Row]:
+    """Yields what stands in an element; a record is named by its members alone."""
+    kind = element.kind
+    if isinstance(kind, wire.Record):
+        for member in kind.members:
+            yield from _rows(member, path, depth)
+        return
+    yield _typed(Row(path, depth, "", documentation=element.documentation), kind)
+    if isinstance(kind, wire.List | wire.Array):
+        yield from _list_rows(kind.element, f"{path}[]", depth + 1)
+
+
+def _typed(row: Row, kind: wire.Kind) -> Row:
+    """Returns the row with its type and its legal values."""
+    known: dict[str, Any] = {"type": _type(kind)}
+    match kind:
+        case wire.Integer():
+            known |= _integers(kind.legal) | {"units": kind.units}
+        case wire.Real():
+            known |= {"units": kind.units}
+            if kind.legal.intervals:
+                known["legal"] = f"{kind.legal.lower!r} .. {kind.legal.upper!r}"
+        case wire.Scaled():
+            legal = f"{kind.lower!r} .. {kind.upper!r}, step {kind.step:.3g}"
+            known |= {"units": kind.units, "legal": legal}
+        case wire.FormattedOctets():
+            known["names"] = {each.index: each.name for each in kind.formats}
+        case _:
+            pass  # its type says all
+    if known.get("units") == "one":
+        known["units"] = ""
+    return Row(**{**vars(row), **known})
+
+
+def _integers(legal: wire.LegalIntegers) -> dict[str, Any]:
+    if not legal.is_stated:
+        return {}
+    words = "" if legal.is_closed else integers_in_words(legal.ranges, most=None)
+    return {"legal": words, "names": legal.names}
+
+
+def _bits(bits: wire.Bits, path: str, depth: int) -> Row:
+    span = f"bit {bits.low}" if bits.low == bits.high else f"bits {bits.low} to {bits.high}"
+    legal = _integers(bits.legal)
+    return Row(f"{path}.{bits.name}", depth, span, documentation=bits.documentation, **legal)
+
+
+def _type(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
+    match kind:
+        case wire.Integer() | wire.Real():
+            return kind.type.name
+        case wire.Scaled():
+            return f"scaled {kind.type.name}"
+        case wire.BitField():
+            return f"bit field {kind.type.name}"
+        case wire.Record():
+            return "record" + (f" with presence {kind.presence.name}" if kind.presence else "")
+        case wire.List():
+            return f"list of {kind.count.lower} to {kind.count.upper}"
+        case wire.Array():
+            return f"array of {' x '.join(map(str, kind.dimensions))}"
+        case wire.Variant():
+            return "variant"
+        case wire.FixedText():
+            return f"text of {kind.length} bytes"
+        case wire.Text():
+            return f"text of {kind.count.lower} to {kind.count.upper} bytes"
+        case wire.Octets():
+            return f"bytes of {kind.content}" if kind.content else "bytes"
+        case wire.FormattedOctets():
+            return "format and bytes"
+        case wire.VariableNumber():
+            return "index and value"

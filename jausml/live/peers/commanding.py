@@ -21,12 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Course:
-    """How a command is to be sent.
-
-    Attributes:
-        rate: Times each second, None for once.
-        duration: Seconds to hold control after the first one.
-    """
+    """How a command is to be sent (`duration`: seconds to hold control after the first one)."""
 
     rate: float | None = None
     duration: float = 0.0

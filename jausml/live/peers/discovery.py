@@ -101,7 +101,6 @@ class KnownComponent:
     """A component that was heard of.
 
     Attributes:
-        identification: Name that it reports of itself, empty when it was not heard.
         type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
         is_silent: Whether it answers, but no question of Discovery.
     """
@@ -115,12 +114,7 @@ class KnownComponent:
 
 @dataclass
 class KnownSubsystem:
-    """A subsystem and its components.
-
-    Attributes:
-        identification: Its name, empty when nobody answers for the subsystem.
-        type: Its type, 0 if unknown.
-    """
+    """A subsystem and its components."""
 
     number: int
     identification: str = ""
@@ -152,11 +146,7 @@ class Survey:
         component.on_message(ReportControl, self._answered)
 
     def take(self, duration: float) -> tuple[KnownSubsystem, ...]:
-        """Asks everybody and returns who was heard of, ordered by number.
-
-        Args:
-            duration: Seconds to listen.
-        """
+        """Asks everybody and returns who was heard of, ordered by number."""
         end = time.monotonic() + duration
         while True:
             self.ask_all()
@@ -240,11 +230,7 @@ class Survey:
 def provided_services(
     network: Network, address: JausAddress, seconds: float
 ) -> tuple[ServiceIdentity, ...]:
-    """Returns what a component provides, by a component of ours that does nothing else.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Returns what a component provides, by a component of ours that does nothing else."""
     with running_transport(network.settings) as transport:
         settings = ComponentSettings(register_services=False)
         component = JausComponent(

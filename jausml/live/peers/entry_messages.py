@@ -36,11 +36,7 @@ _TELLING_FIELDS: dict[str, dict[str, Any]] = {
 
 
 class EntryMessage(Message):
-    """A message whose layout comes from the catalogue instead of generated code.
-
-    Attributes:
-        fields: The fields in the shapes of `MessageEntry.decode`.
-    """
+    """A message whose layout comes from the catalogue instead of generated code."""
 
     __slots__ = ("fields",)
 
@@ -51,11 +47,7 @@ class EntryMessage(Message):
         self.fields: dict[str, Any] = {} if fields is None else fields
 
     def encode(self) -> bytes:
-        """Returns the message code and the body as bytes.
-
-        Raises:
-            EncodeError: A field is absent, unknown or not legal.
-        """
+        """Returns the message code and the body as bytes."""
         try:
             return self.ENTRY.encode(self.fields)
         except MessageError as error:
@@ -85,9 +77,6 @@ def find_message(
     Args:
         services: Services of the component that the message is for; of several messages of one
             name that of these services is meant.
-
-    Raises:
-        MessageError: There is none, or there are several.
     """
     try:
         return catalogue.message(name)

@@ -1,13 +1,14 @@
-"""What a tool has heard, and what follows for a question that stays unanswered."""
+"""Questions on their way, what a tool has heard, and what follows for those without an answer."""
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
-from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
-from jausml.live.messages.legal import listed
+from jausml.live.messages.values import listed
 from jausml.live.peers.rendering import printable
 from jausml.runtime.wire.message import DecodeError, read_code
 
@@ -16,9 +17,11 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue, ServiceEntry
     from jausml.live.peers.network import Network
+    from jausml.runtime import JausComponent, PendingQuery
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.counters import Counters
     from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.wire.message import Message
 
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64
@@ -88,12 +91,7 @@ class Heard:
     def why(
         self, target: JausAddress, message: str, report: str, services: Sequence[ServiceIdentity]
     ) -> str:
-        """Returns what is known of a component that leaves a message unanswered.
-
-        Args:
-            report: Name of the answer, empty when there are several.
-            services: What it says that it provides; none when it does not tell.
-        """
+        """Returns what is known of a component that leaves a message unanswered."""
         if not self.of(target):
             return f"{target} does not answer {message}; {self._why_silent(target)}"
         fault = self._fault(target, report)
@@ -165,3 +163,54 @@ class Heard:
     def _name(self, code: int) -> str:
         entries = self._catalogue.find(code)
         return entries[0].name if entries else f"message 0x{code:04X}"
+
+
+ATTEMPTS = 3
+"""Fewest times that a question is asked; of long times for an answer, once each second."""
+
+
+class Question:
+    """A question that waits for its answer."""
+
+    def __init__(self, pending: PendingQuery, answers: SimpleQueue[Any]) -> None:
+        self._pending = pending
+        self._answers = answers
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the answer is there, or none came in time."""
+        return not self._answers.empty()
+
+    def cancel(self) -> None:
+        """Asks no more."""
+        self._pending.cancel()
+
+    def within(self, seconds: float | None) -> Any:
+        """Returns the answer, or None when none comes in time; then it is asked no more."""
+        try:
+            return self._answers.get(timeout=seconds)
+        except Empty:
+            self._pending.cancel()
+            return None
+
+
+def asked(
+    component: JausComponent,
+    target: JausAddress,
+    query: Message,
+    report_class: type[Message],
+    seconds: float,
+) -> Question:
+    """Has a component ask, without waiting for the answer."""
+    attempts = max(ATTEMPTS, math.ceil(seconds))
+    answers: SimpleQueue[Any] = SimpleQueue()
+    pending = component.query(
+        target,
+        query,
+        report_class,
+        lambda report, _: answers.put(report),
+        on_failure=lambda: answers.put(None),
+        timeout=seconds / attempts,
+        retries=attempts - 1,
+    )
+    return Question(pending, answers)

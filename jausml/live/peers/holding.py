@@ -37,11 +37,7 @@ class Hold:
     """
 
     def __init__(self, target: JausAddress, on_change: Callable[[str], None] | None) -> None:
-        """Begins without control.
-
-        Args:
-            on_change: Told in words what becomes of control once it was given, on another thread.
-        """
+        """Begins without control."""
         self.target = target
         self.sent = 0
         self.doubtful = 0

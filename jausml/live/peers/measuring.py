@@ -57,11 +57,7 @@ Management the status, Access Control the control.
 
 @dataclass(frozen=True)
 class Spread:
-    """How a time was spread, in seconds.
-
-    Attributes:
-        p99: What 99 of 100 do not exceed (nearest rank).
-    """
+    """How a time was spread, in seconds (`p99`: what 99 of 100 do not exceed, by nearest rank)."""
 
     count: int
     least: float
@@ -199,12 +195,8 @@ def measure(
     """Measures reports for a while.
 
     Args:
-        duration: Seconds to measure.
         rate: Reports each second that the events are to have; None for one at every change.
         interval: Seconds between two questions for a report.
-
-    Returns:
-        One stream for each report.
     """
     streams = [ReportTimes(target, *operator.exchange(target, name)) for target, name in reports]
     events = [_subscribed(operator, stream, rate) for stream in streams]
@@ -240,11 +232,7 @@ def _round_trip(operator: Operator, stream: ReportTimes) -> float | None:
 
 @dataclass
 class Pings:
-    """What became of the questions to a component.
-
-    Attributes:
-        round_trips: Seconds until each answer, in order; None for one that did not come in time.
-    """
+    """What became of the questions to a component."""
 
     round_trips: list[float | None] = field(default_factory=list)
 

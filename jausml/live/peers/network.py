@@ -44,11 +44,7 @@ _LAST = 254
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Our own identity, and where the others are.
-
-    Attributes:
-        own: Our JAUS id; see `identified`.
-    """
+    """Our own identity, and where the others are."""
 
     own: JausAddress
     settings: TransportSettings
@@ -110,8 +106,6 @@ def make_network(
     """Returns the network that the options describe.
 
     Args:
-        own: Dotted JAUS id; None for one that is free.
-        peers: Known components as `ID=HOST:PORT`.
         transport: How messages travel, as `TransportKind` names it.
         node_manager_directory: Where a node manager has its local sockets; empty for the folder of
             temporary files.
@@ -130,11 +124,7 @@ def make_network(
 
 
 def component_address(text: str) -> JausAddress:
-    """Returns the address of one component.
-
-    Raises:
-        ValueError: The text is no JAUS id or names several components.
-    """
+    """Returns the address of one component."""
     if not isinstance(text, str):  # of a script, which nobody has checked
         raise ValueError(f"{text!r} is no JAUS id; it is written as text, e.g. '100.1.2'")
     address = JausAddress.parse(text)
@@ -163,9 +153,6 @@ def identified(network: Network, count: int = 1) -> Iterator[Network]:
     An id that the user says stays as it is; `is_shared` tells that another tool has it. Otherwise
     it is 65000, the last number of the interface, which tells hosts of a network apart, and the
     first number that is free on this host.
-
-    Args:
-        count: Ids that are needed, one after the other.
     """
     with ExitStack() as claims:
         if network.is_own_given:

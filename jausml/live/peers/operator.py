@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.live.messages import UnknownMessageError
-from jausml.live.peers.answering import AnsweringClient
 from jausml.live.peers.discovery import POLL, controller_of
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
-from jausml.live.peers.watching import WatchingClient
+from jausml.live.peers.watching import AnsweringClient, WatchingClient
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
@@ -71,16 +70,9 @@ class Identity:
 class Operator(AnsweringClient, WatchingClient):
     """The actions of an operator; each call waits for its outcome."""
 
-    def __init__(
-        self,
-        component: JausComponent,
-        network: Network,
-        catalogue: Catalogue,
-        heard: Heard,
-        timeout: float,
-    ) -> None:
+    def __init__(self, component: JausComponent, *others: Any) -> None:
         """Use `running_operator` instead."""
-        super().__init__(component, network, catalogue, heard, timeout)
+        super().__init__(component, *others)
         self._holds: dict[JausAddress, Hold] = {}
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
         self._request_ids = count(1)
@@ -95,14 +87,7 @@ class Operator(AnsweringClient, WatchingClient):
         authority: int,
         on_change: Callable[[str], None] | None = None,
     ) -> Hold:
-        """Takes control and keeps it until `release`.
-
-        Args:
-            on_change: Told in words what becomes of control afterwards, on another thread.
-
-        Raises:
-            Refused: It does not give control.
-        """
+        """Takes control and keeps it until `release`."""
         self._forget(target)
         hold = self._holds[target] = Hold(target, on_change)
         hold.session = self._component.control(
@@ -118,14 +103,7 @@ class Operator(AnsweringClient, WatchingClient):
         return hold
 
     def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
-        """Sends a command of Management and returns the state that follows; None without any.
-
-        Args:
-            states: States to which it may lead.
-
-        Raises:
-            Refused: The component does not come to one of the states.
-        """
+        """Sends a command of Management and returns the state that follows; None without any."""
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
         is_urgent = isinstance(message, SetEmergency | ClearEmergency)
@@ -149,31 +127,16 @@ class Operator(AnsweringClient, WatchingClient):
             time.sleep(POLL)
 
     def emergency(self, target: JausAddress) -> Status | None:
-        """Sets an emergency, which stops a component; it needs no control.
-
-        Returns:
-            The state that follows; None when the component does not tell.
-        """
+        """Sets an emergency, which stops a component; it needs no control."""
         return self.change(target, SetEmergency(emergency_code=_STOP), Status.EMERGENCY)
 
     def clear(self, target: JausAddress) -> Status | None:
-        """Ends an emergency that we have set.
-
-        Returns:
-            The state that follows; None when the component does not tell.
-
-        Raises:
-            Refused: It lasts: somebody else has set it.
-        """
+        """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
         after = [each for each in Status if each is not Status.EMERGENCY]
         return self.change(target, ClearEmergency(emergency_code=_STOP), *after)
 
     def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
-        """Sends a message, once and without waiting.
-
-        Args:
-            acknowledge: Whether the transport repeats it until it has arrived.
-        """
+        """Sends a message, once and without waiting."""
         hold = self._holds.get(target)
         if hold is not None:
             hold.count()
@@ -318,15 +281,7 @@ def running_operator(
     identity: Identity | None = None,
     prepare: Callable[[Operator], None] | None = None,
 ) -> Iterator[Operator]:
-    """Yields an operator on the network; releases control and cancels events at the end.
-
-    Args:
-        identity: What we say of ourselves; that of an operator control unit when None.
-        prepare: Makes the operator answer and obey, before anybody can ask it.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Yields an operator on the network; releases control and cancels events at the end."""
     ours = identity or Identity()
     with running_transport(network.settings) as transport:
         heard = Heard(catalogue, network, transport.counters)
@@ -366,3 +321,26 @@ class _Listening(JausComponent):
             take(payload, sender)
 
         return noting
+
+
+_TIMEOUT_S = 1.0
+
+
+def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, str]]:
+    """Asks the peers of a network, one after the other; returns names, verdicts and texts.
+
+    Verdicts are `ok`, `note` for what one does otherwise than others, `error` if it is silent.
+    """
+    found: list[tuple[str, str, str]] = []
+    with running_operator(network, catalogue, _TIMEOUT_S) as operator:
+        for peer in network.settings.address_book:
+            try:
+                services = operator.meet(peer)
+            except NoAnswer as error:
+                found.append((str(peer), "error", str(error)))
+                continue
+            count = f"{len(services)} services" if services else "no services that it tells of"
+            found.append((str(peer), "ok", f"answers; {count}"))
+            learnt = [each for each in operator.quirks() if each[0] == peer]
+            found += [(str(peer), "note", str(each)) for _, each in learnt]
+    return found

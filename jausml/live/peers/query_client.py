@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import POLL, Survey, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
-from jausml.live.peers.questions import asked
+from jausml.live.peers.heard import asked
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.heard import Heard
+    from jausml.live.peers.heard import Heard, Question
     from jausml.live.peers.network import Network
-    from jausml.live.peers.questions import Question
     from jausml.runtime import JausComponent
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.quirks import Learnt
@@ -103,9 +102,6 @@ class QueryClient:
 
         Its state is asked for with acknowledgement, which does no harm and shows how it
         acknowledges. Control is not requested, and no event created.
-
-        Returns:
-            Its services; none when nobody knows.
         """
         component, query = self._component, QueryStatus().encode()
         found = self.services(target)
@@ -133,14 +129,7 @@ class QueryClient:
         report_class: type[Message],
         timeout: float | None = None,
     ) -> Any:
-        """Returns the report that answers a query.
-
-        Args:
-            timeout: Seconds to wait; None for the usual ones.
-
-        Raises:
-            NoAnswer: None comes.
-        """
+        """Returns the report that answers a query."""
         report = self._begin(target, query, report_class, timeout).within(None)
         if report is None:
             raise self.unanswered(target, query.NAME, report_class.NAME)
@@ -150,9 +139,6 @@ class QueryClient:
         """Returns the error of a message that stays unanswered, with what was heard.
 
         A component of which nothing was heard is asked what nearly all of them answer.
-
-        Args:
-            report: Name of its answer, empty when there are several.
         """
         services: tuple[ServiceIdentity, ...] = self.survey.services(target)
         if not services or not self._heard.of(target):
@@ -166,11 +152,7 @@ class QueryClient:
         return NoAnswer(self._heard.why(target, message, report, services))
 
     def lack(self, target: JausAddress, message: str) -> str:
-        """Returns that a component provides nothing that takes a message, as far as it has said.
-
-        Returns:
-            It in words; empty when it takes the message, or has not said what it provides.
-        """
+        """Returns that a component provides nothing that takes a message, as far as it has said."""
         return self._heard.lack(message, self.survey.services(target))
 
     def _begin(
@@ -190,9 +172,6 @@ class QueryClient:
         """Asks several questions at once and returns the index of the first that is answered.
 
         After one answer those of the questions before it are waited for only briefly.
-
-        Returns:
-            The index; None when none of them is answered.
         """
         asked = [self._begin(target, *each) for each in questions]
         while not any(each.is_over for each in asked):
@@ -235,11 +214,7 @@ class QueryClient:
         report_class: type[M],
         take: Callable[[M | None], None],
     ) -> None:
-        """Asks once, without waiting.
-
-        Args:
-            take: Takes the report, or None when none comes in time; on another thread.
-        """
+        """Asks once, without waiting."""
         self._component.query(
             target,
             query,
@@ -259,11 +234,7 @@ class QueryClient:
         return self._heard.sources()
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns what a component, or the Discovery service of its subsystem, says it provides.
-
-        Returns:
-            The services; none when nobody knows.
-        """
+        """Returns what a component, or the Discovery service of its subsystem, says it provides."""
         return self.survey.services_within(self.timeout, target)
 
     def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:
@@ -292,11 +263,7 @@ class QueryClient:
         return None if answer is None else int(answer.timeout)
 
     def look(self, target: JausAddress, tell: Callable[[str], None]) -> None:
-        """Asks a component for its state and its controller, without waiting.
-
-        Args:
-            tell: Told each answer, and that there is none, in words; on another thread.
-        """
+        """Asks a component for its state and its controller, without waiting."""
         looks: tuple[tuple[Message, type[Message]], ...] = (
             (QueryStatus(), ReportStatus),
             (QueryControl(), ReportControl),
@@ -323,10 +290,6 @@ class QueryClient:
 
         Args:
             fields: Fields of the query; the presence vector asks for everything if it is absent.
-            timeout: Seconds to wait; None for the usual ones.
-
-        Raises:
-            MessageError: There is no such message, or the fields are wrong.
         """
         query, report = self.exchange(target, name)
         message = self.message(query, full_query(query, report) if fields is None else fields)
@@ -334,11 +297,7 @@ class QueryClient:
         return report, answer.fields
 
     def exchange(self, target: JausAddress, name: str) -> tuple[MessageEntry, MessageEntry]:
-        """Returns the query and the report that a name means to a component.
-
-        Raises:
-            MessageError: There are none, or several.
-        """
+        """Returns the query and the report that a name means to a component."""
         try:
             return find_exchange(self.catalogue, name)
         except AmbiguousMessageError:
@@ -346,11 +305,7 @@ class QueryClient:
 
     @staticmethod
     def message(entry: MessageEntry, fields: dict[str, Any]) -> Message:
-        """Returns a message, ready to be sent.
-
-        Args:
-            fields: Its fields; the one record of a body need not be named.
-        """
+        """Returns a message, ready to be sent."""
         message = message_class(entry)(entry.completed(fields))
         try:
             message.encode()

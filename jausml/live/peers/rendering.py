@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.quantities import with_unit
+from jausml.live.messages.entries import parts
 from jausml.live.messages.text import named
+from jausml.live.messages.values import with_unit
 from jausml.live.peers.discovery import controller_of, type_name
 
 if TYPE_CHECKING:
@@ -36,32 +37,21 @@ def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
 def field_texts(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Yields the path and the text of each value; the outermost record is not named."""
     match kind:
-        case wire.Record():
-            yield from _record_texts(kind, value, path)
-        case wire.List() | wire.Array():
-            if not value:
-                yield path, "[]"
-            for index, item in enumerate(value):
-                yield from field_texts(kind.element.kind, item, f"{path}[{index}]")
+        case wire.List() | wire.Array() if not value:
+            yield path, "[]"
         case wire.Variant(options=()):
             yield _joined(path, TAG), str(value[TAG])
-        case wire.Variant():
-            option = kind.options[value[TAG]]
-            yield from field_texts(option.kind, value[option.name], _joined(path, option.name))
         case wire.BitField():
             yield from _bit_texts(kind, value, path)
         case wire.Octets() | wire.FormattedOctets() if MESSAGE in value:
             yield from _message_texts(value[MESSAGE], path)
+        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
+            outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
+            for name, inner, part in parts(kind, value):
+                step = "" if outermost and isinstance(inner, wire.Record) else name
+                yield from field_texts(inner, part, _joined(path, step))
         case _:
             yield path, _leaf(kind, value)
-
-
-def _record_texts(kind: wire.Record, value: dict[str, Any], path: str) -> Iterator[tuple[str, str]]:
-    outermost = len(kind.members) == 1 and not path
-    for member in kind.members:
-        if member.name in value:
-            step = "" if outermost and isinstance(member.kind, wire.Record) else member.name
-            yield from field_texts(member.kind, value[member.name], _joined(path, step))
 
 
 def _message_texts(embedded: EmbeddedMessage, path: str) -> Iterator[tuple[str, str]]:
@@ -106,7 +96,8 @@ def _leaf(kind: wire.Leaf, value: Any) -> str:
 
 
 def _joined(path: str, step: str) -> str:
-    return f"{path}.{step}" if path and step else path or step
+    dot = "." if path and step and not step.startswith("[") else ""
+    return f"{path}{dot}{step}"
 
 
 def _rounded(value: float, step: float) -> str:
@@ -170,11 +161,7 @@ def status_line(state: Status | None, control: ReportControl | None) -> str:
 
 
 def lapse_words(timeout: int | None) -> str:
-    """Returns when control lapses, in words; empty if that is not known.
-
-    Args:
-        timeout: Seconds after the last request, 0 for never.
-    """
+    """Returns when control lapses, in words; empty if that is not known."""
     if timeout is None:
         return ""
     return f"control lapses {timeout} s after the last request" if timeout else "it never lapses"

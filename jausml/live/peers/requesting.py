@@ -48,12 +48,7 @@ def request(
     A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
     query is answered by its report, as with `Operator.query`.
 
-    Args:
-        timeout: Seconds to wait; None for that of the operator.
-
     Raises:
-        MessageError: There is no such message, or its fields are wrong.
-        NoAnswer: Nothing came.
         Refused: It was rejected, has no effect, or cannot have any: the text says why.
     """
     try:

@@ -1,4 +1,4 @@
-"""Events that we subscribe to: each call waits until the event is confirmed."""
+"""What an operator has beside questions: events of others, and answers and obedience of its own."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.discovery import POLL
-from jausml.live.peers.entry_messages import full_query, message_class
+from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.query_client import QueryClient, Refused
 from jausml.live.peers.rendering import printable
+from jausml.runtime.services.definitions import Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,10 +38,6 @@ class WatchingClient(QueryClient):
 
         Args:
             rate: Reports each second; None means every change.
-            on_report: Takes the report and its fields, on another thread.
-
-        Raises:
-            Refused: It gives no such event.
         """
         query, report = self.exchange(target, name)
         patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
@@ -89,3 +86,55 @@ class WatchingClient(QueryClient):
                 raise self.unanswered(target, "CreateEvent")
             time.sleep(POLL)
         return subscription
+
+
+Reply = tuple[str, dict[str, Any]]
+"""A message by its name, and its fields."""
+
+
+class AnsweringClient(QueryClient):
+    """Answers others, beside asking them."""
+
+    def provide(
+        self,
+        query: MessageEntry,
+        report: MessageEntry,
+        give: Callable[[], dict[str, Any] | None],
+    ) -> None:
+        """Answers a query, and events on it.
+
+        Args:
+            give: Returns the fields of the present report; None when there is none now.
+        """
+        made = message_class(report)
+
+        def provided(_query: EntryMessage, _sender: JausAddress) -> EntryMessage | None:
+            fields = give()
+            if fields is None:
+                return None
+            if not isinstance(fields, dict):
+                raise TypeError(f"the answer to {query.name} is {fields!r}, not a dict of fields")
+            return made(report.completed(fields))
+
+        self._component.provide(message_class(query), made, provided)
+
+    def report_changed(self, report: MessageEntry) -> None:
+        """Sends a report to who wants it at every change."""
+        self._component.report_changed(message_class(report))
+
+    def obey(
+        self,
+        entry: MessageEntry,
+        take: Callable[[MessageEntry, dict[str, Any], JausAddress], Reply | None],
+    ) -> None:
+        """Has a function take a message; commands come from the controller in Ready alone."""
+
+        def taken(message: EntryMessage, sender: JausAddress) -> None:
+            reply = take(entry, message.fields, sender)
+            if reply is not None:
+                name, fields = reply
+                self._component.send(self.message(self.find(self.own, name), fields), sender)
+
+        self._component.handle(
+            message_class(entry), taken, when=Guard.READY if entry.is_command else Guard.ANY
+        )

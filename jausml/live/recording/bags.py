@@ -9,14 +9,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.live.recording.filters import WHOLE
-from jausml.live.recording.mcap_files import McapRecording, RecordingError
+from jausml.live.recording.mcap_files import WHOLE, McapRecording, RecordingError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.recording.filters import TimeSpan
-    from jausml.live.recording.mcap_files import Found
+    from jausml.live.recording.mcap_files import Found, TimeSpan
 
 MCAP, SQLITE = ".mcap", ".db3"
 _CDR = "cdr"
@@ -26,11 +24,7 @@ _NUMBERS = re.compile("[0-9]+")
 
 @dataclass(frozen=True)
 class RosMessage:
-    """A message of ROS of a recording.
-
-    Attributes:
-        time: When it was heard, in nanoseconds since 1970.
-    """
+    """A message of ROS of a recording."""
 
     topic: str
     type: str
@@ -75,11 +69,7 @@ class Bag:
             return None  # who reads it is told
 
     def messages(self) -> Iterator[RosMessage]:
-        """Yields the messages of ROS in the order of their times, of a file that was cut off all.
-
-        Raises:
-            RecordingError: The recording cannot be read, or a library is missing.
-        """
+        """Yields messages of ROS in the order of their times, of a file that was cut off all."""
         self.others.clear()
         self.fault = ""
         files = _mcap_files(self._path)

@@ -30,11 +30,7 @@ _EVENT = Event.CODE.to_bytes(2, "little")
 
 @dataclass(frozen=True)
 class JausMessage:
-    """A JAUS message of a recording.
-
-    Attributes:
-        time: When it was heard, in nanoseconds since 1970.
-    """
+    """A JAUS message of a recording."""
 
     time: int
     source: str

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import json
 import struct
-from typing import TYPE_CHECKING, Any, BinaryIO
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from jausml import __version__
 from jausml.language.model.inputs import open_input
-from jausml.live.recording.filters import WHOLE
-from jausml.live.recording.jaus_schemas import schema_of
+from jausml.live.recording.schemas import schema_of
+from jausml.live.traffic.observing import ends_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from mcap.records import Channel, Message, Schema
     from mcap.summary import Summary
@@ -24,10 +26,77 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.live.messages import MessageEntry
-    from jausml.live.recording.filters import TimeSpan
+    from jausml.live.traffic.frames import Datagram
 
     Found = tuple[Schema | None, Channel, Message]
     """A message with its channel, and the schema of that."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class TrafficFilter:
+    """Patterns, in which `*` stands for anything; nothing selects all."""
+
+    topics: tuple[str, ...] = ()
+    excluded: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()
+
+    def wants_topic(self, name: str) -> bool:
+        """Whether a topic is recorded."""
+        return _fits(name, self.topics or ("*",)) and not _fits(name, self.excluded)
+
+    def wants(self, datagram: Datagram) -> bool:
+        """Whether a datagram is recorded; one that cannot be read is."""
+        if not self.components:
+            return True
+        ends = ends_of(datagram)
+        return not ends or any(_fits(end, self.components) for end in ends)
+
+
+def _fits(name: str, patterns: tuple[str, ...]) -> bool:
+    return any(fnmatchcase(name, each) for each in patterns)
+
+
+@dataclass(frozen=True)
+class TimeSpan:
+    """A part of a recording.
+
+    Attributes:
+        start: Seconds after the first message.
+        duration: Seconds from there on, None to the end.
+    """
+
+    start: float = 0.0
+    duration: float | None = None
+
+    def of(self, found: Iterable[T], time_of: Callable[[T], int | None]) -> Iterator[T]:
+        """Yields what is in it.
+
+        Args:
+            time_of: The time of each in nanoseconds, None where nobody told: these are in it.
+        """
+        begin: int | None = None
+        for each in found:
+            time = time_of(each)
+            if time is not None:
+                begin = time if begin is None else begin
+                since = (time - begin) / _NANO - self.start
+                if self.duration is not None and since >= self.duration:
+                    return
+                if since < 0:
+                    continue
+            yield each
+
+    def of_length(self, length: float) -> float:
+        """Returns how many seconds of it there are in a recording of so many."""
+        left = max(0.0, length - self.start)
+        return left if self.duration is None else min(left, self.duration)
+
+
+WHOLE = TimeSpan()
+"""All of a recording."""
+
 
 ROS_PROFILE = "ros2"
 """Profile of files in which all channels are of ROS (MCAP, well-known profiles)."""
@@ -164,11 +233,7 @@ class McapFile:
     def __init__(
         self, stream: BinaryIO, *, has_jaus: bool, compression: str = COMPRESSIONS[0]
     ) -> None:
-        """Begins a file.
-
-        Args:
-            compression: One of `COMPRESSIONS`.
-        """
+        """Begins a file."""
         need_library()
         from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
 
@@ -208,11 +273,7 @@ class McapFile:
         return self._of_jaus[key]
 
     def write(self, channel: int, time: int, data: bytes, published: int | None = None) -> None:
-        """Writes a message.
-
-        Args:
-            published: When it was sent, the time above by default.
-        """
+        """Writes a message."""
         self._writer.add_message(channel, time, data, time if published is None else published)
         self.count += 1
 
@@ -238,11 +299,7 @@ class McapFile:
 
 
 def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> int:
-    """Writes messages into a file with an index; returns how many.
-
-    Args:
-        ros_only: Whether those are left out that are not of ROS.
-    """
+    """Writes messages into a file with an index; returns how many."""
     from mcap.writer import Writer  # noqa: PLC0415 - an extra
 
     writer = Writer(stream)

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.ros.node import QuietNode, RosFault, message_class
+from jausml.live.ros.running import offered_profile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from jausml.live.recording.filters import TrafficFilter
+    from jausml.live.recording.mcap_files import TrafficFilter
 
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
@@ -63,12 +64,7 @@ class RosTopics:
         self._opened = time.monotonic()
 
     def begin(self, wanted: Collection[str] | None, take: Take) -> None:
-        """Begins to look for publishers; returns when what those publish comes that there are.
-
-        Args:
-            wanted: Full names of the topics that are wanted, None for all.
-            take: Takes each message, on another thread.
-        """
+        """Begins to look for publishers; returns when what those publish comes that there are."""
         if wanted is not None:
             self.wanted = frozenset(filter(self._selection.wants_topic, wanted))
         self._take = take
@@ -115,17 +111,18 @@ class RosTopics:
         return self._selection.wants_topic(topic)
 
     def _subscribe(self, topic: str, kind: str) -> None:
-        offered = [
-            each.qos_profile for each in self._quiet.node.get_publishers_info_by_topic(topic)
-        ]
+        from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
+
+        publishers = self._quiet.node.get_publishers_info_by_topic(topic)
+        offered = [qos_of(each.qos_profile) for each in publishers]
         if not offered:
             return  # somebody waits for it, as we do
         cls = message_class(kind)
         if cls is None:
             self.missing[topic] = kind
             return
-        asked = _asked(offered)
-        if _is_latched(asked):
+        asked = offered_profile(offered, _DEPTH)
+        if qos_of(asked).durability == "transient_local":
             self._latched.add(topic)
         self.heard[topic] = self._quiet.node.create_subscription(
             cls, topic, self._noting(topic, kind), asked, raw=True
@@ -148,23 +145,3 @@ class RosTopics:
             self._take(topic, kind, bytes(data), time.time_ns(), info["source_timestamp"])
 
         return note
-
-
-def _is_latched(profile: Any) -> bool:
-    from rclpy.qos import DurabilityPolicy  # noqa: PLC0415
-
-    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def _asked(offered: list[Any]) -> Any:
-    """Returns the most of quality of service that all publishers offer."""
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415
-
-    is_reliable = all(each.reliability == ReliabilityPolicy.RELIABLE for each in offered)
-    is_latched = all(map(_is_latched, offered))
-    profile: Any = QoSProfile
-    return profile(
-        depth=_DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE),
-    )

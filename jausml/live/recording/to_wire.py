@@ -12,9 +12,8 @@ from jausml.generation.system import system_of
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.type_definitions import full_name
-from jausml.live.workers.bridge_code import bridge_code
-from jausml.live.workers.worker import Worker, WorkerError
+from jausml.live.recording.schemas import full_name
+from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -41,7 +40,6 @@ class ReplayPace:
     """The pace of a replay, which may be paused.
 
     Attributes:
-        is_paused: Whether nothing passes; anybody may change it at any time.
         position: Seconds of the recording from the first message to the latest that has passed.
     """
 
@@ -49,7 +47,6 @@ class ReplayPace:
         """Has passed nothing yet.
 
         Args:
-            speed: Seconds of the recording in each second.
             most_each_second: How many messages pass at most; what comes faster is late.
         """
         self.is_paused = False
@@ -108,9 +105,6 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
-
-    Raises:
-        NoSystemError: It has no system, or several.
     """
     whole = system_of(model)
     commands: list[str] = []

@@ -1,9 +1,4 @@
-"""Recorded JAUS messages through the maps of a model, by generated code in a process of its own.
-
-A recording has what a bridge took and what it sent. So a route goes from each message that a bridge
-takes to its topics, and from each that it sends back to the topics from which that came, where the
-map has that direction too.
-"""
+"""Captured JAUS messages through the maps of a model, by generated code, also into MCAP files."""
 
 from __future__ import annotations
 
@@ -14,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.system import system_of
 from jausml.language.metamodel.classes import bridge, system
-from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
+from jausml.live.recording.captured import CapturedMessages
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.type_definitions import full_name, modelled_definition
-from jausml.live.workers.bridge_code import Maker, bridge_code
-from jausml.live.workers.worker import Worker, WorkerError
+from jausml.live.recording.schemas import full_name, modelled_definition
+from jausml.live.workers.worker import Maker, Worker, WorkerError, bridge_code, bridge_of_maps
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -33,9 +27,10 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.model import Model
-    from jausml.live.recording.captured import JausMessage
+    from jausml.live.recording.captured import JausMessage, JausWriter
+    from jausml.live.recording.mcap_files import McapFile
+    from jausml.live.traffic.frames import Datagram
     from jausml_generators.bridge.views import BridgeView
-
 
 _WORKER = Path(__file__).with_name("translation_worker.py")
 _AT_ONCE = 256
@@ -54,11 +49,7 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class TranslatedMessage:
-    """A message of ROS.
-
-    Attributes:
-        time: When the message was heard of which it is, in nanoseconds since 1970.
-    """
+    """A message of ROS."""
 
     route: Route
     time: int
@@ -84,19 +75,14 @@ class Translator:
     """The translations of a model; close it at the end."""
 
     def __init__(self, model: Model) -> None:
-        """Starts the process of the translations.
-
-        Raises:
-            RecordingError: It has no bridge with a connection that could be used.
-        """
-        found = routes_of(model)
-        self.routes = found.routes
+        """Starts the process of the translations."""
+        routed, self.routes = routes_of(model)
         if not self.routes:
             raise RecordingError("the model has no map from JAUS to ROS that could be used")
         self.unmapped: Counter[int] = Counter()
         self.untranslated = Untranslated()
         self._takers: dict[tuple[int, str], list[tuple[int, str]]] = {}
-        self._worker = Worker(bridge_code(found.model), _WORKER)
+        self._worker = Worker(bridge_code(routed), _WORKER)
         self._ask({"routes": [_plan(each) for each in self.routes]})
 
     def __enter__(self) -> Self:
@@ -189,11 +175,7 @@ Addresses = frozenset[str]
 
 @dataclass(frozen=True)
 class RecordedTopic:
-    """A topic of a recording.
-
-    Attributes:
-        type: Full name of its type, e.g. `nav_msgs/msg/Odometry`.
-    """
+    """A topic of a recording."""
 
     name: str
     type: str
@@ -207,7 +189,6 @@ class RouteJoin:
     Attributes:
         senders: Whose reports are meant; those of the subsystem of the main message by default.
         freshness: Seconds after which the latest report is stale.
-        drop: Whether nothing is made without a fresh one.
     """
 
     name: str
@@ -232,22 +213,13 @@ class Route:
     joins: tuple[RouteJoin, ...]
 
 
-@dataclass(frozen=True)
-class Routes:
-    """The routes of a model, and the model of bridges that have these routes alone."""
+def routes_of(model: Model) -> tuple[Model, list[Route]]:
+    """Returns a model of bridges that have routes alone, and these.
 
-    model: Model
-    routes: list[Route]
-
-
-def routes_of(model: Model) -> Routes:
-    """Returns the routes of a model: those of its bridges, or of all its maps when it has none.
+    They are those of the bridges of the model, or of all its maps when it has no system.
 
     Args:
         model: A model without errors, of which nobody makes anything else: its bridges are changed.
-
-    Raises:
-        NoSystemError: It has several systems.
     """
     roots = model.documents[0].roots
     if not any(isinstance(root, system.System) for root in roots):
@@ -255,30 +227,19 @@ def routes_of(model: Model) -> Routes:
     sent: dict[bridge.Connection, Addresses] = {}
     for owner in own_bridges(system_of(model)):
         sent.update(_turn(model, owner))
-    return Routes(model, [each for view in bridge_views(model) for each in _routes(view, sent)])
+    return model, [each for view in bridge_views(model) for each in _routes(view, sent)]
 
 
 def _of_maps(model: Model) -> Model:
     """Makes a model with a bridge that has a connection for each map to ROS."""
-    make = Maker(model.metamodels)
-    owner = make("bridge.Bridge", name="maps", address="1.1.1")
-    whole = make("system.System", name="replay")
-    make.own(whole, "bridges", owner)
     libraries = [each for each in model.documents[0].roots if isinstance(each, bridge.MapLibrary)]
-    for used in (each for library in libraries for each in library.maps):
-        if used.toRos and used.message is not None and used.type is not None:
-            make.own(owner, "bridgeConnections", _to_ros(make, used, used.name, [str(used.name)]))
-    return made_model(model.metamodels, whole, owner)
-
-
-def _to_ros(
-    make: Maker, used: bridge.AttributeMap, name: str | None, topics: Iterable[str]
-) -> bridge.Connection:
-    found: bridge.Connection = make("bridge.Connection", name=str(name), direction=TO_ROS)
-    make.refer(found, "map", used)
-    for topic in topics:
-        make.own(found, "topics", make("bridge.Topic", name=topic))
-    return found
+    maps = {
+        str(each.name): (each, True)
+        for library in libraries
+        for each in library.maps
+        if each.toRos and each.message is not None and each.type is not None
+    }
+    return bridge_of_maps(model.metamodels, "maps", maps)
 
 
 def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Addresses]:
@@ -300,8 +261,11 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
         if each.map not in used and each.map.toRos:
             used.add(each.map)
             topics = [str(topic.name) for topic in each.topics if topic.join is None]
-            turned = _to_ros(make, each.map, each.name, topics)
-            make.own(owner, "bridgeConnections", turned)
+            turned = make("bridge.Connection", name=str(each.name), direction=TO_ROS)
+            make.link(turned, "map", each.map)
+            for topic in topics:
+                make.link(turned, "topics", make("bridge.Topic", name=topic))
+            make.link(owner, "bridgeConnections", turned)
             made[turned] = frozenset({str(owner.address)})
     return made
 
@@ -343,3 +307,33 @@ def _joins(connection: bridge.Connection) -> Iterator[RouteJoin]:
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:
     return frozenset(str(each.address) for each in peers)
+
+
+class CaptureReplay:
+    """The way of a capture into a file."""
+
+    def __init__(
+        self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
+    ) -> None:
+        """Has read nothing yet."""
+        self.captured = CapturedMessages()
+        self.topics: Counter[str] = Counter()
+        self.sources: dict[str, set[str]] = {}
+        self._translator = translator
+        self._file = file
+        self._jaus = jaus
+
+    def run(self, datagrams: Iterable[Datagram]) -> None:
+        """Writes what becomes of datagrams."""
+        for found in self._translator.translate(self._messages(datagrams)):
+            for topic in found.route.topics:
+                channel = self._file.ros_channel(topic.name, topic.type, topic.definition)
+                self._file.write(channel, found.time, found.data)
+                self.topics[topic.name] += 1
+                self.sources.setdefault(topic.name, set()).add(found.source)
+
+    def _messages(self, datagrams: Iterable[Datagram]) -> Iterator[JausMessage]:
+        for message, packet in self.captured.read(datagrams):
+            if self._jaus is not None:
+                self._jaus.write(self._file, message, packet)
+            yield message

@@ -42,11 +42,7 @@ class QuietNode:
         self.node: Any = None
 
     def open(self, prepare: Callable[[Any], object] | None = None) -> Self:
-        """Enters ROS.
-
-        Raises:
-            RosFault: rclpy, or what is needed beside it, is missing or does not work.
-        """
+        """Enters ROS."""
         try:
             import rclpy  # noqa: PLC0415 - it is on robots, not everywhere
             from rclpy.context import Context  # noqa: PLC0415

@@ -1,19 +1,276 @@
-"""What runs in ROS, with what messages and parameters say of it. Needs rclpy."""
+"""What runs in ROS: its graph, and what first messages and parameters say of it. Needs rclpy."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from functools import partial
 from threading import Condition
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.ros.graph import SETTLED, RunningGraph, settled_graph
-from jausml.live.ros.hearing import Hearing
-from jausml.live.ros.node import QuietNode
-from jausml.live.ros.parameters import ParameterReader
+from jausml.live.ros.node import QuietNode, message_class
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from jausml.runtime.bridge.ends.topics import Qos
+
+_OF_ROS = frozenset({"/rosout", "/parameter_events"})
+_SERVED_BY_RCL = ("rcl_interfaces/", "type_description_interfaces/")
+"""How the types of services begin that each node has: parameters, levels of its log, its types."""
+
+SETTLED = 2.0
+"""Seconds without a change after which all is known."""
+
+_POLL = 0.1
+
+
+@dataclass(frozen=True, order=True)
+class RosEndpoint:
+    """A publisher or subscription that runs."""
+
+    node: str
+    reliability: str
+    durability: str
+
+
+@dataclass(frozen=True, order=True)
+class RunningTopic:
+    """A topic that runs."""
+
+    name: str
+    types: tuple[str, ...]
+    publishers: tuple[RosEndpoint, ...]
+    subscriptions: tuple[RosEndpoint, ...]
+
+
+@dataclass(frozen=True, order=True)
+class RunningCall:
+    """A service or an action that runs."""
+
+    name: str
+    types: tuple[str, ...]
+    servers: tuple[str, ...]
+    clients: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RunningGraph:
+    """What runs, each in the order of the names; that of ROS itself is left out."""
+
+    topics: tuple[RunningTopic, ...] = ()
+    services: tuple[RunningCall, ...] = ()
+    actions: tuple[RunningCall, ...] = ()
+    nodes: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        """Tells whether anything runs."""
+        return bool(self.topics or self.services or self.actions)
+
+
+def settled_graph(node: Any, end: float) -> RunningGraph:
+    """Returns what runs, once nothing has changed for two seconds if there is anything."""
+    found = _graph(node)
+    since = time.monotonic()
+    while time.monotonic() < end and not (found and time.monotonic() - since >= SETTLED):
+        time.sleep(_POLL)
+        now = _graph(node)
+        if now != found:
+            found, since = now, time.monotonic()
+    return found
+
+
+def _graph(node: Any) -> RunningGraph:
+    topics = (
+        RunningTopic(
+            name,
+            tuple(sorted(types)),
+            _ends(node.get_publishers_info_by_topic(name), node),
+            _ends(node.get_subscriptions_info_by_topic(name), node),
+        )
+        for name, types in node.get_topic_names_and_types()
+        if name not in _OF_ROS and "/_" not in name
+    )
+    services, actions = _calls(node)
+    nodes = (_full(*each) for each in node.get_node_names_and_namespaces())
+    return RunningGraph(
+        tuple(sorted(each for each in topics if each.publishers or each.subscriptions)),
+        services,
+        actions,
+        tuple(sorted(each for each in nodes if not each.endswith(f"/{node.get_name()}"))),
+    )
+
+
+def _full(name: str, namespace: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def _calls(own: Any) -> tuple[tuple[RunningCall, ...], tuple[RunningCall, ...]]:
+    """Returns the services and the actions of all nodes but one."""
+    from rclpy.action import graph  # noqa: PLC0415
+
+    services = (own.get_service_names_and_types_by_node, own.get_client_names_and_types_by_node)
+    actions = (
+        partial(graph.get_action_server_names_and_types_by_node, own),
+        partial(graph.get_action_client_names_and_types_by_node, own),
+    )
+    return _with_ends(own, *services), _with_ends(own, *actions)
+
+
+def _with_ends(
+    own: Any,
+    served: Callable[[str, str], Iterable[tuple[str, Sequence[str]]]],
+    called: Callable[[str, str], Iterable[tuple[str, Sequence[str]]]],
+) -> tuple[RunningCall, ...]:
+    """Returns what the nodes serve and call, by two questions to the graph."""
+    from rclpy.node import NodeNameNonExistentError  # noqa: PLC0415
+
+    types: dict[str, set[str]] = {}
+    ends: dict[tuple[str, bool], set[str]] = {}
+    for node, namespace in own.get_node_names_and_namespaces():
+        for is_server, ask in ((True, served), (False, called)):
+            try:
+                found = list(ask(node, namespace)) if node != own.get_name() else []
+            except (NodeNameNonExistentError, RuntimeError):
+                continue  # It has gone meanwhile.
+            for name, kinds in found:
+                types.setdefault(name, set()).update(kinds)
+                ends.setdefault((name, is_server), set()).add(_full(node, namespace))
+    return tuple(
+        RunningCall(
+            name,
+            tuple(sorted(types[name])),
+            tuple(sorted(ends.get((name, True), ()))),
+            tuple(sorted(ends.get((name, False), ()))),
+        )
+        for name in sorted(types)
+        if "/_" not in name and not all(each.startswith(_SERVED_BY_RCL) for each in types[name])
+    )
+
+
+def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
+    from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
+
+    found = []
+    for each in infos:
+        qos = qos_of(each.qos_profile)
+        full = _full(each.node_name, each.node_namespace)
+        if each.node_name != own.get_name():
+            found.append(RosEndpoint(full, qos.reliability, qos.durability))
+    return tuple(sorted(found))
+
+
+_MOST = 200
+"""Parameters of a node that are read."""
+
+
+class ParameterReader:
+    """Asks nodes for their parameters."""
+
+    def __init__(
+        self, node: Any, nodes: Iterable[str], is_wanted: Callable[[str], bool], come: Condition
+    ) -> None:
+        """Prepares to ask."""
+        from rcl_interfaces.srv import GetParameters, ListParameters  # noqa: PLC0415
+
+        self.found: dict[str, dict[str, Any]] = {}
+        self._is_wanted = is_wanted
+        self._come = come
+        self._get = GetParameters.Request
+        self._list = ListParameters.Request
+        self._waiting = {
+            each: (
+                node.create_client(ListParameters, f"{each}/list_parameters"),
+                node.create_client(GetParameters, f"{each}/get_parameters"),
+            )
+            for each in nodes
+        }
+        self._asked: set[str] = set()
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """The nodes that have not answered yet."""
+        return tuple(sorted(self._waiting))
+
+    def ask(self) -> None:
+        """Asks the nodes whose services are there by now and that were not asked before."""
+        for name, (lists, gets) in list(self._waiting.items()):
+            if name not in self._asked and lists.service_is_ready() and gets.service_is_ready():
+                self._asked.add(name)
+                listed = lists.call_async(self._list())
+                listed.add_done_callback(lambda done, of=name: self._listed(of, done.result()))
+
+    def _listed(self, name: str, answer: Any) -> None:
+        wanted = [each for each in answer.result.names if self._is_wanted(each)][:_MOST]
+        if not wanted:
+            self._note(name, {})
+            return
+        got = self._waiting[name][1].call_async(self._get(names=wanted))
+        got.add_done_callback(lambda done: self._got(name, wanted, done.result()))
+
+    def _got(self, name: str, wanted: list[str], answer: Any) -> None:
+        from rclpy.parameter import parameter_value_to_python  # noqa: PLC0415
+
+        values = map(parameter_value_to_python, answer.values)
+        self._note(name, {n: v for n, v in zip(wanted, values, strict=False) if v is not None})
+
+    def _note(self, name: str, values: dict[str, Any]) -> None:
+        with self._come:
+            if values:
+                self.found[name] = values
+            del self._waiting[name]
+            self._come.notify_all()
+
+
+_JOINTS = "sensor_msgs/msg/JointState"
+
+
+class Hearing:
+    """The first message on each topic whose messages name joints or frames.
+
+    Attributes:
+        frames: `header.frame_id` and `child_frame_id` of the messages, by topic; an empty text for
+            one that they do not name.
+    """
+
+    def __init__(self, node: Any, topics: Iterable[RunningTopic], come: Condition) -> None:
+        """Subscribes to what is published."""
+        self.joints: dict[str, tuple[str, ...]] = {}
+        self.frames: dict[str, tuple[str, str]] = {}
+        self._come = come
+        self._waiting: set[str] = set()
+        for each in topics:
+            cls = message_class(each.types[0]) if each.publishers and len(each.types) == 1 else None
+            if cls is not None and "header" in cls.get_fields_and_field_types():
+                self._waiting.add(each.name)
+                self._subscribe(node, each, cls)
+
+    @property
+    def silent(self) -> tuple[str, ...]:
+        """The topics on which nothing has come yet."""
+        return tuple(sorted(self._waiting))
+
+    def _subscribe(self, node: Any, topic: RunningTopic, cls: Any) -> None:
+        from rclpy.serialization import deserialize_message  # noqa: PLC0415
+
+        def take(data: bytes) -> None:
+            with self._come:
+                if topic.name not in self._waiting:
+                    return  # Images and clouds are large: each is read once.
+                self._note(topic, deserialize_message(data, cls))
+                self._waiting.discard(topic.name)
+                self._come.notify_all()
+
+        profile = offered_profile(topic.publishers, depth=1)
+        node.create_subscription(cls, topic.name, take, profile, raw=True)
+
+    def _note(self, topic: RunningTopic, message: Any) -> None:
+        if topic.types == (_JOINTS,):
+            self.joints[topic.name] = tuple(message.name)
+        frames = (message.header.frame_id, getattr(message, "child_frame_id", ""))
+        if any(frames):
+            self.frames[topic.name] = frames
+
 
 _LISTENED, _TURN = 5.0, 0.1
 """Seconds for messages and answers, and from one look for what can be asked to the next."""
@@ -24,10 +281,7 @@ class Running:
     """What runs.
 
     Attributes:
-        joints: Names of the joints by the topic on which a node publishes them.
-        frames: `header.frame_id` and `child_frame_id` of the messages, by topic.
         silent: Topics whose messages would have told such names, and on which nothing came.
-        parameters: Values by name, by node.
         unread: Nodes that do not tell their parameters.
     """
 
@@ -44,12 +298,6 @@ def what_runs(seconds: float, is_wanted: Callable[[str], bool]) -> Running:
 
     It looks until nothing has changed for two seconds, if there is anything. Then it waits for
     messages and answers, not longer than the time that is left.
-
-    Args:
-        is_wanted: Tells by the name of a parameter whether it is read.
-
-    Raises:
-        RosFault: ROS cannot be used here.
     """
     end = time.monotonic() + seconds
     quiet = QuietNode("new").open()
@@ -80,3 +328,15 @@ def _told(
             dict(read.found),
             read.unread,
         )
+
+
+def offered_profile(offered: Sequence[Qos | RosEndpoint], depth: int) -> Any:
+    """Returns the most of quality of service that all publishers offer, as rclpy has it."""
+    from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
+    from jausml.runtime.bridge.ros.parameters import profile_of  # noqa: PLC0415
+
+    is_reliable = all(each.reliability == "reliable" for each in offered)
+    is_latched = all(each.durability == "transient_local" for each in offered)
+    reliability = "reliable" if is_reliable else "best_effort"
+    durability = "transient_local" if is_latched else "volatile"
+    return profile_of(Qos(reliability, durability, depth=depth))

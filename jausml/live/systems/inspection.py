@@ -32,12 +32,7 @@ class Inspection:
     """Subscribes to the topic and asks for the report of one connection at a time."""
 
     def __init__(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
-        """Looks at nothing yet.
-
-        Args:
-            operator: Who asks; None without JAUS.
-            ros: What subscribes; None without ROS.
-        """
+        """Looks at nothing yet."""
         self._operator = operator
         self._ros = ros
         self._key: tuple[str, str] | None = None

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from jausml.live.peers.discovery import KnownComponent
     from jausml.live.peers.operator import Operator
-    from jausml.live.systems.diagnostics import DiagnosticStatus
+    from jausml.live.systems.folding import DiagnosticStatus
     from jausml.live.systems.state import DeclaredConnection, SystemState
     from jausml.runtime.base.address import JausAddress
 
@@ -64,12 +64,7 @@ class JausObserver:
         declared: Iterable[JausAddress],
         take: Callable[[ComponentAnswer], None],
     ) -> None:
-        """Asks nothing before `start`.
-
-        Args:
-            declared: Components of the model, which are asked in any case.
-            take: Takes what components tell, on other threads.
-        """
+        """Asks nothing before `start`."""
         self._operator = operator
         self._take = take
         self._known = dict.fromkeys(declared)

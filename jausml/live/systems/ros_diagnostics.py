@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.ros.node import QuietNode, message_class
-from jausml.live.systems.diagnostics import DiagnosticStatus
+from jausml.live.systems.folding import DiagnosticStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -27,11 +27,7 @@ class RosDiagnostics:
     """A node without parameters, services or log of its own, which spins in a thread."""
 
     def __init__(self, take: Callable[[list[DiagnosticStatus]], None]) -> None:
-        """Does nothing before `start`.
-
-        Args:
-            take: Takes the statuses of a message, on another thread.
-        """
+        """Does nothing before `start`."""
         self._take = take
         self._latest: deque[Any] = deque(maxlen=1)
         self._watched: Any = None
@@ -48,9 +44,6 @@ class RosDiagnostics:
 
     def watch(self, topic: TopicName) -> str:
         """Subscribes to a topic in the place of the one before.
-
-        Args:
-            topic: The topic; what nobody publishes yet is subscribed to as if of a sensor.
 
         Returns:
             Why it cannot be watched, empty when it is.

@@ -1,17 +1,20 @@
-"""State of a running system: what was heard of its connections and components, as values.
-
-Nothing here knows ROS, sockets or threads. Times are those of one steady clock, in seconds.
-"""
+"""State of a running system as values: what a model promises of it, and what was heard."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
+
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.language.semantics.ros_types import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from jausml.language.model import Model
 
 HISTORY = 120
 """Latest rates of a connection that are kept."""
@@ -49,7 +52,6 @@ class TopicName:
     """A ROS topic of a connection, as its model names it.
 
     Attributes:
-        type: Its type, such as `std_msgs/msg/Float64`.
         is_absolute: Whether it has the same name in whatever namespace its bridge runs.
     """
 
@@ -63,7 +65,6 @@ class DeclaredConnection:
     """What a model says of a connection.
 
     Attributes:
-        rate: Messages each second that it promises, None when it promises none.
         direction: `to ROS` or `to JAUS`.
         peers: JAUS ids of the components at the other end, as far as the model names them.
     """
@@ -89,16 +90,10 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        name: Name of the connection; `jaus state` and the like concern the bridge.
         phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
-        rate: Messages each second since the status before, None when unknown.
         declared_rate: Messages each second that the model promises, None when it promises none.
-        age: Seconds since its last message when its bridge told of it, None when there was none.
-        told: When its bridge last told of it, None when it never did.
         period: Seconds between its last two statuses, 0 before there were two.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
-        values: All names and values of the last status, as they came.
-        history: Latest rates, oldest first.
         concerns_bridge: Whether it is told only while there is something to tell.
     """
 
@@ -142,13 +137,10 @@ class ComponentState:
     """A JAUS component.
 
     Attributes:
-        type: What it says that it is, such as `vehicle`.
-        state: Management state such as `READY`, empty when it tells none.
         controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
         authority: Authority code of who controls it, else its default; None when unknown.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
-        services: URN and version of what it provides.
         round_trip: Seconds of its last answer, None before the first one.
     """
 
@@ -278,3 +270,66 @@ def _rounded(seconds: float | None) -> float | None:
 
 def _since(time: float | None, now: float) -> float | None:
     return None if time is None else round(max(0.0, now - time), 3)
+
+
+def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
+    """Yields the connections of a model, in model order."""
+    for owner in model.instances(bridge.Bridge, library=False):
+        topics: dict[object, list[TopicName]] = {}
+        for end in endpoints([owner]):
+            found = topics.setdefault(end.element.eContainer(), [])
+            is_absolute = end.topic == getattr(end.element, end.feature)
+            found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
+        for connection in owner.bridgeConnections:
+            if connection.map is not None and connection.map.message is not None:
+                yield _with_topics(owner, connection, tuple(topics.get(connection, ())))
+        for service in owner.serviceConnections:
+            asking = calls.asking(service)
+            yield _declared(owner, service, str(asking.name) if asking is not None else "")
+        for action in owner.actionConnections:
+            if action.element is not None and action.element.message is not None:
+                yield _declared(owner, action, str(action.element.message.name))
+
+
+def components_of(model: Model) -> dict[str, str]:
+    """Returns the names of the components of a model, bridges included, by JAUS id."""
+    components = model.instances(jaus.Component, library=False)
+    return {str(each.address): str(each.name) for each in components if each.address}
+
+
+def _declared(
+    owner: bridge.Bridge,
+    connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
+    message: str,
+) -> DeclaredConnection:
+    """Returns what is declared of any connection; topics, reports and rates not all have."""
+    return DeclaredConnection(
+        bridge=node_of(owner),
+        name=str(connection.name),
+        jaus_id=str(owner.address),
+        rate=None,
+        direction="to ROS" if connection.direction.name == "jausToRos" else "to JAUS",
+        topics=(),
+        message=message,
+        is_report=False,
+        peers=tuple(str(each.address) for each in connection.peers),
+    )
+
+
+def _with_topics(
+    owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
+) -> DeclaredConnection:
+    declared = _declared(owner, connection, str(connection.map.message.name))
+    exchange = connection.exchange.name
+    is_periodic = exchange in ("periodicEvent", "query") and declared.direction == "to ROS"
+    rate = (connection.rate or owner.frequency or None) if is_periodic else None
+    return replace(declared, rate=rate, topics=topics, is_report=exchange != "message")
+
+
+def node_of(owner: bridge.Bridge) -> str:
+    """Returns the full name of the ROS node of a bridge."""
+    return resolve_topic(str(owner.name), owner.namespace or "", "")
+
+
+def _full_name(kind: ros.MessageType) -> str:
+    return f"{package_of(kind)}/msg/{kind.name}"

@@ -42,11 +42,7 @@ def state_text(connection: ConnectionState) -> str:
 
 
 def sparkline(history: Sequence[float], declared: float | None, width: int = 12) -> str:
-    """Returns the latest rates as bars, of which the highest is the greatest or declared rate.
-
-    Args:
-        declared: The declared rate, None without one.
-    """
+    """Returns the latest rates as bars, of which the highest is the greatest or declared rate."""
     latest = history[-width:]
     top = max([*latest, declared or 0.0], default=0.0)
     if top <= 0:

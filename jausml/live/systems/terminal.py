@@ -117,11 +117,7 @@ class SystemView(App[None]):
     def __init__(
         self, state: Callable[[], SystemState], inspection: Inspection, interval: float
     ) -> None:
-        """Shows nothing yet.
-
-        Args:
-            interval: Seconds from one look to the next.
-        """
+        """Shows nothing yet."""
         super().__init__()
         self._observe = state
         self._inspection = inspection

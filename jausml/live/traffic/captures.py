@@ -1,11 +1,9 @@
-"""Capture files: pcap and pcapng, also gzipped, as streams so that `tcpdump -w -` can be piped in.
-
-Formats: draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng.
-"""
+"""Captures: pcap and pcapng, also gzipped, as streams that can be piped, and hexadecimal."""
 
 from __future__ import annotations
 
 import gzip
+import re
 import struct
 import zlib
 from dataclasses import dataclass
@@ -62,7 +60,6 @@ class CapturedFrame:
 
     Attributes:
         number: Its number in the file, from 1 as Wireshark counts.
-        time: Seconds since 1970, None when the file does not tell.
         nanoseconds: The time to the nanosecond, which no float holds; None as with it.
     """
 
@@ -75,12 +72,7 @@ class CapturedFrame:
 
 
 def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
-    """Yields the frames of a capture as they come.
-
-    Raises:
-        CaptureError: It is something else, malformed, or ends within a frame; the frames before
-            that were yielded.
-    """
+    """Yields the frames of a capture as they come."""
     file = _File(stream)
     magic = file.read(4, "the file header")
     if magic.startswith(_GZIP):
@@ -274,3 +266,28 @@ class _Pcapng:
             raise CaptureError(f"frame {self._number} is longer than its block", begin)
         seconds = None if time is None else time / _NANO
         return CapturedFrame(self._number, seconds, link_type, data[:kept], kept < length, time)
+
+
+_COMMENT = re.compile(r"(?:#|//|;).*")
+_BYTE_PREFIX = re.compile(r"(?<![0-9A-Fa-f])0[xX]|\\x")
+_SEPARATORS = str.maketrans("", "", " \t\r\n:,-_\v\f")
+_WRONG = re.compile(r"[^0-9A-Fa-f \t\r\n:,\-_\v\f]")
+
+
+def parse_hex(line: str) -> bytes:
+    r"""Returns the bytes of a line; a blank line or a comment has none.
+
+    Blanks, colons, commas, hyphens, `0x` and `\x` may stand between bytes; `#`, `;` and `//`
+    begin a comment.
+    """
+    text = _COMMENT.sub("", line)
+    # Two blanks keep the columns of what follows a prefix.
+    digits = _BYTE_PREFIX.sub("  ", text)
+    wrong = _WRONG.search(digits)
+    if wrong is not None:
+        column = wrong.start() + 1
+        raise TrafficError(f"column {column}: {wrong.group()!a} is no hexadecimal digit")
+    packed = digits.translate(_SEPARATORS)
+    if len(packed) % 2:
+        raise TrafficError(f"{len(packed)} hexadecimal digits make no whole number of bytes")
+    return bytes.fromhex(packed)

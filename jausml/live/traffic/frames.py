@@ -95,8 +95,6 @@ class Datagram:
     """A UDP datagram.
 
     Attributes:
-        source: Where it came from, None when nobody told.
-        destination: Where it went, None when nobody told.
         time: Seconds since 1970, None when nobody told.
         number: Number of the frame or line that ended it, from 1.
         nanoseconds: The time to the nanosecond, None when nobody told.
@@ -289,11 +287,7 @@ class PcapWriter:
 
 
 def frame_of(datagram: Datagram) -> CapturedFrame:
-    """Returns a frame with a datagram that was heard without one, over IPv4.
-
-    Raises:
-        ValueError: It has no ends.
-    """
+    """Returns a frame with a datagram that was heard without one, over IPv4."""
     source, destination = datagram.source, datagram.destination
     if source is None or destination is None:
         raise ValueError("nobody told where the datagram came from")

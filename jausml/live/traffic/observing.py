@@ -1,18 +1,21 @@
-"""Observer of JUDP datagrams: what a bystander reads in them (AS5669A)."""
+"""Observer of JUDP datagrams: what a bystander reads in them (AS5669A), and text of it."""
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
+from jausml.live.messages import text as messages
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import (
     EMPTY_MESSAGE_SIZE,
     JUDP_VERSION,
     AckNak,
+    Broadcast,
     DataFlags,
+    Priority,
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
@@ -43,12 +46,6 @@ _FRAGMENTS = {
     DataFlags.MIDDLE: "a middle packet of a message of several",
     DataFlags.LAST: "the last packet of a message of several, of which others are missing",
 }
-
-
-def is_datagram(data: bytes) -> bool:
-    """Tells whether bytes have the form of a JUDP datagram (AS5669A), to their end."""
-    counters = Counters()
-    return bool(parse_datagram(data, counters)) and not counters.snapshot()
 
 
 @dataclass(frozen=True)
@@ -123,18 +120,8 @@ class _Reasons(Counters):
         super().__init__()
         self.names: list[str] = []
 
-    def count(
-        self,
-        name: str,
-        detail: str = "",
-        *,
-        amount: int = 1,
-        error: BaseException | None = None,
-        level: int = logging.WARNING,
-        once: bool = False,
-    ) -> None:
+    def count(self, name: str, *_: object, **__: object) -> None:
         """Keeps a reason instead of logging it."""
-        del detail, amount, error, level, once
         self.names.append(name)
 
 
@@ -152,13 +139,7 @@ class Observer:
         service: str | None = None,
         message: str | None = None,
     ) -> None:
-        """Starts with no packets.
-
-        Args:
-            catalogue: What messages there are; without it none is decoded.
-            service: Service whose messages are meant where a code has several meanings.
-            message: Name of the message that is meant where a code still has several meanings.
-        """
+        """Starts with no packets."""
         self.host_frames = 0
         self._catalogue = catalogue
         self._service = service
@@ -228,3 +209,77 @@ def _reason(name: str, data: bytes) -> str:
             return "a frame between the jausml processes of one host, no JUDP"
         return f"JUDP version {data[0]} is not supported"
     return f"{_REASONS.get(name, name)} ({len(data)} bytes)"
+
+
+_SHOWN_OCTETS = 64
+_PRIORITIES = {
+    Priority.LOW: "low priority",
+    Priority.HIGH: "high priority",
+    Priority.SAFETY_CRITICAL: "safety critical",
+}
+_BROADCASTS = {Broadcast.LOCAL: "local broadcast", Broadcast.GLOBAL: "global broadcast"}
+_ACKNOWLEDGEMENTS = {
+    AckNak.REQUESTED: "acknowledgement wanted",
+    AckNak.NAK: "negative acknowledgement",
+    AckNak.ACK: "acknowledgement",
+}
+_DATA_FLAGS = {
+    DataFlags.FIRST: "first packet",
+    DataFlags.MIDDLE: "middle packet",
+    DataFlags.LAST: "last packet",
+}
+
+
+def lines(observation: Observation) -> Iterator[str]:
+    """Yields the lines of an observation; the fields are indented."""
+    packet, message = observation.packet, observation.message
+    head = [*_place(observation), *(_header(packet) if packet is not None else ())]
+    if message is not None:
+        head.append(messages.title(message))
+    if observation.error:
+        head.append(f"[{observation.error}]")
+    yield "  ".join(head)
+    if message is not None:
+        yield from (f"  {line}" for line in messages.lines(message))
+    elif observation.error:
+        data = packet.payload if packet is not None else observation.datagram.data
+        if data:
+            rest = "..." if len(data) > _SHOWN_OCTETS else ""
+            yield f"  {data[:_SHOWN_OCTETS].hex(' ')}{rest}"
+
+
+def _place(observation: Observation) -> Iterator[str]:
+    """Yields when and between which endpoints a datagram was seen, where that is known."""
+    datagram = observation.datagram
+    if datagram.time is not None:
+        yield _clock(datagram.time)
+    if datagram.source is not None:
+        yield f"{datagram.source} > {datagram.destination}"
+
+
+def _clock(time: float) -> str:
+    """Returns the time of day in UTC; the time itself when no calendar holds it."""
+    try:
+        return f"{datetime.fromtimestamp(time, timezone.utc):%H:%M:%S.%f}"
+    except (OverflowError, ValueError, OSError):
+        return str(time)
+
+
+def _header(packet: Packet) -> Iterator[str]:
+    yield f"{_address(packet.source)} > {_address(packet.destination)}"
+    yield f"#{packet.sequence}"
+    flags = (
+        _PRIORITIES.get(packet.priority),
+        _BROADCASTS.get(packet.broadcast),
+        _ACKNOWLEDGEMENTS.get(packet.acknowledge),
+        _DATA_FLAGS.get(packet.data_flags),
+    )
+    yield from filter(None, flags)
+
+
+def _address(address: JausAddress) -> str:
+    """Returns an address with `*` for parts that mean all."""
+    everyone = (65535, 255, 255)
+    parts = (address.subsystem, address.node, address.component)
+    shown = ("*" if part == wild else str(part) for part, wild in zip(parts, everyone, strict=True))
+    return ".".join(shown)

@@ -46,15 +46,7 @@ class Work(Generic[Shared, Piece, Result]):
     def results(
         self, pieces: Sequence[Piece], jobs: int, scheduler: str = ""
     ) -> Iterator[tuple[int, Result]]:
-        """Yields the number of each piece and what became of it, in any order.
-
-        Args:
-            jobs: How many processes of this machine work at once.
-            scheduler: Address of a scheduler of Dask, whose workers do it instead.
-
-        Raises:
-            PoolError: A process has ended, or nobody is there to do the work.
-        """
+        """Yields the number of each piece and what became of it, in any order."""
         if scheduler:
             try:
                 from jausml.live.workers.pool_of_dask import of_dask  # noqa: PLC0415 - an extra

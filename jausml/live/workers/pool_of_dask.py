@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from distributed import Client, KilledWorker, get_worker
 from distributed.diagnostics.plugin import WorkerPlugin
 
-from jausml.generation.again import digest, tool
+from jausml.generation.rendering import digest, tool
 from jausml.live.workers.pool_processes import PoolError, PoolProcesses
 
 if TYPE_CHECKING:
@@ -51,11 +51,7 @@ def _which_jausml() -> str:
 def of_dask(
     begin: bytes, address: str
 ) -> Iterator[tuple[Executor, Callable[[Any], Any], Callable[[], None]]]:
-    """Gives the workers of a scheduler.
-
-    Raises:
-        PoolError: It cannot be reached, it has no workers, or they have another jausml.
-    """
+    """Gives the workers of a scheduler."""
     try:
         client = Client(address, timeout=_SECONDS, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:

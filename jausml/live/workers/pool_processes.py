@@ -76,11 +76,7 @@ class PoolProcesses:
     """Processes for those who ask at once, one for each; close them at the end."""
 
     def __init__(self, begin: bytes) -> None:
-        """Begins none yet.
-
-        Args:
-            begin: What makes the worker of a process, and what it is given, pickled.
-        """
+        """Begins none yet."""
         self._begin = begin
         self._idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
         self._all: list[PoolProcess] = []

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from jausml.generation.languages.python.imports import (
+from jausml.generation.languages.python.layout import layout
+from jausml.generation.languages.python.modules import (
     Imports,
+    Modules,
     Origin,
     UnknownNameError,
     offered,
     statements,
 )
-from jausml.generation.languages.python.layout import layout
-from jausml.generation.languages.python.modules import Modules
 
 __all__ = [
     "Imports",

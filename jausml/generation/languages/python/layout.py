@@ -103,11 +103,7 @@ def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:
 
 
 def lay_out_statement(lines: Sequence[str]) -> list[str]:
-    """Returns the lines of one statement as they are to be.
-
-    Args:
-        lines: Its lines; one with comments or long strings inside stays as it is.
-    """
+    """Returns the lines of one statement as they are to be."""
     code = lines[0].lstrip()
     indent = lines[0][: len(lines[0]) - len(code)]
     statement = read("\n".join([code, *lines[1:]]))

@@ -102,11 +102,7 @@ def can_be_flat(parts: Sequence[Part]) -> bool:
 
 
 def read(text: str) -> Statement | None:
-    """Returns a statement, or the head of a compound one, as a tree.
-
-    Returns:
-        The tree; None when a comment or a string of several lines stands in it.
-    """
+    """Returns a statement, or the head of a compound one, as a tree."""
     tokens = list(_joined(text))
     comments = [token for token in tokens if token.type == tokenize.COMMENT]
     comment = ""

@@ -13,7 +13,8 @@ from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.codec import PRESENCE
 from jausml.live.peers.conformance.check import Check
-from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.steps import skips
 from jausml.live.peers.entry_messages import optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:
@@ -53,15 +54,12 @@ def _unknown(session: Session, identity: ServiceIdentity) -> Check:
     versions = [each for urn, each in session.catalogue.services if urn == identity.urn]
     known = f"known are the versions {', '.join(versions)}" if versions else "the library lacks it"
 
-    def skip(session: Session) -> None:
-        session.skip_unless(holds=False, reason=f"{known}; --model FILE adds a service")
-
     return Check(
         f"codecs.{identity.urn.rpartition(':')[2]}",
         f"Answers the queries of {identity.urn} {version}",
         "AS5684 encoding",
         "The layouts of the service are not known, so that nothing of it is asked for.",
-        (skip,),
+        (skips(f"{known}; --model FILE adds a service"),),
     )
 
 
@@ -143,8 +141,7 @@ def _ask(
     try:
         payload = query.encode(fields)
     except EncodeError:
-        session.skip_unless(holds=False, reason=f"no plain {query.name} could be made")
-        return None
+        raise CheckSkipped(f"no plain {query.name} could be made") from None
     codes = tuple(entry.code for entry in reports)
     client.inbox.clear()
     for _ in range(_ATTEMPTS):

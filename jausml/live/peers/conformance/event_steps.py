@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.conformance.check import Step, step
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
-from jausml.live.peers.conformance.steps import A, expect, expect_none, has, send
+from jausml.live.peers.conformance.steps import A, B, expect, expect_none, has, send
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ def ended(client: int) -> Step:
 def listed(session: Session, choice: Callable[[Session], core.QueryEvents.QueryEventsVar]) -> None:
     """ReportEvents of a choice holds the event of our first client, and only what was chosen."""
     chosen, own = choice(session), event_id(session)
-    found = session.second.ask(core.QueryEvents(chosen), core.ReportEvents).event_list
+    found = session.client(B).ask(core.QueryEvents(chosen), core.ReportEvents).event_list
     wanted = (own, PERIODIC, subject(session)[0].encode())
     session.require(
         any((each.event_id, each.event_type, each.query_message) == wanted for each in found),

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from jausml.live.messages import Catalogue
     from jausml.runtime.transports.packets.packet import Packet
 
-
 MAX_LINES = 60
 """Lines of evidence kept for one check; of longer exchanges the last ones tell most."""
 
@@ -100,15 +99,18 @@ class Trace:
         """Adds a message."""
         kind = self._kind(packet)
         text = f"{packet.source} > {packet.destination} #{packet.sequence} {kind}"
-        self._add(direction, text, datagram)
-
-    def raw(self, direction: str, text: str, datagram: bytes) -> None:
-        """Adds a datagram that is no proper message."""
-        self._add(direction, text, datagram)
+        self.raw(direction, text, datagram)
 
     def remark(self, text: str) -> None:
         """Adds a remark."""
-        self._add("remark", text, b"")
+        self.raw("remark", text, b"")
+
+    def raw(self, direction: str, text: str, datagram: bytes) -> None:
+        """Adds a datagram, which need be no proper message."""
+        shown = datagram[:MAX_HEX_BYTES].hex()
+        if len(datagram) > MAX_HEX_BYTES:
+            shown += f"... ({len(datagram)} bytes)"
+        self._lines.append(TraceLine(self._now() - self._begin, direction, text, shown))
 
     def _kind(self, packet: Packet) -> str:
         if packet.acknowledge is AckNak.ACK:
@@ -119,12 +121,6 @@ class Trace:
         if packet.data_flags is not DataFlags.SINGLE:
             return f"fragment {packet.data_flags.name.lower()}{wanted}"
         return f"{self._describe(packet.payload)}{wanted}"
-
-    def _add(self, direction: str, text: str, datagram: bytes) -> None:
-        shown = datagram[:MAX_HEX_BYTES].hex()
-        if len(datagram) > MAX_HEX_BYTES:
-            shown += f"... ({len(datagram)} bytes)"
-        self._lines.append(TraceLine(self._now() - self._begin, direction, text, shown))
 
 
 def describe(payload: bytes, catalogue: Catalogue) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.validation.formats.junit import Case, Suite, junit_document
 from jausml.live.peers.conformance.evidence import Verdict
+from jausml.live.peers.rendering import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -83,11 +84,6 @@ def summary(report: ConformanceReport) -> str:
     )
     end = " (interrupted)" if report.interrupted else ""
     return f"{len(report.results)} checks: {counts}{end}"
-
-
-def printable(text: str) -> str:
-    """Returns a text of a peer without what a terminal would obey."""
-    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
 def render_json(report: ConformanceReport) -> str:

@@ -39,11 +39,7 @@ _RECENT = 512
 
 
 class ReceivedDatagram(NamedTuple):
-    """One datagram as it arrived.
-
-    Attributes:
-        time: Monotonic time of its arrival in seconds.
-    """
+    """One datagram as it arrived (`time`: monotonic time of its arrival in seconds)."""
 
     time: float
     sender: Endpoint

@@ -117,16 +117,6 @@ class Session:
         """Our first client."""
         return self.probe.client(0)
 
-    @property
-    def second(self) -> Client:
-        """Our second client."""
-        return self.probe.client(1)
-
-    @property
-    def third(self) -> Client:
-        """Our third client."""
-        return self.probe.client(2)
-
     def pause(self) -> None:
         """Receives for the quiet time."""
         self.probe.wait(lambda: False, self.probe.quiet)
@@ -202,14 +192,10 @@ class Session:
         except CheckFailed:
             return None
 
-    def version(self, name: str) -> tuple[int, int]:
-        """Returns the version of a core service, the latest one when none is announced."""
-        service = self._announced(name)
-        return LATEST if service is None else (service.major, service.minor)
-
     def is_v1_0(self, name: str) -> bool:
-        """Whether a core service is the one of AS5710 before revision A."""
-        return self.version(name) < LATEST
+        """Whether a core service is announced as the one of AS5710 before revision A."""
+        service = self._announced(name)
+        return service is not None and (service.major, service.minor) < LATEST
 
     def known_bases(self, service: ServiceIdentity) -> Sequence[ServiceIdentity]:
         """Returns the services that a service inherits from, as far as we know it."""
@@ -239,7 +225,7 @@ class Session:
         """Whether the target still answers a query."""
         query, report = self.ping
         try:
-            return self.third.asked(query, report) is not None
+            return self.client(2).asked(query, report) is not None
         except CheckFailed:
             return True  # with nonsense, but it does
 
@@ -268,7 +254,7 @@ class Session:
 
     def control(self) -> core.ReportControl:
         """Returns who controls the target."""
-        return self.third.ask(core.QueryControl(), core.ReportControl)
+        return self.client(2).ask(core.QueryControl(), core.ReportControl)
 
     def seen_control(self) -> core.ReportControl | None:
         """Returns who controls the target; None, and a note, when it never says so."""
@@ -294,7 +280,7 @@ class Session:
 
     def status(self) -> Status:
         """Returns the state of the target."""
-        report = self.third.ask(core.QueryStatus(), core.ReportStatus)
+        report = self.client(2).ask(core.QueryStatus(), core.ReportStatus)
         try:
             return Status(report.status)
         except ValueError:
@@ -340,8 +326,8 @@ class Session:
             for client in self._clients():
                 client.undo(kind)
 
-    def _clients(self) -> tuple[Client, Client, Client]:
-        return self.first, self.second, self.third
+    def _clients(self) -> list[Client]:
+        return [self.client(index) for index in range(3)]
 
 
 def _urns(name: str) -> tuple[str, ...]:

@@ -114,11 +114,7 @@ class Score:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """The score of a run.
-
-    Attributes:
-        begun: Time of day, in UTC.
-    """
+    """The score of a run (`begun`: time of day, in UTC)."""
 
     competition: Competition
     target: str

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance import groups
-from jausml.live.peers.conformance.groups import CheckFilter
-from jausml.live.peers.conformance.run import opened, run
+from jausml.live.peers.conformance.run import CheckFilter, known_names, opened, run
 from jausml.live.peers.judging import igvc, iop
 from jausml.live.peers.judging.competition import (
     Competition,
@@ -84,7 +82,7 @@ _COMPETITIONS: dict[str, Callable[[Course], Competition]] = {
 def task_names(name: str) -> set[str]:
     """Returns the names of the tasks of a competition and of their parts."""
     if name == CONFORMANCE:
-        return groups.known_names()
+        return known_names()
     tasks = competition(name).tasks
     return {each.name for each in tasks} | {part.check.id for e in tasks for part in e.parts}
 

@@ -25,8 +25,19 @@ from jausml.live.peers.conformance.steps import (
 )
 from jausml.live.peers.discovery import services_of
 from jausml.live.peers.judging.competition import Competition, PartOf, Task, part, task
-from jausml.live.peers.judging.driving import DRIVER, RADIUS, TRAVEL_SPEED, Course, Drive
-from jausml.live.peers.judging.message_steps import Topic, asks, goes_on, holds, made, told
+from jausml.live.peers.judging.driving import (
+    DRIVER,
+    RADIUS,
+    TRAVEL_SPEED,
+    Course,
+    Drive,
+    Topic,
+    asks,
+    goes_on,
+    holds,
+    made,
+    told,
+)
 from jausml.runtime import messages as core
 from jausml.runtime.services.discovery_messages import query_all_services
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance import codecs
 from jausml.live.peers.conformance.check import step
-from jausml.live.peers.conformance.groups import fixed_checks
+from jausml.live.peers.conformance.run import fixed_checks
 from jausml.live.peers.discovery import services_of
 from jausml.live.peers.judging.competition import Competition, Task, part, task
 from jausml.live.peers.judging.driving import DRIVER, Course

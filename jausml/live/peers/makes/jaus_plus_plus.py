@@ -16,12 +16,13 @@ import struct
 import threading
 from typing import TYPE_CHECKING
 
-from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import address_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from jausml.live.peers.makes.vehicle import Place, Vehicle
+    from jausml.runtime.base.address import JausAddress
 
 _HEADER = struct.Struct("<BHBII")
 _SMALLEST = _HEADER.size + 2
@@ -36,11 +37,7 @@ class JausPlusPlus:
     """
 
     def __init__(self, vehicle: Vehicle, place: Place) -> None:
-        """Listens at a place.
-
-        Raises:
-            OSError: The port is in use, or the network cannot be used.
-        """
+        """Listens at a place."""
         self.obeyed_again = 0
         self._vehicle = vehicle
         self._book: dict[int, tuple[str, int]] = {}
@@ -71,7 +68,7 @@ class JausPlusPlus:
         if data[:1] != b"\2" or len(data) <= _SMALLEST:
             return
         _, size, flags, destination, source = _HEADER.unpack_from(data, 1)
-        place = JausAddress(destination >> 16, destination >> 8 & 0xFF, destination & 0xFF)
+        place = address_of(destination)
         if size != len(data) - 1 or flags & 0x20 or not place.matches(self._vehicle.address):
             return
         number, payload = data[-2:], data[1 + _HEADER.size : -2]
@@ -82,8 +79,7 @@ class JausPlusPlus:
         packet = source, int.from_bytes(number, "little"), payload
         self.obeyed_again += packet in self._seen
         self._seen.add(packet)
-        client = JausAddress(source >> 16, source >> 8 & 0xFF, source & 0xFF)
-        self._send(self._vehicle.take(payload, client))
+        self._send(self._vehicle.take(payload, address_of(source)))
 
     def _send(self, told: Iterable[tuple[JausAddress, bytes]]) -> None:
         for client, payload in told:

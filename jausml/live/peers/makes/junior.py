@@ -24,14 +24,13 @@ import time
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import address_of
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from typing_extensions import Self
 
     from jausml.live.peers.makes.vehicle import Place, Vehicle
+    from jausml.runtime.base.address import JausAddress
 
 RECEIVE_BUFFER = 70_000
 LARGEST_DATAGRAM = 5000
@@ -64,9 +63,6 @@ class JuniorPeer:
     """One component of another host that runs Junior.
 
     Attributes:
-        address: The component.
-        endpoint: Where its node manager receives.
-        received: Source and payload of each message that reached the application.
         thrown_away: Loose packets that had to make room.
         alive: Whether the component runs; its node manager goes on without it.
         transmissions: How often an acknowledged packet is sent at most; more than Junior's four
@@ -74,11 +70,7 @@ class JuniorPeer:
     """
 
     def __init__(self, address: JausAddress, place: Place) -> None:
-        """Starts the component, and the node manager of its host.
-
-        Raises:
-            OSError: The port is in use, or the network cannot be used.
-        """
+        """Starts the component, and the node manager of its host."""
         self.address = address
         self.endpoint = place.endpoint
         self.received: list[tuple[JausAddress, bytes]] = []
@@ -95,12 +87,7 @@ class JuniorPeer:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @property
@@ -216,7 +203,7 @@ class JuniorPeer:
                 return
 
     def _deliver(self, source: int, payload: bytes) -> None:
-        address = JausAddress(source >> 16, source >> 8 & 0xFF, source & 0xFF)
+        address = address_of(source)
         self.received.append((address, payload))
         self.on_message(address, payload)
 
@@ -245,7 +232,7 @@ class JuniorPeer:
             at += size
             with self._state:
                 self._book[source] = sender
-                if self.alive and _matches(destination, self.address.packed):
+                if self.alive and address_of(destination).matches(self.address):
                     self._take(flags, Loose(source, sequence, flags >> 6, payload))
 
     def _transmit(
@@ -263,7 +250,7 @@ class JuniorPeer:
         if endpoint is None:
             endpoint = self._group
             flags |= GLOBAL << 2
-            if not _is_wildcard(destination):
+            if not address_of(destination).is_wildcard:
                 flags |= REQUESTED << 4
         size = _MESSAGE_SIZE + len(payload)
         header = _HEADER.pack(0, size, flags, destination, self.address.packed)
@@ -297,19 +284,3 @@ class JuniorVehicle(JuniorPeer):
             for client, report in self._vehicle.due():
                 self.send(client, report)
             time.sleep(0.01)
-
-
-def _parts(packed: int) -> tuple[int, int, int]:
-    return packed >> 16, packed >> 8 & 0xFF, packed & 0xFF
-
-
-_ALL = _parts(0xFFFFFFFF)
-
-
-def _is_wildcard(packed: int) -> bool:
-    return any(part == every for part, every in zip(_parts(packed), _ALL, strict=True))
-
-
-def _matches(destination: int, own: int) -> bool:
-    triples = zip(_parts(destination), _parts(own), _ALL, strict=True)
-    return all(wanted in (mine, every) for wanted, mine, every in triples)

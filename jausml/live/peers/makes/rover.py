@@ -28,11 +28,7 @@ class Rover:
     """Takes SetWrenchEffort, and reports a velocity that follows at once (AS6009)."""
 
     def __init__(self, catalogue: Catalogue, on_command: OnCommand) -> None:
-        """Stands.
-
-        Args:
-            on_command: Called with each command that it obeys, on the thread of the peer.
-        """
+        """Stands."""
         self._effort = catalogue.message("SetWrenchEffort")
         self._velocity = catalogue.message("ReportVelocityState")
         self._query = catalogue.message("QueryVelocityState")

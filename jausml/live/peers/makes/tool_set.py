@@ -37,12 +37,7 @@ _SUBSYSTEM, _VEHICLE = 2, 10001
 
 
 class JtsComponent(JuniorPeer):
-    """A waypoint driver of the JAUS Tool Set.
-
-    Attributes:
-        state: Its state, as ReportStatus says it.
-        controller: Who controls it, if anybody.
-    """
+    """A waypoint driver of the JAUS Tool Set."""
 
     def __init__(
         self,
@@ -51,12 +46,7 @@ class JtsComponent(JuniorPeer):
         report: Callable[[int], bytes | None] = lambda _: None,
         obey: Callable[[bytes, JausAddress], None] = lambda *_: None,
     ) -> None:
-        """Stands by.
-
-        Args:
-            report: Returns what answers a query of its code, besides what all have.
-            obey: Takes a command of the controller, and who that is, in Ready.
-        """
+        """Stands by."""
         self._report, self._further = report, obey
         self._reset()
         super().__init__(address, place)

@@ -49,7 +49,6 @@ class Place:
     """Where a peer is: a host of its own of loopback, or an interface of this one.
 
     Attributes:
-        interface: IPv4 address that it has.
         multicast_group: Where it is found.
     """
 
@@ -107,7 +106,6 @@ class Vehicle:
     Attributes:
         dies_of_updates: Whether UpdateEvent brings it to a standstill.
         doubles_events: Whether it makes another event of each CreateEvent.
-        is_dead: Whether it stands still.
     """
 
     def __init__(
@@ -119,13 +117,7 @@ class Vehicle:
         dies_of_updates: bool = False,
         doubles_events: bool = False,
     ) -> None:
-        """Stands by.
-
-        Args:
-            address: Its component.
-            report: Returns what answers a query of its code.
-            obey: Takes a command of the controller, and who that is, in Ready.
-        """
+        """Stands by."""
         self.address = address
         self.dies_of_updates, self.doubles_events = dies_of_updates, doubles_events
         self.is_dead = False
@@ -160,44 +152,40 @@ class Vehicle:
                 event.sequence = event.sequence + 1 & 0xFF
         return told
 
-    def _answers(self, message: Message, source: JausAddress) -> Sequence[Message]:
-        if isinstance(message, core.QueryStatus):
-            return [core.ReportStatus(self._state)]
-        if isinstance(message, core.QueryTimeout):
-            return [core.ReportTimeout(5)]
-        if isinstance(message, core.QueryEventTimeout):
-            return [core.ReportEventTimeout(1)]
-        if isinstance(message, core.QueryIdentification) and message.query_type == COMPONENT:
-            return [core.ReportIdentification(COMPONENT, VEHICLE, "vehicle")]
-        if isinstance(message, core.QueryServices):
-            return [self._services(message)]
-        if isinstance(message, core.CreateEvent):
-            return self._create(message, source)
-        if isinstance(message, core.CancelEvent):
-            self._events.pop(message.event_id, None)
-        if isinstance(message, core.UpdateEvent):
-            self.is_dead = self.dies_of_updates
-        return self._controlled(message, source)
-
-    def _controlled(self, message: Message, source: JausAddress) -> Sequence[Message]:
-        if isinstance(message, core.QueryControl):
-            by = self._controller
-            parts = (by.subsystem, by.node, by.component) if by else (0, 0, 0)
-            return [core.ReportControl(*parts, 127)]
-        if isinstance(message, core.RequestControl):
-            if self._controller not in (None, source):
+    def _answers(  # noqa: C901 - a branch for each message
+        self, message: Message, source: JausAddress
+    ) -> Sequence[Message]:
+        match message:
+            case core.QueryStatus():
+                return [core.ReportStatus(self._state)]
+            case core.QueryTimeout():
+                return [core.ReportTimeout(5)]
+            case core.QueryEventTimeout():
+                return [core.ReportEventTimeout(1)]
+            case core.QueryIdentification() if message.query_type == COMPONENT:
+                return [core.ReportIdentification(COMPONENT, VEHICLE, "vehicle")]
+            case core.QueryServices():
+                return [self._services(message)]
+            case core.CreateEvent():
+                return self._create(message, source)
+            case core.CancelEvent():
+                self._events.pop(message.event_id, None)
+            case core.UpdateEvent():
+                self.is_dead = self.dies_of_updates
+            case core.QueryControl():
+                by = self._controller
+                parts = (by.subsystem, by.node, by.component) if by else (0, 0, 0)
+                return [core.ReportControl(*parts, 127)]
+            case core.RequestControl() if self._controller not in (None, source):
                 return [core.ConfirmControl(1)]
-            self._controller = source
-            return [core.ConfirmControl(0)]
-        if source != self._controller:
-            return []
-        if isinstance(message, core.ReleaseControl):
-            self._controller, self._state = None, STANDBY
-            return [core.RejectControl(0)]
-        if isinstance(message, core.Resume):
-            self._state = READY
-        elif isinstance(message, core.Standby):
-            self._state = STANDBY
+            case core.RequestControl():
+                self._controller = source
+                return [core.ConfirmControl(0)]
+            case core.ReleaseControl() if source == self._controller:
+                self._controller, self._state = None, STANDBY
+                return [core.RejectControl(0)]
+            case core.Resume() | core.Standby() if source == self._controller:
+                self._state = READY if isinstance(message, core.Resume) else STANDBY
         return []
 
     def _create(self, message: core.CreateEvent, source: JausAddress) -> Sequence[Message]:

@@ -1,14 +1,15 @@
-"""Definitions of ROS types as an MCAP file has them (schema encoding `ros2msg`).
+"""Schemas of messages in MCAP files: `ros2msg` of ROS types, and JSON schemas of JAUS messages.
 
-That is the text of the type's .msg file, and after it those of all types in it, each below a line
-of `=` and one with its name.
+`ros2msg` is the text of the type's .msg file, and after it those of all types in it, each below a
+line of `=` and one with its name.
 """
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from jausml.language import wire
 from jausml.language.interfaces import Installation, parse_definition
 from jausml.language.interfaces.definitions import is_type_name
 from jausml.language.metamodel.classes import ros
@@ -17,6 +18,78 @@ from jausml.language.semantics.ros_types import package_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+
+    from jausml.live.messages import MessageEntry
+
+Schema = dict[str, Any]
+
+_ADDRESS: Schema = {"type": "string", "description": "JAUS id, subsystem.node.component"}
+_ANY: Schema = {"type": "object"}
+
+
+def schema_of(entry: MessageEntry) -> Schema:
+    """Returns the schema of a message of a recording: its header and its fields."""
+    body = wire.resolve(entry.definition).body
+    fields: Schema = _ANY
+    if body is not None:
+        inner = _typed(body.kind)
+        # Recordings have the fields without the one record of a body.
+        fields = inner if inner["type"] == "object" else _object({body.name: inner})
+    return {
+        "title": entry.name,
+        "description": str(entry.definition.documentation or ""),
+        **_object(
+            {
+                "source": _ADDRESS,
+                "destination": _ADDRESS,
+                "sequence": {"type": "integer"},
+                "payload": {"type": "string", "description": "code and body in hexadecimal"},
+                "fields": fields,
+            }
+        ),
+    }
+
+
+def _object(properties: dict[str, Schema]) -> Schema:
+    return {"type": "object", "properties": properties}
+
+
+def _typed(kind: wire.Kind) -> Schema:
+    match kind:
+        case wire.Integer():
+            return _number("integer", kind.units)
+        case wire.Real() | wire.Scaled():
+            return _number("number", kind.units)
+        case wire.BitField():
+            return _object({each.name: {"type": "integer"} for each in kind.groups})
+        case wire.FixedText() | wire.Text():
+            return {"type": "string"}
+        case wire.Record():
+            return _object({each.name: _described(each) for each in kind.members})
+        case wire.List() | wire.Array():
+            return _listed(kind)
+        case _:
+            return _ANY
+
+
+def _listed(kind: wire.List | wire.Array) -> Schema:
+    found: Schema = _typed(kind.element.kind)
+    depth = len(kind.dimensions) if isinstance(kind, wire.Array) else 1
+    for _ in range(depth):
+        found = {"type": "array", "items": found}
+    return found
+
+
+def _number(name: str, units: str) -> Schema:
+    found: Schema = {"type": name}
+    return {**found, "description": f"in {units}"} if units not in ("", "one") else found
+
+
+def _described(field: wire.Field) -> Schema:
+    found = _typed(field.kind)
+    text = ", ".join(filter(None, (field.documentation.strip(), found.get("description", ""))))
+    return {**found, "description": text} if text else found
+
 
 _LINE = "=" * 80
 

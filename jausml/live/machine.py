@@ -1,0 +1,398 @@
+"""What a machine needs to run bridges and components: Python, ROS 2, and the network of JAUS.
+
+All is looked at without changing anything, and ROS is not started.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import platform
+import secrets
+import socket
+import sys
+from contextlib import closing
+from dataclasses import dataclass
+from enum import Enum
+from importlib import metadata
+from importlib.machinery import PathFinder
+from importlib.util import find_spec
+from ipaddress import IPv4Address
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import jausml
+from jausml import __version__
+from jausml.generation import native
+from jausml.language.interfaces.parsing import Installation
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.ports import holders, manager_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+
+class Outcome(Enum):
+    """How a check ended, the gravest last."""
+
+    OK = "ok"
+    NOTE = "note"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found about one thing.
+
+    Attributes:
+        topic: What it belongs to: `python`, `ros`, `network` or `model`.
+        verdict: How it ended; an error keeps something from working, a warning may.
+        cure: What to do, empty where there is nothing to do.
+    """
+
+    topic: str
+    name: str
+    verdict: Outcome
+    text: str
+    cure: str = ""
+
+
+OLDEST = (3, 10)
+"""The oldest Python that is promised; that of ROS 2 Jazzy is 3.12."""
+
+_EXTRAS = (
+    ("diagram", "pygraphviz", "pictures of `jausml diagram`"),
+    ("studio", "starlette", "`jausml studio`"),
+    ("editor", "pygls", "`jausml language-server`"),
+    ("top", "textual", "the view of `jausml top`"),
+    ("record", "mcap", "`jausml record`"),
+)
+_PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.html"
+"""What the studio shows; it is built, and a wheel may have been made without."""
+
+
+def python_checks() -> Iterator[Finding]:
+    """Yields what is to be said of Python."""
+    found = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
+    if sys.version_info < OLDEST:
+        oldest = ".".join(map(str, OLDEST))
+        yield Finding("python", "version", Outcome.ERROR, found, f"use Python {oldest} or newer")
+    else:
+        yield Finding("python", "version", Outcome.OK, found)
+    for extra, module, purpose in _EXTRAS:
+        if find_spec(module) is None:
+            cure = f"pip install 'jausml[{extra}]'"
+            yield Finding("python", extra, Outcome.NOTE, f"{purpose} is not installed", cure)
+        elif extra == "studio" and not _PAGE.is_file():
+            cure = "run `make studio` in the checkout of jausml, or install its `make wheel`"
+            yield Finding("python", extra, Outcome.NOTE, f"{purpose} has no page", cure)
+        else:
+            yield Finding("python", extra, Outcome.OK, f"{purpose} is installed")
+    yield _compiler()
+
+
+def _compiler() -> Finding:
+    found = native.compiler()
+    if found is not None:
+        text = f"{found} compiles the translations of bridges"
+        return Finding("python", "compiler", Outcome.OK, text)
+    named = os.environ.get("CXX")
+    text = f"CXX names {named}, which is no program" if named else "there is no g++ or clang++"
+    cure = "install g++, or name a compiler in CXX"
+    return Finding("python", "compiler", Outcome.NOTE, f"{text}: bridges translate in Python", cure)
+
+
+_NETWORK = "network"
+_PATIENCE = 1.0
+"""Seconds that the own datagram has to come back."""
+_LIMIT = Path("/proc/sys/net/core/rmem_max")
+
+
+def settings_of(interface: str, port: int, multicast_group: str) -> TransportSettings:
+    """Returns settings of a transport."""
+    return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
+
+
+def network_checks(settings: TransportSettings) -> Iterator[Finding]:
+    """Yields what is to be said of the network; sends one datagram to a port of its own."""
+    interface = _interface(settings)
+    yield interface
+    manager = manager_folder(settings)
+    if interface.verdict is not Outcome.ERROR:
+        yield _multicast(settings)
+        for protocol in ("udp", "tcp"):
+            yield _port(settings, protocol, has_manager=manager is not None)
+    if manager is not None:
+        text = f"a node manager runs, its socket is in {manager}"
+        cure = "to speak through it: --jaus-transport node-manager"
+        yield Finding(_NETWORK, "node manager", Outcome.NOTE, text, cure)
+    else:
+        yield Finding(_NETWORK, "node manager", Outcome.OK, "none runs on this host")
+    yield from _buffer(settings.receive_buffer)
+
+
+def _interface(settings: TransportSettings) -> Finding:
+    address = settings.interface
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((address, 0))
+        except OSError as error:
+            cure = "name an address of this host by --interface; `ip -4 address` lists them"
+            return Finding(
+                _NETWORK, "interface", Outcome.ERROR, f"{address}: {error.strerror}", cure
+            )
+    if IPv4Address(address).is_loopback:
+        text = f"{address} is this host alone"
+        cure = "name the interface of the vehicle's network by --interface"
+        return Finding(_NETWORK, "interface", Outcome.NOTE, text, cure)
+    return Finding(_NETWORK, "interface", Outcome.OK, f"{address} is an address of this host")
+
+
+def _multicast(settings: TransportSettings) -> Finding:
+    group = settings.multicast_group
+    try:
+        came = _comes_back(settings)
+    except OSError as error:
+        reason = f"{group} on {settings.interface}: {error.strerror}"
+    else:
+        if came:
+            text = f"a datagram to {group} on {settings.interface} comes back"
+            return Finding(_NETWORK, "multicast", Outcome.OK, text)
+        reason = f"a datagram to {group} on {settings.interface} does not come back"
+    cure = (
+        "look at the firewall, and at `ip link`: the interface needs MULTICAST (for loopback"
+        " `ip link set lo multicast on`); without multicast name peers by --jaus-peer"
+    )
+    return Finding(_NETWORK, "multicast", Outcome.WARNING, reason, cure)
+
+
+def _comes_back(settings: TransportSettings) -> bool:
+    interface = socket.inet_aton(settings.interface)
+    word = secrets.token_bytes(16)
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as sock:
+        sock.settimeout(_PATIENCE)
+        sock.bind(("", 0))
+        joined = socket.inet_aton(settings.multicast_group) + interface
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joined)
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        sock.sendto(word, (settings.multicast_group, sock.getsockname()[1]))
+        try:
+            return sock.recv(len(word)) == word
+        except TimeoutError:
+            return False
+
+
+def _port(settings: TransportSettings, protocol: str, *, has_manager: bool) -> Finding:
+    name = f"{protocol} port {settings.port}"
+    kind = socket.SOCK_DGRAM if protocol == "udp" else socket.SOCK_STREAM
+    with socket.socket(socket.AF_INET, kind) as probe:
+        try:
+            probe.bind((settings.interface, settings.port))
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                cure = "take another port by --port"
+                return Finding(_NETWORK, name, Outcome.ERROR, str(error.strerror), cure)
+            known = " and ".join(map(str, holders(protocol, settings.port)))
+            text = f"held by {known or 'a program that cannot be seen'}"
+            cure = (
+                "programs of jausml share it; beside a node manager: --jaus-transport node-manager"
+                if protocol == "udp" or has_manager
+                else "only one program of a host can have it: --jaus-port takes another"
+            )
+            return Finding(_NETWORK, name, Outcome.WARNING, text, cure)
+    return Finding(_NETWORK, name, Outcome.OK, "free")
+
+
+def _buffer(wanted: int) -> Iterator[Finding]:
+    try:
+        limit = int(_LIMIT.read_text("ascii"))
+    except (OSError, ValueError):
+        return
+    name, text = "receive buffer", f"the kernel grants {limit:,} bytes to a socket"
+    if limit >= wanted:
+        yield Finding(_NETWORK, name, Outcome.OK, text)
+        return
+    cure = f"sysctl -w net.core.rmem_max={wanted}: else bursts of large messages may be lost"
+    yield Finding(_NETWORK, name, Outcome.NOTE, text, cure)
+
+
+_ROS = "ros"
+_LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
+_RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+_DISTRIBUTIONS = ("jazzy", "kilted")
+_DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
+_PROFILES = (
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "CYCLONEDDS_URI",
+)
+_SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it shares
+
+
+def ros_checks(packages: Mapping[str, bool]) -> Iterator[Finding]:
+    """Yields what is to be said of ROS.
+
+    Args:
+        packages: Packages of messages that are needed, and whether each is the user's own.
+    """
+    if find_spec("rclpy") is None:
+        cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
+        text = "Python finds no rclpy: bridges do not start; JAUS alone works"
+        yield Finding(_ROS, "rclpy", Outcome.WARNING, text, cure)
+    else:
+        yield _rclpy()
+        yield _middleware()
+    yield _domain()
+    yield from _discovery()
+    yield from _profiles()
+    yield from _security()
+    yield _shared_memory()
+    yield from _packages(packages)
+
+
+def distribution() -> str:
+    """Returns the release of ROS 2 that is sourced, or that has its wheels installed."""
+    sourced = os.environ.get("ROS_DISTRO")
+    if sourced in _DISTRIBUTIONS:
+        return sourced
+    return next(filter(_has_wheels, _DISTRIBUTIONS), _DISTRIBUTIONS[0])
+
+
+def _has_wheels(release: str) -> bool:
+    try:
+        metadata.distribution(f"ros-{release}-rclpy")
+    except metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def package_cure(name: str) -> str:
+    """Returns how a package of messages of ROS 2 is installed."""
+    package = f"ros-{distribution()}-{name.replace('_', '-')}"
+    return f"apt install {package}, or pip install {package}"
+
+
+def _rclpy() -> Finding:
+    sourced = os.environ.get("ROS_DISTRO", "")
+    named = f"rclpy is installed{f', ROS_DISTRO is {sourced}' if sourced else ''}"
+    if sourced in ("", *_DISTRIBUTIONS):
+        return Finding(_ROS, "rclpy", Outcome.OK, named)
+    cure = f"source /opt/ros/{distribution()}/setup.bash: bridges are for ROS 2 Jazzy and Kilted"
+    return Finding(_ROS, "rclpy", Outcome.WARNING, named, cure)
+
+
+def _middleware() -> Finding:
+    name = os.environ.get("RMW_IMPLEMENTATION") or _DEFAULT_MIDDLEWARE
+    installation = Installation()
+    if any((share / name).is_dir() for share in installation.shares) or find_spec(name):
+        return Finding(_ROS, "middleware", Outcome.OK, f"{name} is installed")
+    debian = name.replace("_", "-")
+    cure = f"apt install ros-{distribution()}-{debian}, or unset RMW_IMPLEMENTATION"
+    return Finding(_ROS, "middleware", Outcome.ERROR, f"{name} is not installed", cure)
+
+
+def _domain() -> Finding:
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    if not text:
+        cure = "set ROS_DOMAIN_ID where several robots share a network"
+        return Finding(_ROS, "domain", Outcome.NOTE, "ROS_DOMAIN_ID is not set: it is 0", cure)
+    number = int(text) if text.isascii() and text.isdigit() else -1
+    if not 0 <= number <= _LARGEST_DOMAIN:
+        return Finding(
+            _ROS,
+            "domain",
+            Outcome.ERROR,
+            f"ROS_DOMAIN_ID is {text!a}",
+            f"set a number from 0 to {_LARGEST_SAFE_DOMAIN}",
+        )
+    if number > _LARGEST_SAFE_DOMAIN:
+        text = f"ROS_DOMAIN_ID is {number}: its ports may be among those that Linux gives away"
+        return Finding(
+            _ROS, "domain", Outcome.WARNING, text, f"set one up to {_LARGEST_SAFE_DOMAIN}"
+        )
+    return Finding(_ROS, "domain", Outcome.OK, f"ROS_DOMAIN_ID is {number}")
+
+
+def _discovery() -> Iterator[Finding]:
+    name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+    text = os.environ.get(name, "")
+    if text and text not in _RANGES:
+        cure = f"set one of {', '.join(_RANGES)}"
+        yield Finding(_ROS, "discovery", Outcome.ERROR, f"{name} is {text!a}", cure)
+    elif text == "OFF":
+        cure = "set SUBNET, or name the hosts in ROS_STATIC_PEERS"
+        yield Finding(_ROS, "discovery", Outcome.WARNING, f"{name} is OFF: nodes do not meet", cure)
+    else:
+        yield Finding(_ROS, "discovery", Outcome.OK, f"{name} is {text or 'not set: SUBNET'}")
+    if os.environ.get("ROS_LOCALHOST_ONLY"):
+        yield Finding(
+            _ROS,
+            "discovery",
+            Outcome.WARNING,
+            f"ROS_LOCALHOST_ONLY is set, which overrides {name}",
+            f"unset it, and use {name}=LOCALHOST",
+        )
+
+
+def _profiles() -> Iterator[Finding]:
+    for name in _PROFILES:
+        text = os.environ.get(name, "")
+        if not text or text.lstrip().startswith("<"):
+            continue
+        path = Path(urlsplit(text).path if text.startswith("file:") else text)
+        if path.is_file():
+            yield Finding(_ROS, "middleware settings", Outcome.OK, f"{name} is {path}")
+        else:
+            yield Finding(
+                _ROS,
+                "middleware settings",
+                Outcome.ERROR,
+                f"{name} names {path}, which is no file",
+                "correct it or unset it: the middleware may not start",
+            )
+
+
+def _security() -> Iterator[Finding]:
+    """Looks at what SROS 2 is told; whether the keys fit, it says itself when a node starts."""
+    name = "security"
+    if os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true":
+        return
+    keystore = os.environ.get("ROS_SECURITY_KEYSTORE", "")
+    enclaves = Path(keystore) / "enclaves"
+    if not keystore:
+        text = "ROS_SECURITY_ENABLE is true, but ROS_SECURITY_KEYSTORE is not set"
+        yield Finding(_ROS, name, Outcome.ERROR, text, "set it to the folder of the keys")
+    elif not os.access(enclaves, os.R_OK | os.X_OK):
+        text = f"ROS_SECURITY_KEYSTORE has no folder {enclaves} that can be read"
+        cure = "correct it, or let the user of the processes read the keys"
+        yield Finding(_ROS, name, Outcome.ERROR, text, cure)
+    elif os.environ.get("ROS_SECURITY_STRATEGY") != "Enforce":
+        text = "ROS_SECURITY_STRATEGY is not Enforce: nodes without keys run unprotected"
+        yield Finding(_ROS, name, Outcome.WARNING, text, "set ROS_SECURITY_STRATEGY=Enforce")
+    else:
+        yield Finding(_ROS, name, Outcome.OK, f"keys are in {keystore}")
+
+
+def _shared_memory() -> Finding:
+    name = "shared memory"
+    if os.access(_SHARED_MEMORY, os.W_OK):
+        return Finding(_ROS, name, Outcome.OK, f"{_SHARED_MEMORY} can be written")
+    text = f"{_SHARED_MEMORY} cannot be written: nodes of one host speak by UDP"
+    return Finding(_ROS, name, Outcome.NOTE, text, "in a container: --ipc=host")
+
+
+def _packages(packages: Mapping[str, bool]) -> Iterator[Finding]:
+    for name, is_own in packages.items():
+        found = PathFinder.find_spec(name)
+        # Without an __init__ it is a folder that happens to be there.
+        if found is not None and found.origin is not None:
+            yield Finding("model", name, Outcome.OK, "its messages are installed")
+            continue
+        cure = package_cure(name)
+        if is_own:
+            cure = "no library has it: colcon build it, and source install/setup.bash"
+        text = "Python finds no such package of messages"
+        yield Finding("model", name, Outcome.ERROR, text, cure)

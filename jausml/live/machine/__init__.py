@@ -1,1 +1,0 @@
-"""What a machine needs to run bridges and components, looked at without changing it."""
