@@ -57,6 +57,11 @@ from .clients.control_session import ControlSession
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
+from .clients.handoff_client import (
+    HandoffAnswer,
+    HandoffDecision,
+    PendingHandoff,
+)
 from .clients.list_client import ListRequest
 from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
@@ -79,6 +84,7 @@ from .services.definitions import (
     Completion,
     ComponentSettings,
     Guard,
+    HandoffRequest,
     Scope,
     ServiceIdentity,
     Status,
@@ -116,6 +122,9 @@ __all__ = [
     "EventToTopics",
     "FoundComponent",
     "Guard",
+    "HandoffAnswer",
+    "HandoffDecision",
+    "HandoffRequest",
     "JausAddress",
     "JausComponent",
     "JausError",
@@ -137,6 +146,7 @@ __all__ = [
     "PeerChoice",
     "PeerSearch",
     "PendingCommand",
+    "PendingHandoff",
     "PendingQuery",
     "Priority",
     "Progress",

@@ -17,7 +17,12 @@ from codec_support import library
 from jausml.generation import FileTask, Target, render
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml.language.semantics.jaus.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.core_services import (
+    CORE,
+    CORE_MESSAGES,
+    HANDOFF,
+    SERVED_BY_RUNTIME,
+)
 from jausml.runtime import messages as core_messages
 from jausml.runtime.component import state
 from jausml.runtime.services.liveness_and_time import UNSOLICITED
@@ -32,7 +37,8 @@ if TYPE_CHECKING:
     from jausml.generation import Task
     from jausml.language.model import Model
 
-SOURCE = Path(__file__).parents[2] / "models" / "library" / "jaus" / "core-1.1.xmi"
+LIBRARY = Path(__file__).parents[2] / "models" / "library" / "jaus"
+SOURCE = LIBRARY / "core-1.1.xmi"
 TOO_MUCH = (
     -1,
     2**8,
@@ -58,7 +64,11 @@ GUARDS = (
 
 
 def tasks(model: Model) -> list[Task]:
-    services = list(model.instances(jaus.Service))
+    services = [
+        each
+        for each in model.instances(jaus.Service)
+        if each.urn in HANDOFF or str(each.urn).startswith(CORE)
+    ]
     messages = [each for one in services for each in [*one.inputs, *one.outputs]]
     module = MessagesModule(
         summary="The messages of the core services.",
@@ -77,7 +87,7 @@ def generated() -> Iterator[types.ModuleType]:
     target = Target(
         name="core_messages", description="", tasks=tasks, template_folders=(PACKAGE_TEMPLATES,)
     )
-    (artifact,) = render(read_models([SOURCE]).model, [target])
+    (artifact,) = render(read_models([LIBRARY / "iop.xmi"]).model, [target])
     module = types.ModuleType("generated_core_messages")
     sys.modules[module.__name__] = module
     exec(artifact.text, vars(module))  # noqa: S102
@@ -219,6 +229,9 @@ def test_a_message_is_written_and_read_as_a_generated_one(
 
 def test_the_module_has_every_message_of_the_core_services() -> None:
     views, _, _ = library("core-v1.1")
+    model = read_models([LIBRARY / "iop.xmi"]).model
+    handoff = [each for each in model.instances(jaus.Service) if each.urn in HANDOFF]
+    views += build_messages([m for each in handoff for m in [*each.inputs, *each.outputs]])
     expected = {view.jaus_name: view.code for view in views}
     found = {name: cls.CODE for name, cls in classes(core_messages).items()}
     assert found == expected == CORE_MESSAGES
@@ -234,8 +247,10 @@ def test_messages_of_core_1_0_are_the_same() -> None:
 def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
     classes = [each for name, each in vars(state).items() if name.endswith("Service")]
     served = frozenset().union(*(each.urns for each in classes if each is not state.CoreService))
-    # Transport has no messages; unsolicited heartbeats are a setting of Liveness.
-    assert served | {CORE + "Transport", UNSOLICITED} == SERVED_BY_RUNTIME
+    # Transport has no messages; unsolicited heartbeats are a setting of Liveness, and handoffs are
+    # decided by clients.
+    others = {CORE + "Transport", UNSOLICITED, "urn:jaus:jss:iop:HandoffController"}
+    assert served | others == SERVED_BY_RUNTIME
 
 
 def test_a_presence_vector_with_bits_of_no_field_is_refused() -> None:

@@ -56,6 +56,7 @@ _HOOKS = {
     "on_not_ready": (),
     "on_control_lost": (),
     "on_controller_changed": ("controller",),
+    "on_handoff_requested": ("target", "requests"),
     "on_emergency": ("active",),
     "on_set_time": ("time",),
     "on_list_changed": (),

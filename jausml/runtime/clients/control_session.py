@@ -117,6 +117,23 @@ class ControlClient:
         for control in list(self._controls.values()):
             control.permit(permitted)
 
+    def holds(self, target: JausAddress) -> bool:
+        """Tell whether this component controls a target, as far as it knows."""
+        control = self._controls.get(target)
+        return control is not None and control.holds
+
+    def hand_over(self, target: JausAddress) -> None:
+        """Leave control of a target to another component."""
+        control = self._controls.get(target)
+        if control is not None:
+            control.hand_over()
+
+    def take_over(self, target: JausAddress) -> None:
+        """Go on with control of a target that another component has handed over."""
+        control = self._controls.get(target)
+        if control is not None:
+            control.take_over()
+
     def stop(self) -> None:
         """Release all control."""
         for control in list(self._controls.values()):

@@ -74,6 +74,7 @@ class ControlledTarget:
         self._pace = Pace(component.settings, presence, target)
         self._sessions: list[Session] = []
         self._is_permitted = True
+        self._is_handed_over = False
         self._is_started = False
         self._ordering = Ordering(component.transport.arrival, component.loop.now)
         self._questions = Questions(component, target, presence)
@@ -103,6 +104,8 @@ class ControlledTarget:
             return ""
         if not self._is_permitted:
             return "this component may not command now"
+        if self._is_handed_over:
+            return f"control of {self.target} was handed over"
         if self.status is not None and self.status not in (Status.STANDBY, Status.READY):
             return f"{self.target} is in {self.status.name}"
         if self.state is ControlState.CONTROLLED:
@@ -118,6 +121,7 @@ class ControlledTarget:
     def join(self, session: Session) -> None:
         """Add a session; the first one starts."""
         self._sessions.append(session)
+        self._is_handed_over = False
         if len(self._sessions) == 1:
             self.component.when_started(self._start)
         elif self._is_started and self._is_permitted:
@@ -139,7 +143,8 @@ class ControlledTarget:
     def stop(self) -> None:
         """Release control; also when a request may just be on its way."""
         self._sessions.clear()
-        self._release()
+        if not self._is_handed_over:
+            self._release()
         self._watch.stop()
         self._presence.forget(self.target, self._returned)
         self._on_end(self)
@@ -157,6 +162,21 @@ class ControlledTarget:
             self._release()
             self._change(ControlState.SEEKING)
 
+    def hand_over(self) -> None:
+        """Request control no more, and do not release it: the target passes it on."""
+        self._is_handed_over = True
+        self._stop_timer()
+        self._questions.forget()
+        self._change(ControlState.SEEKING)
+
+    def take_over(self) -> None:
+        """Request control at once: the target has it for this component."""
+        self._is_handed_over = False
+        self._pace.answered()
+        if self._is_permitted and self._sessions and not self.holds:
+            self._request()
+            self._check_in(self._settings.retry_min)
+
     # ---- what the target says -----------------------------------------------------------------
 
     def confirmed(self, code: int) -> None:
@@ -166,6 +186,8 @@ class ControlledTarget:
         if not self._is_permitted:
             self._release()  # the request was on its way when the permission ended
             return
+        if self._is_handed_over:
+            return
         self._pace.answered()
         if code != _ACCEPTED:
             self._refused(code)
@@ -173,7 +195,7 @@ class ControlledTarget:
         self._refusal = _ACCEPTED
         self._confirmed_at = self._loop.now()
         self.controller = self.component.address
-        if self._holds:
+        if self.holds:
             self._answered(RequestControl)
             return
         self._questions.forget()
@@ -196,7 +218,7 @@ class ControlledTarget:
 
     def rejected(self) -> None:
         """Take the word that control has ended, and ask again at once."""
-        if self._holds:
+        if self.holds:
             self._lose()
 
     def timeout_reported(self, seconds: int) -> None:
@@ -218,7 +240,7 @@ class ControlledTarget:
     def _status_reported(self, code: int) -> None:
         """Take the state of the target; a code that no standard has is none of those that obey."""
         status = self.status = Status(code) if code in _STATES else Status.FAILURE
-        if not self._holds:
+        if not self.holds:
             self._answered(QueryStatus)
             self._try_again()
             return
@@ -252,24 +274,29 @@ class ControlledTarget:
     # ---- what is sent to the target -----------------------------------------------------------
 
     @property
-    def _holds(self) -> bool:
+    def holds(self) -> bool:
+        """Whether control was granted and not lost since, as far as is known."""
         return self.state in (ControlState.CONTROLLED, ControlState.READY)
+
+    @property
+    def _may_request(self) -> bool:
+        return self._is_permitted and not self._is_handed_over
 
     def _start(self) -> None:
         if self._sessions:
             self._is_started = True
-            if self._is_permitted:
+            if self._may_request:
                 self._check()
 
     def _returned(self) -> None:
         """The target speaks again: do not wait for the end of a long pause."""
-        is_wanted = self._is_started and self._is_permitted and self._sessions
+        is_wanted = self._is_started and self._may_request and self._sessions
         if is_wanted and self.state is ControlState.SEEKING:
             self._pace.answered()
             self._seek_when_due()
 
     def _check(self) -> None:
-        if self._holds:
+        if self.holds:
             self._keep()
         elif self.state is ControlState.REFUSED:
             self._look()
@@ -386,13 +413,11 @@ class ControlledTarget:
 
     def _answered(self, kind: type[Message]) -> None:
         """Take an answer; after the last one the next round begins in time."""
-        if self._questions.answered(kind) and self._holds:
+        if self._questions.answered(kind) and self.holds:
             self._check_in(max(self._renewal_due, 0.0))
 
     def _release(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._stop_timer()
         is_asked = self._requested_at > _LONG_AGO
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
@@ -408,9 +433,13 @@ class ControlledTarget:
         watch = self._settings.watch_interval
         return min(watch, self._timeout / RENEWALS) if self._timeout else watch
 
-    def _check_in(self, delay: float) -> None:
+    def _stop_timer(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
+            self._timer = None
+
+    def _check_in(self, delay: float) -> None:
+        self._stop_timer()
         self._timer = self._loop.call_later(delay, self._check)
 
     def _change(self, state: ControlState) -> bool:

@@ -22,9 +22,15 @@ if TYPE_CHECKING:
     from ..clients.control_state import ControlState
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
+    from ..clients.handoff_client import (
+        HandoffAnswer,
+        HandoffDecision,
+        PendingHandoff,
+    )
     from ..clients.list_client import ListRequest
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
+    from ..services.definitions import HandoffRequest
     from ..services.element_list import ListElement
 
 R = TypeVar("R", bound=Message)
@@ -109,6 +115,46 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             return self._jaus_clients.control.control(target, authority, resume, on_change)
+
+    def request_handoff(
+        self,
+        target: JausAddress,
+        *,
+        authority: int,
+        explanation: str = "",
+        on_answer: Callable[[HandoffAnswer], None] | None = None,
+    ) -> PendingHandoff:
+        """Ask for control of another component that somebody else controls (IOP).
+
+        The target has its controller decide. The request is sent again until that is done or it is
+        cancelled. Once it is granted, sessions of ``control`` with the target go on at once.
+
+        Args:
+            authority: Authority code to control the target with, 0 to 255.
+            explanation: Why, for the person who decides; at most 255 bytes of Latin-1.
+            on_answer: Told each answer; after QUEUED and DEFERRED others follow.
+
+        Returns:
+            A handle to take the request back with.
+
+        Raises:
+            EncodeError: The authority or the explanation does not fit.
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_clients.handoff.request(target, authority, explanation, on_answer)
+
+    def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
+        """Tell a controlled component what a person has decided of a request (IOP).
+
+        Who grants controls the target no more: its sessions wait until a request of their own is
+        granted, or ``control`` is called again. All other requests are denied then.
+
+        Raises:
+            JausError: Nobody asks for that any more.
+        """
+        with self.loop.lock:
+            self._jaus_clients.handoff.decide(request, decision)
 
     def query(
         self,

@@ -8,6 +8,7 @@ from ..clients.command_client import CommandClient
 from ..clients.control_session import ControlClient
 from ..clients.discovery_client import DiscoveryClient, Greeter, Presence
 from ..clients.event_client import EventClient
+from ..clients.handoff_client import HandoffClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
 from ..clients.query import QueryClient
@@ -15,6 +16,7 @@ from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
 from ..services.discovery import DiscoveryService
 from ..services.events import EventsService
+from ..services.handoff import HandoffService
 from ..services.list_manager import ListManagerService
 from ..services.liveness_and_time import LivenessService, TimeService
 from ..services.management import ManagementService
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
+    from ..services.definitions import HandoffRequest
     from ..services.dispatch import Handler, Provision, Router
     from ..services.element_list import ElementList
     from ..services.host import Host
@@ -41,6 +44,7 @@ class Clients:
         self.queries = QueryClient(host)
         self.events = EventClient(host, self.presence, self.queries)
         self.control = ControlClient(host, self.presence, self.events)
+        self.handoff = HandoffClient(host, self.control)
         self.discovery = DiscoveryClient(host)
         self.greeter = Greeter(host, self.presence)
         self.peers = PeerClient(host, self.discovery)
@@ -60,6 +64,7 @@ class Clients:
         self.peers.stop()
         self.greeter.stop()
         self.discovery.stop()
+        self.handoff.stop()
         self.control.stop()
         self.events.stop()
 
@@ -86,6 +91,7 @@ class CoreServices:
         self.events = EventsService(host)
         self.access_control = AccessControlService(host)
         self.management = ManagementService(host, self.access_control)
+        self.handoff = HandoffService(host, self.access_control)
         self.time = TimeService(host)
         self.list_manager = ListManagerService(host)
         self.liveness = LivenessService(host)
@@ -93,6 +99,7 @@ class CoreServices:
         every: tuple[CoreService, ...] = (
             self.events,
             self.access_control,
+            self.handoff,
             self.management,
             self.time,
             self.list_manager,
@@ -127,6 +134,18 @@ class ComponentHooks:
 
     def on_controller_changed(self, controller: JausAddress | None) -> None:
         """Another component controls this one, or none does (None)."""
+
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        """Others ask for control of a component that this one controls: have a person decide.
+
+        ``decide_handoff`` tells the target. Without a decision nobody gets control, and the target
+        tells them after its time-out.
+
+        Args:
+            requests: All that wait now; none when the last one has ended.
+        """
 
     def on_emergency(self, active: bool) -> None:  # noqa: FBT001
         """An emergency was set, or the last one was cleared."""

@@ -1,4 +1,4 @@
-"""The messages of the JAUS core services (SAE AS5710A).
+"""The messages of the JAUS core services (SAE AS5710A), and of the handoff of control (IOP).
 
 Each class declares the fields of its message, in their order on the wire; `wire.layout` makes the
 codec of that. A message that begins with `Query` asks for the one that begins with `Report`. Names
@@ -45,6 +45,17 @@ from .events import (
     ReportEventTimeout,
     UpdateEvent,
 )
+from .handoff import (
+    ConfirmHandoffRequest,
+    ConfirmReleaseControl,
+    QueryEnhancedTimeout,
+    QueryHandoffTimeout,
+    RemoveHandoffRequest,
+    ReportEnhancedTimeout,
+    ReportHandoffTimeout,
+    RequestHandoff,
+    RequestReleaseControl,
+)
 from .list_manager import (
     ConfirmElementRequest,
     DeleteElement,
@@ -80,6 +91,8 @@ __all__ = [
     "ConfirmControl",
     "ConfirmElementRequest",
     "ConfirmEventRequest",
+    "ConfirmHandoffRequest",
+    "ConfirmReleaseControl",
     "CreateCommandEvent",
     "CreateEvent",
     "DeleteElement",
@@ -90,8 +103,10 @@ __all__ = [
     "QueryElement",
     "QueryElementCount",
     "QueryElementList",
+    "QueryEnhancedTimeout",
     "QueryEventTimeout",
     "QueryEvents",
+    "QueryHandoffTimeout",
     "QueryHeartbeatPulse",
     "QueryIdentification",
     "QueryServiceList",
@@ -105,14 +120,17 @@ __all__ = [
     "RejectElementRequest",
     "RejectEventRequest",
     "ReleaseControl",
+    "RemoveHandoffRequest",
     "ReportAuthority",
     "ReportConfiguration",
     "ReportControl",
     "ReportElement",
     "ReportElementCount",
     "ReportElementList",
+    "ReportEnhancedTimeout",
     "ReportEventTimeout",
     "ReportEvents",
+    "ReportHandoffTimeout",
     "ReportHeartbeatPulse",
     "ReportIdentification",
     "ReportServiceList",
@@ -122,6 +140,8 @@ __all__ = [
     "ReportTime",
     "ReportTimeout",
     "RequestControl",
+    "RequestHandoff",
+    "RequestReleaseControl",
     "Reset",
     "Resume",
     "SetAuthority",

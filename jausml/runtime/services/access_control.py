@@ -111,6 +111,7 @@ class AccessControlService:
         has_lapsed: Whether the last controller let control lapse.
         kept: Whether the controller keeps control while nobody else may have it.
         on_lost: Called when control ends, before the controller is told.
+        on_changed: Called when somebody else, or nobody, has become the controller.
     """
 
     urns = frozenset([CORE + "AccessControl"])
@@ -128,6 +129,7 @@ class AccessControlService:
         self.kept = False
         self.emergency_clients: Set[JausAddress] = frozenset()
         self.on_lost: Callable[[], None] = _nothing
+        self.on_changed: Callable[[], None] = _nothing
         self._refusals = Refusals(component.loop)
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
 
@@ -145,6 +147,11 @@ class AccessControlService:
     def available(self) -> bool:
         """Whether control may be requested now."""
         return self.offered and self.managed
+
+    @property
+    def default_authority(self) -> int:
+        """The lowest authority code that may control the component."""
+        return self._default
 
     def drop(self, reason: Reject) -> None:
         """Take control away from the controller and tell it; no effect without one."""
@@ -181,16 +188,24 @@ class AccessControlService:
             self._grant(sender, code)
 
     def _grant(self, sender: JausAddress, code: int) -> None:
-        former, self.controller = self.controller, sender
+        self.pass_control(sender, code, lambda: self._confirm(sender, Confirm.CONTROL_ACCEPTED))
+
+    def pass_control(self, client: JausAddress, code: int, confirm: Callable[[], None]) -> None:
+        """Make a client the controller, and tell a former one that it is that no more.
+
+        Args:
+            confirm: Tells the client, after the former controller and before those who watch.
+        """
+        former, self.controller = self.controller, client
         self.has_lapsed = False
         raised, self.authority = self.authority != code, code
         self._restart_timer()
-        if former is not None and former != sender:
+        if former is not None and former != client:
             self._component.call(self._component.on_control_lost)
             reject = RejectControl(response_code=Reject.CONTROL_RELEASED)
             self._component.send(reject, former, acknowledge=True)
-        self._confirm(sender, Confirm.CONTROL_ACCEPTED)
-        if former != sender:
+        confirm()
+        if former != client:
             self._controller_changed()
         elif raised:
             self._authority_changed()
@@ -209,10 +224,14 @@ class AccessControlService:
 
     def _set_authority(self, message: SetAuthority, _sender: JausAddress) -> None:
         if self._default <= message.authority_code <= self.authority:
-            self.authority = message.authority_code
-            self._authority_changed()
+            self.change_authority(message.authority_code)
         else:
             self._component.counters.add("access_control.authority_ignored")
+
+    def change_authority(self, code: int) -> None:
+        """Give the component the authority code that its controller has now."""
+        self.authority = code
+        self._authority_changed()
 
     def _timed_out(self) -> None:
         if self.available:
@@ -249,6 +268,7 @@ class AccessControlService:
         self._component.permissions_changed()
         self._component.core_state_changed()
         self._authority_changed()
+        self.on_changed()
 
     def _authority_changed(self) -> None:
         self._component.report_changed(ReportControl)
@@ -275,4 +295,4 @@ class AccessControlService:
 
 
 def _nothing() -> None:
-    """Stand in for a Management service that the component does not have."""
+    """Stand in for a service that the component does not have."""

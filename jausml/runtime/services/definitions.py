@@ -66,6 +66,25 @@ class Scope(IntEnum):
 
 
 @dataclass(frozen=True)
+class HandoffRequest:
+    """Somebody asks for control of a component that this one controls.
+
+    Attributes:
+        target: The controlled component.
+        number: By which the target knows the request.
+        client: Who asks.
+        authority: The authority code with which it would have control.
+        explanation: Why it asks, for people.
+    """
+
+    target: JausAddress
+    number: int
+    client: JausAddress
+    authority: int
+    explanation: str
+
+
+@dataclass(frozen=True)
 class ComponentSettings:
     """How a component behaves towards its peers.
 
@@ -75,6 +94,10 @@ class ComponentSettings:
             255; 0 means never (AS5710, QueryTimeout).
         control_survives_emergency: Whether the controller keeps control in an emergency, for
             clients that count on it; AS5710 ends it. It is not obeyed before the end either.
+        handoff_timeout: Seconds in which the controller decides who has asked it for control, 0 to
+            255; 0 means any time (IOP, QueryHandoffTimeout).
+        enhanced_timeout: Seconds after which such a request lapses unless it is sent again, 0 to
+            255; 0 means never (IOP, QueryEnhancedTimeout).
         event_timeout: Minutes after which an event lapses unless it is updated, 0 to 255;
             0 means never (AS5710, QueryEventTimeout).
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
@@ -115,6 +138,8 @@ class ComponentSettings:
     default_authority: int = 0
     control_timeout: int = 5
     control_survives_emergency: bool = False
+    handoff_timeout: int = 60
+    enhanced_timeout: int = 10
     event_timeout: int = 1
     event_rate_min: float = 0.1
     event_rate_max: float = MAX_EVENT_RATE
@@ -139,6 +164,8 @@ class ComponentSettings:
         """Refuse values that the wire cannot carry or that would flood it."""
         _check("default_authority", self.default_authority, 0, 255)
         _check("control_timeout", self.control_timeout, 0, 255)
+        _check("handoff_timeout", self.handoff_timeout, 0, 255)
+        _check("enhanced_timeout", self.enhanced_timeout, 0, 255)
         _check("event_timeout", self.event_timeout, 0, 255)
         _check("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
         _check("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
-    from .definitions import Completion, ComponentSettings, ServiceIdentity
+    from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
     from .dispatch import Handler, Provision
     from .element_list import ListElement
 
@@ -156,6 +156,11 @@ class Host(Protocol):
 
     def on_controller_changed(self, controller: JausAddress | None) -> None:
         """Learn who controls the component."""
+
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        """Have a person decide who controls a target that this component controls."""
 
     def on_emergency(self, active: bool) -> None:  # noqa: FBT001
         """Learn that an emergency was set, or the last one cleared."""

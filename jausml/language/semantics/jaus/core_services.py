@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 CORE = "urn:jaus:jss:core:"
 """Prefix of the URNs of the core services (AS5710)."""
 
+HANDOFF = frozenset(
+    ["urn:jaus:jss:iop:EnhancedAccessControl", "urn:jaus:jss:iop:HandoffController"]
+)
+"""URNs of the services by which one client hands control to another (IOP)."""
+
 SERVED_BY_RUNTIME = frozenset(
     [
         CORE + "AccessControl",
@@ -27,6 +32,7 @@ SERVED_BY_RUNTIME = frozenset(
         CORE + "Management",
         CORE + "Time",
         CORE + "Transport",
+        *HANDOFF,
         "urn:jaus:jss:iop:UnsolicitedHeartbeat",
         "urn:jaus:jss:manipulator:ListManager",
         "urn:jaus:jss:mobility:ListManager",
@@ -92,6 +98,15 @@ CORE_MESSAGES = {
     "ReportSubsystemList": 0x4B02,
     "ReportServices": 0x4B03,
     "ReportServiceList": 0x4B04,
+    "RequestHandoff": 0xFF31,
+    "QueryHandoffTimeout": 0xFF32,
+    "QueryEnhancedTimeout": 0xFF33,
+    "RemoveHandoffRequest": 0xFF34,
+    "ConfirmHandoffRequest": 0xFF35,
+    "ReportHandoffTimeout": 0xFF36,
+    "ReportEnhancedTimeout": 0xFF37,
+    "RequestReleaseControl": 0xFF38,
+    "ConfirmReleaseControl": 0xFF39,
 }
 """Codes of the messages that the runtime brings as `jausml_runtime.messages`, by name."""
 
@@ -99,8 +114,9 @@ CORE_MESSAGES = {
 def is_core_message(message: jaus.MessageDef) -> bool:
     """Tells whether the runtime brings the class of a message."""
     owner = message.eContainer()
-    of_core = owner is not None and str(owner.urn).startswith(CORE)
-    return of_core and CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)
+    if owner is None or not (owner.urn in HANDOFF or str(owner.urn).startswith(CORE)):
+        return False
+    return CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)
 
 
 NEWEST_SET = "core-1.1.xmi"
