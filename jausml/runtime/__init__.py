@@ -57,11 +57,7 @@ from .clients.control_session import ControlSession
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
-from .clients.handoff_client import (
-    HandoffAnswer,
-    HandoffDecision,
-    PendingHandoff,
-)
+from .clients.handoff_client import HandoffAnswer, PendingHandoff
 from .clients.list_client import ListRequest
 from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
@@ -80,6 +76,7 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
+from .messages.handoff import HandoffDecision
 from .services.definitions import (
     Completion,
     ComponentSettings,

@@ -52,6 +52,12 @@ if TYPE_CHECKING:
     from jausml_generators.cpp.core import Core
     from jausml_generators.python.codec.messages import MessageView
 
+_HOOKS: dict[str, tuple[str, ...]] = {
+    "on_not_ready": (),
+    "on_control_lost": (),
+    "on_handoff_requested": ("target", "requests"),
+}
+
 
 @dataclass(frozen=True)
 class BridgeView(ProgramView):
@@ -284,8 +290,8 @@ class BridgeView(ProgramView):
             for each in self.actions
         )
         hooks = tuple(
-            MethodContract(name, (), f"hook:{name}", "", optional=True)
-            for name in ("on_not_ready", "on_control_lost")
+            MethodContract(name, parameters, f"hook:{name}", "", optional=True)
+            for name, parameters in _HOOKS.items()
         )
         conversions = tuple(
             MethodContract(each.name, names_of(each), f"conversion:{each.model_name}", stub(each))

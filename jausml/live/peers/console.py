@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
@@ -15,6 +16,7 @@ from jausml.live.peers.commanding import outcome
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.live.peers.requesting import request
+from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
@@ -102,6 +104,18 @@ DEFAULT_AUTHORITY = 205
 """Authority of an operator control unit, as other stacks choose it."""
 
 
+_DECISIONS = (
+    ("grant", "hand control over to who asked for it", HandoffDecision.GRANTED),
+    ("deny", "keep control that somebody asked for", HandoffDecision.DENIED),
+    ("defer", "let somebody wait who asked for control", HandoffDecision.WAIT),
+)
+_TOLD = {
+    HandoffDecision.GRANTED: "granted control",
+    HandoffDecision.DENIED: "denied",
+    HandoffDecision.WAIT: "to wait",
+}
+
+
 class UsageError(Exception):
     """A command cannot be understood."""
 
@@ -126,6 +140,7 @@ class Console:
         self.failures = 0
         self.has_doubts = False
         self._operator = operator
+        operator.handoffs.on_news = lambda news: emit(f"note: {news}")
         self._emit = emit
         self._target: JausAddress | None = None
         self._emergencies: set[JausAddress] = set()
@@ -145,6 +160,13 @@ class Console:
             "control": ConsoleCommand(
                 "[ID] [AUTHORITY]", "take control and keep it", self._control
             ),
+            "handoff": ConsoleCommand(
+                "[ID] [AUTHORITY] [REASON]", "ask whoever controls it for control", self._handoff
+            ),
+            **{
+                name: ConsoleCommand("[ID] NUMBER", text, partial(self._decide, decision))
+                for name, text, decision in _DECISIONS
+            },
             "resume": ConsoleCommand("[ID]", "bring it to Ready", self._resume),
             "standby": ConsoleCommand("[ID]", "bring it to Standby", self._standby),
             "request": ConsoleCommand(
@@ -266,6 +288,22 @@ class Console:
         authority = int(_number(rest, DEFAULT_AUTHORITY))
         self._operator.control(target, authority, lambda news: self._changed(target, news))
         self._emit(f"{target} is controlled")
+
+    def _handoff(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        word, _, reason = rest.partition(" ")
+        authority = int(_number(word, DEFAULT_AUTHORITY))
+        self._operator.request_handoff(
+            target, authority, reason.strip(), lambda news: self._changed(target, news)
+        )
+        self._emit(f"{target} is controlled")
+
+    def _decide(self, decision: HandoffDecision, rest: str) -> None:
+        target, rest = self._aim(rest)
+        if not rest:
+            raise UsageError("which request?")
+        client = self._operator.decide_handoff(target, int(_number(rest, 0)), decision)
+        self._emit(f"{target} is told that {client} is {_TOLD[decision]}")
 
     def _changed(self, target: JausAddress, news: str) -> None:
         """Tells what became of control, and asks why; runs on the loop's thread."""

@@ -12,11 +12,18 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.live.messages import UnknownMessageError
 from jausml.live.peers.discovery import POLL, controller_of
+from jausml.live.peers.handoffs import Handoffs
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
 from jausml.live.peers.watching import AnsweringClient, WatchingClient
-from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
+from jausml.runtime import (
+    ComponentSettings,
+    ControlState,
+    HandoffDecision,
+    JausComponent,
+    Scope,
+)
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
     ClearEmergency,
@@ -34,6 +41,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.network import Network
+    from jausml.runtime import HandoffRequest
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.transports.delivery import Take
     from jausml.runtime.transports.transport import Transport
@@ -53,8 +61,12 @@ _LEAVING_READY = ("Reset", "Shutdown", "Standby")
 
 _ACCESS_CONTROL = f"{CORE}AccessControl"
 
-_SERVICES = tuple(
-    ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
+_SERVICES = (
+    *(
+        ServiceIdentity(CORE + name, 1, 1)
+        for name in ("Transport", "Events", "Liveness", "Discovery")
+    ),
+    ServiceIdentity("urn:jaus:jss:iop:HandoffController", 1, 1),
 )
 
 
@@ -70,10 +82,11 @@ class Identity:
 class Operator(AnsweringClient, WatchingClient):
     """The actions of an operator; each call waits for its outcome."""
 
-    def __init__(self, component: JausComponent, *others: Any) -> None:
+    def __init__(self, component: _Listening, *others: Any) -> None:
         """Use `running_operator` instead."""
         super().__init__(component, *others)
         self._holds: dict[JausAddress, Hold] = {}
+        self.handoffs = component.handoffs
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
         self._request_ids = count(1)
         component.on_message(RejectControl, self._rejected)
@@ -101,6 +114,39 @@ class Operator(AnsweringClient, WatchingClient):
             self._forget(target)
             raise Refused(f"{target} gives no control: {self._why_refused(target)}")
         return hold
+
+    def request_handoff(
+        self,
+        target: JausAddress,
+        authority: int,
+        explanation: str,
+        on_change: Callable[[str], None] | None = None,
+    ) -> Hold:
+        """Asks whoever controls a component for control, and keeps it once it is granted.
+
+        Raises:
+            NoAnswer: The component does not answer.
+            Refused: It is not handed over.
+        """
+        self.handoffs.request(
+            target,
+            authority,
+            explanation,
+            lambda: self.unanswered(target, "RequestHandoff", "ConfirmHandoffRequest"),
+            self.timeout,
+        )
+        return self.control(target, authority, on_change)
+
+    def decide_handoff(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
+        """Tells a component what was decided of a request; who grants controls it no more.
+
+        Returns:
+            Who had asked.
+        """
+        request = self.handoffs.decide(target, number, decision)
+        if decision is HandoffDecision.GRANTED:
+            self._forget(target)
+        return str(request.client)
 
     def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
         """Sends a command of Management and returns the state that follows; None without any."""
@@ -312,6 +358,12 @@ class _Listening(JausComponent):
     def __init__(self, heard: Heard, transport: Transport, *arguments: Any, **others: Any) -> None:
         self._heard = heard
         super().__init__(transport, *arguments, **others)
+        self.handoffs = Handoffs(self)
+
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        self.handoffs.asked(target, requests)
 
     def _jaus_dispatcher(self) -> Take:
         take, note = super()._jaus_dispatcher(), self._heard.note

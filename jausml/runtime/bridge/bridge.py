@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
+    from ..services.definitions import HandoffRequest
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from .diagnosing import Carried
@@ -211,6 +212,11 @@ class Bridge:
     def on_control_lost(self) -> None:
         """Hook: another controls the bridge, or nobody; the stops of commands are sent already."""
 
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        """Hook: others ask for control of a peer; ``component.decide_handoff`` answers."""
+
     def follow(self) -> None:
         """Stops what must not go on now that the state or the controller is another."""
         if not self._is_open:
@@ -361,6 +367,11 @@ class _BridgeComponent(JausComponent):
     def on_control_lost(self) -> None:
         self._bridge.follow()
         self._bridge.on_control_lost()
+
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        self._bridge.on_handoff_requested(target, requests)
 
     def core_state_changed(self) -> None:
         self._bridge.follow()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
-from ..base.errors import JausError
+from ..base.api import JausError
 from ..messages import (
     ConfirmHandoffRequest,
     ConfirmReleaseControl,
@@ -15,6 +15,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
+from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ DECISION_TRIES = 3
 commands no more, and control would lapse."""
 
 HandoffAnswer = ConfirmHandoffRequest.ResponseCode
-HandoffDecision = ConfirmReleaseControl.ResponseCode
 
 _GOES_ON = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
 

@@ -22,14 +22,11 @@ if TYPE_CHECKING:
     from ..clients.control_state import ControlState
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
-    from ..clients.handoff_client import (
-        HandoffAnswer,
-        HandoffDecision,
-        PendingHandoff,
-    )
+    from ..clients.handoff_client import HandoffAnswer, PendingHandoff
     from ..clients.list_client import ListRequest
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
+    from ..messages.handoff import HandoffDecision
     from ..services.definitions import HandoffRequest
     from ..services.element_list import ListElement
 

@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.kinds import U8, ShortList, Text, unsigned
+from ..wire.codec import U8, ShortList, Text, unsigned
 from ..wire.layout import Bodiless, message, record
 from ..wire.message import Message
 
 
-class _ReleaseCode(IntEnum):
+class HandoffDecision(IntEnum):
+    """What a controller has decided of a request for control."""
+
     GRANTED = 0
     DENIED = 1
     WAIT = 2
@@ -49,7 +51,7 @@ class _WithDecided(Message):
     __slots__ = ()
 
     ReleaseControlRec: TypeAlias = _Decided
-    ResponseCode: TypeAlias = _ReleaseCode
+    ResponseCode: TypeAlias = HandoffDecision
 
 
 @message(0xFF31)

@@ -19,6 +19,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
+from ..messages.handoff import HandoffDecision as Decision
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
@@ -36,7 +37,6 @@ PAUSE = 0.1
 """Seconds in which changes are collected before the controller is told."""
 
 Confirm = ConfirmHandoffRequest.ResponseCode
-Decision = ConfirmReleaseControl.ResponseCode
 
 
 class _Request:

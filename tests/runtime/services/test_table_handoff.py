@@ -52,8 +52,10 @@ def decide(*decisions):
 def row(name, *given, when, then=None, **expected):
     """A row of a component with default authority 10."""
     settings = {
-        **{"default_authority": 10, "control_timeout": 0},
-        **{"handoff_timeout": 6, "enhanced_timeout": 4},
+        "default_authority": 10,
+        "control_timeout": 0,
+        "handoff_timeout": 6,
+        "enhanced_timeout": 4,
         **expected.pop("settings", {}),
     }
     return Row(name, given, when, then or {}, settings=settings, services=(SERVICE,), **expected)
