@@ -7,6 +7,7 @@ from pathlib import Path
 import emf_check
 import pytest
 from needs import EMF
+from profiles import decided
 
 WINCH = Path(__file__).parents[1] / "importers" / "winch"
 TOPICS = ("--from", "topics", "cmd_vel:geometry_msgs/Twist", "scan:sensor_msgs/LaserScan", "--yes")
@@ -46,33 +47,32 @@ def test_a_robot_for_the_judge_leaves_safety_to_a_person(tmp_path, monkeypatch, 
     assert done.exit_code == 0, done.output
 
 
-def test_a_vehicle_of_iop_leaves_safety_to_a_person(tmp_path, monkeypatch, jausml):
-    assert jausml("init", tmp_path / "ugv", "--from", "iop-ugv").exit_code == 0
-    monkeypatch.chdir(tmp_path / "ugv")
-    model = Path("models/ugv.ros2jaus")
+@pytest.mark.parametrize(
+    ("profile", "codes", "asked"),
+    [
+        ("iop-ugv", ["JML498"] * 3 + ["JML451"], "after how much silence the vehicle stops"),
+        ("iop-payload", ["JML498"] * 3, "after how much silence the unit stops"),
+        ("iop-manipulator", ["JML498"] * 4 + ["JML451"], "which joints there are"),
+        ("iop-operator", ["JML498"] * 3, "which authority the unit has over others"),
+    ],
+)
+def test_a_profile_of_iop_leaves_safety_to_a_person(
+    tmp_path, monkeypatch, jausml, profile, codes, asked
+):
+    assert jausml("init", tmp_path / "robot", "--from", profile).exit_code == 0
+    monkeypatch.chdir(tmp_path / "robot")
+    model = Path("models/robot.ros2jaus")
     assert jausml("format", "--check", "models").exit_code == 0
     done = jausml("validate", "models")
     assert done.exit_code == 1
     errors = [each for each in done.output.splitlines() if ": error: " in each]
-    assert [each.split(": error: ")[1][:6] for each in errors] == ["JML498"] * 3 + ["JML451"]
-    assert "say after how much silence the vehicle stops" in done.output
+    assert [each.split(": error: ")[1][:6] for each in errors] == codes
+    assert f"say {asked}" in done.output
+    assert jausml("generate", model, "-o", "src").exit_code == 1
 
-    decided = {
-        "namespace: vehicle": 'allowedHosts: "127.0.0.1" namespace: vehicle',
-        "topic cmd_vel": "silenceTimeout: 0.5 topic cmd_vel",
-        "topic parking_brake\n": 'onSilence: hold holdReason: "it keeps its place" '
-        "topic parking_brake\n",
-    }
-    text = "".join(
-        each
-        for each in model.read_text(encoding="utf-8").splitlines(keepends=True)
-        if "openDecisions" not in each
-    )
-    for what, decision in decided.items():
-        assert text.count(what) == 1
-        text = text.replace(what, decision)
-    model.write_text(text, encoding="utf-8")
-    assert jausml("validate", "models", "--strict").exit_code == 0
+    model.write_text(decided(profile, model.read_text(encoding="utf-8")), encoding="utf-8")
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
     done = jausml("generate", model, "-o", "src")
     assert done.exit_code == 0, done.output
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from jausml.language.importers.jsidl import ImportResult
 
 _EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
-_PROFILES = ("igvc", "iop-ugv")
+_PROFILES = ("igvc", "iop-ugv", "iop-payload", "iop-manipulator", "iop-operator")
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 """A SOURCE for each way to begin that needs some."""
 
@@ -49,8 +49,9 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
     help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
     "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
     "component with the services of the SOURCEs, which are JSIDL files and folders; igvc: a robot "
-    "for the JAUS challenge, as `jausml judge` judges it; iop-ugv: a ground vehicle of IOP, as far "
-    "as that is public.",
+    "for the JAUS challenge, as `jausml judge` judges it; iop-ugv, iop-payload, iop-manipulator, "
+    "iop-operator: a ground vehicle, a camera on a pan-tilt unit, an arm and an operator control "
+    "unit of IOP, as far as that is public.",
 )
 @click.option(
     "--copies",

@@ -1,0 +1,49 @@
+"""The profiles of IOP that `jausml init` begins with, straight from the generator."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import warm
+from profiles import decided
+from workspaces import python_path
+
+HERE = Path(__file__).parent
+GUARDS = ("jausml/authoring/projects/templates", "models/library/mappings")
+
+
+def jausml(*arguments: str | Path) -> None:
+    line = [*warm.command(), *map(str, arguments)]
+    done = subprocess.run(line, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> str:
+    found = []
+    for profile in ("iop-ugv", "iop-operator"):
+        folder = tmp_path_factory.mktemp("profile")
+        jausml("init", folder, "--from", profile, "--name", "robot")
+        model = folder / "models" / "robot.ros2jaus"
+        text = decided(profile, model.read_text(encoding="utf-8"))
+        # Hosts of the virtual network have no addresses.
+        model.write_text(text.replace('allowedHosts: "127.0.0.1" ', ""), encoding="utf-8")
+        jausml("generate", model, "-o", folder / "src")
+        found.append(python_path(folder / "src"))
+    return os.pathsep.join(found)
+
+
+def test_vehicle_and_unit_meet(path: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "profiles_meet.py"],
+        env={**os.environ, "PYTHONPATH": path},
+        cwd=HERE,
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert "12 passed" in done.stdout, done.stdout + done.stderr
