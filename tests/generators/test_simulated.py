@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import warm
+from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
@@ -18,22 +19,27 @@ from jausml_generators.jaus_component.target import TARGET
 
 HERE = Path(__file__).parent
 MODEL = HERE / "simulated.ros2jaus"
+SUPPORT = HERE.parent / "support"
 
 
-@pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("workspace")
-    line = [*warm.command(), "generate", str(MODEL), "-o", str(folder)]
+def generated(model: Path, folder: Path) -> Path:
+    line = [*warm.command(), "generate", str(model), "-o", str(folder)]
     done = subprocess.run(line, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return folder
 
 
-def run(workspace: Path, *arguments: str | Path) -> str:
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return generated(MODEL, tmp_path_factory.mktemp("workspace"))
+
+
+def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
     path = python_path(workspace)
+    environment = {**os.environ, "MYPYPATH": path, **variables}
     done = subprocess.run(
         [sys.executable, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
+        env={**environment, "PYTHONPATH": os.pathsep.join([path, str(SUPPORT)])},
         cwd=workspace,
         capture_output=True,
         text=True,
@@ -46,6 +52,13 @@ def run(workspace: Path, *arguments: str | Path) -> str:
 def test_the_component_does_as_it_is_told(workspace: Path) -> None:
     told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
     assert "8 passed" in told
+
+
+@pytest.mark.ports
+def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path: Path) -> None:
+    robot = generated(HERE / "judged.ros2jaus", tmp_path)
+    words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "judges_messages.py")
+    assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
 def test_its_code_is_clean(workspace: Path) -> None:
