@@ -44,6 +44,7 @@ DEFAULT_PACKAGES = (
     "trajectory_msgs",
     "visualization_msgs",
     "control_msgs",
+    "lifecycle_msgs",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")

@@ -1,0 +1,68 @@
+"""A JAUS operator changes the life cycle of a ROS node, by the model of the page on ready maps."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+import pytest
+import warm
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import ROOT, Process, RosPeer, generate_text, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
+MODEL = re.compile(r"^\$ cat > managed\.ros2jaus <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def ros(monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    made = RosPeer()
+    yield made
+    made.close()
+
+
+def test_an_operator_activates_and_deactivates_a_node(ros, tmp_path):
+    from rclpy.lifecycle import LifecycleNode
+
+    driver = LifecycleNode("driver", context=ros.node.context)
+    ros.executor.add_node(driver)
+    driver.trigger_configure()
+    path = generate_text(tmp_path, "managed", MODEL.search(PAGE.read_text("utf-8"))[1])
+    port = str(free_port())
+    bridge = Process(["-m", "managed.main", "--jaus-port", port], path, tmp_path / "log")
+
+    def ocu(*words):
+        line = [*warm.command(), "ocu", *words, "--port", port]
+        return subprocess.run(line, capture_output=True, text=True, timeout=110)
+
+    def state():
+        return ocu("query", "100.1.40", "PlatformState").stdout
+
+    def command(name):
+        done = ocu("command", "100.1.40", "SetPlatformState", f"PlatformState={name}")
+        assert done.returncode == 0, done.stderr
+
+    try:
+        ready = ocu("status", "100.1.40", "--timeout", "60")
+        assert ready.returncode == 0, ready.stderr
+        wait_for(lambda: "(Initialize)" in state(), "the state of the node")
+        command("Operational")
+        wait_for(lambda: "(Operational)" in state(), "an active node")
+        command("Emergency")
+        assert "(Operational)" in state()
+        command("Initialize")
+        wait_for(lambda: "(Initialize)" in state(), "an inactive node")
+    finally:
+        bridge.kill()
+        ros.executor.remove_node(driver)
+        driver.destroy_node()
