@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"
 EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
 _ASKING = {
+    "ReportPlatformState": "PlatformState.QueryPlatformState",
     "ReportStatus": "Management.QueryStatus",
     "ConfirmSensorConfiguration": "SetVisualSensorConfiguration",
 }
@@ -118,10 +119,14 @@ def _call(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
         [
             f"  ros_service_connection {name}_to_{'ros' if to_ros else 'jaus'} {{",
             f"    direction: {'rosToJaus' if peer else 'jausToRos'}",
-            f"    service: {name}  type: std_srvs/{kind.name}",
+            f"    service: {name}  type: {kind.eContainer().name}/{kind.name}",
             f"    {half}: {name}",
             *([f"    message: {asks}"] if asks else []),
-            "    successMember: success  reasonMember: message",
+            *(
+                f"    {feature}: {member}"
+                for feature, member in (("successMember", "success"), ("reasonMember", "message"))
+                if member in {each.name for each in kind.response.fields}
+            ),
             *([f"    peers: {peer}  control: false"] if peer else []),
             "  }",
         ]
