@@ -13,7 +13,7 @@ from jausml.runtime import (
     ServiceIdentity,
 )
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.base.errors import JausError
+from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import RequestReleaseControl
 from jausml.runtime.virtual import Link, VirtualWorld
 
