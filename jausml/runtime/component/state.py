@@ -11,8 +11,10 @@ from ..clients.event_client import EventClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
 from ..clients.query import QueryClient
+from ..clients.resource_client import ResourceClient
 from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
+from ..services.digital_resources import DigitalResourceService
 from ..services.discovery import DiscoveryService
 from ..services.events import EventsService
 from ..services.list_manager import ListManagerService
@@ -46,6 +48,7 @@ class Clients:
         self.peers = PeerClient(host, self.discovery)
         self.commands = CommandClient(host)
         self.lists = ListClient(host, self.queries)
+        self.resources = ResourceClient(host, self.peers, self.queries)
 
     def start(self) -> None:
         """Look around for others, and speak to those that wait for it."""
@@ -54,6 +57,7 @@ class Clients:
 
     def stop(self) -> None:
         """Wait for nothing any more, release control and cancel subscriptions."""
+        self.resources.stop()
         self.queries.stop()
         self.commands.stop()
         self.lists.stop()
@@ -90,6 +94,7 @@ class CoreServices:
         self.list_manager = ListManagerService(host)
         self.liveness = LivenessService(host)
         self.discovery = DiscoveryService(host)
+        self.digital_resources = DigitalResourceService(host)
         every: tuple[CoreService, ...] = (
             self.events,
             self.access_control,
@@ -98,6 +103,7 @@ class CoreServices:
             self.list_manager,
             self.liveness,
             self.discovery,
+            self.digital_resources,
         )
         provided = {service.urn for service in host.services}
         for service in every:

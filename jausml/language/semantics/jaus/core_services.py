@@ -27,6 +27,7 @@ SERVED_BY_RUNTIME = frozenset(
         CORE + "Management",
         CORE + "Time",
         CORE + "Transport",
+        "urn:jaus:jss:iop:DigitalResourceDiscovery",
         "urn:jaus:jss:iop:UnsolicitedHeartbeat",
         "urn:jaus:jss:manipulator:ListManager",
         "urn:jaus:jss:mobility:ListManager",
