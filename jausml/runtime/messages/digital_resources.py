@@ -4,7 +4,7 @@
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from ..wire.kinds import U8, U16, U32, ShortList, Text, unsigned
+from ..wire.codec import U8, U16, U32, ShortList, Text, unsigned
 from ..wire.layout import Bodiless, message, record
 from ..wire.message import Message
 
