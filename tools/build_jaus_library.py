@@ -57,6 +57,15 @@ stored, they switch lamps or cameras, or they stop. Elements of lists move nothi
 (AS6009). CreateCommandEvent is none of them: what it carries is obeyed."""
 
 
+LIST_ELEMENTS = {
+    "ReportGlobalPathSegment": "SetGlobalPathSegment",
+    "ReportLocalPathSegment": "SetLocalPathSegment",
+}
+"""Commands by the reports that are laid out as they are (AS6009), whose services do not list them.
+
+JAUS-DEVIATION: they are inputs of the drivers whose lists hold them, as SetLocalWaypoint is one."""
+
+
 @dataclass(frozen=True)
 class SetFile:
     """Where a service set goes.
@@ -403,10 +412,27 @@ def service_element(facts: Facts, places: Mapping[tuple[str, str], str], file: s
             attributes["inherits"] = base_id
         else:
             element.children.append(Element("inherits", {"href": f"{base_file}#{base_id}"}))
-    for tag, key in (("inputs", "input"), ("outputs", "output")):
-        element.children += [message_element(tag, name, message) for message in facts[key]]
+    for tag, messages in (
+        ("inputs", [*facts["input"], *_unlisted(facts)]),
+        ("outputs", facts["output"]),
+    ):
+        element.children += [message_element(tag, name, message) for message in messages]
     element.children += behaviour_elements(f"{facts['urn']} {facts['version']}")
     return element
+
+
+def _unlisted(service: Facts) -> list[Facts]:
+    """Returns the commands that the lists of a service hold, and that the facts do not name."""
+    return [
+        {
+            **report,
+            "name": LIST_ELEMENTS[report["name"]],
+            "id": f"{int(report['id'], 16) & 0x0FFF:04X}",
+            "command": True,
+        }
+        for report in service["output"]
+        if report["name"] in LIST_ELEMENTS
+    ]
 
 
 def behaviour_elements(key: str) -> Iterator[Element]:

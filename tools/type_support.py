@@ -25,6 +25,7 @@ NEEDED = (
     "action_msgs",
     "builtin_interfaces",
     "geometry_msgs",
+    "nav_msgs",
     "service_msgs",
     "std_msgs",
     "unique_identifier_msgs",

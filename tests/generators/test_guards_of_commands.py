@@ -83,13 +83,20 @@ def test_a_service_that_inherits_nothing_shares_the_controller_of_its_component(
 
 
 def test_commands_for_everyone_are_those_of_published_services(tmp_path):
-    """RemoveDigitalResourceEndpoint is a command of a service without AccessControl."""
+    """As those of Digital Resource Discovery: services that inherit Events alone."""
     path = tmp_path / "demo.ros2jaus"
-    path.write_text("component store { address: 1.1.1  provides: DigitalResourceDiscovery }")
+    path.write_text("""
+        import `jaus.core-1.1`
+        service Store {
+            urn: "urn:jaus:jss:example:Store"  version: "1.0"  inherits: Events
+            inputs: new message_def RemoveThing { code: 0xD101  isCommand: true }
+        }
+        component store { address: 1.1.1  provides: Store }
+    """)
     read = read_models([path], notations=NOTATIONS)
     base = next(
         each.text for each in render(read.model, [COMPONENTS]) if each.path.endswith("_base.py")
     )
-    assert "RemoveDigitalResourceEndpoint" in base
+    assert "RemoveThing" in base
     assert "when=Guard.READY" not in base
     assert "when=Guard.CONTROLLED" not in base

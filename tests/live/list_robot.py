@@ -1,5 +1,7 @@
 """A ROS robot of the live tests that follows waypoints, one each time the test says so.
 
+With the argument `path` it follows a path, and its feedback tells the distance that is left.
+
 It says on stdout what happens, as JSON: goal with the x of its poses, reached, canceled, aborted,
 done. On stdin it is told: next, abort, refuse (the goals to come) and accept.
 """
@@ -13,7 +15,7 @@ import threading
 from contextlib import suppress
 
 import rclpy
-from nav2_msgs.action import FollowWaypoints
+from nav2_msgs.action import FollowPath, FollowWaypoints
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
@@ -26,17 +28,18 @@ def say(**facts: object) -> None:
 
 
 class Robot(Node):
-    """Serves follow_waypoints."""
+    """Serves follow_waypoints, or follow_path."""
 
-    def __init__(self) -> None:
+    def __init__(self, kind: type, action: str) -> None:
         super().__init__("list_robot", namespace="robot")
+        self.kind, self.action = kind, action
         self.orders: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.refuses = False
         self.group = ReentrantCallbackGroup()
         self.server = ActionServer(
             self,
-            FollowWaypoints,
-            "follow_waypoints",
+            kind,
+            action,
             self.follow,
             callback_group=self.group,
             goal_callback=lambda _: GoalResponse.REJECT if self.refuses else GoalResponse.ACCEPT,
@@ -49,7 +52,7 @@ class Robot(Node):
 
     def look(self) -> None:
         """Tells once that somebody listens to the feedback: a client is there."""
-        if not self.is_known and self.count_subscribers("follow_waypoints/_action/feedback"):
+        if not self.is_known and self.count_subscribers(f"{self.action}/_action/feedback"):
             self.is_known = True
             say(kind="client")
 
@@ -63,26 +66,33 @@ class Robot(Node):
                 self.orders.put(order)
 
     def follow(self, handle):
-        poses, frame = handle.request.poses, ""
+        request, frame = handle.request, ""
+        poses = request.path.poses if self.kind is FollowPath else request.poses
         if poses:
-            frame = poses[0].header.frame_id
+            frame = (request.path if self.kind is FollowPath else poses[0]).header.frame_id
         xs = [round(each.pose.position.x, 2) for each in poses]
-        say(kind="goal", x=xs, frame=frame, loops=handle.request.number_of_loops)
+        say(kind="goal", x=xs, frame=frame, loops=getattr(request, "number_of_loops", 0))
         for at, pose in enumerate(poses):
-            handle.publish_feedback(FollowWaypoints.Feedback(current_waypoint=at))
+            handle.publish_feedback(self.feedback(at, xs))
             order = self.order(handle)
             if order == "cancel":
                 handle.canceled()
                 say(kind="canceled", at=at)
-                return FollowWaypoints.Result(error_msg="canceled")
+                return self.kind.Result(error_msg="canceled")
             if order == "abort":
                 handle.abort()
                 say(kind="aborted", at=at)
-                return FollowWaypoints.Result(error_code=601, error_msg="the wheels came off")
+                return self.kind.Result(error_code=601, error_msg="the wheels came off")
             say(kind="reached", x=round(pose.pose.position.x, 2))
         handle.succeed()
         say(kind="done")
-        return FollowWaypoints.Result()
+        return self.kind.Result()
+
+    def feedback(self, at: int, xs: list[float]):
+        """Tells that an element is under way; where that is a distance, half a metre before it."""
+        if self.kind is FollowWaypoints:
+            return FollowWaypoints.Feedback(current_waypoint=at)
+        return FollowPath.Feedback(distance_to_goal=xs[-1] - xs[at] + 0.5)
 
     def order(self, handle) -> str:
         while not handle.is_cancel_requested:
@@ -95,7 +105,12 @@ class Robot(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    robot = Robot()
+    follows_path = sys.argv[1:2] == ["path"]
+    robot = (
+        Robot(FollowPath, "follow_path")
+        if follows_path
+        else Robot(FollowWaypoints, "follow_waypoints")
+    )
     executor = MultiThreadedExecutor(num_threads=4)
     executor.add_node(robot)
     with suppress(ExternalShutdownException, KeyboardInterrupt):

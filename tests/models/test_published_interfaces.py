@@ -6,7 +6,8 @@ each definition without its comments. It was not read by the importer that made 
     ackermann_msgs   ros-drivers/ackermann_msgs, branch ros2, version 2.0.2
     control_msgs     ros-controls/control_msgs, branch jazzy, version 5.8.0
     geographic_msgs  ros-geographic-info/geographic_info, branch ros2, version 1.0.5
-    nav2_msgs        ros-navigation/navigation2, branch jazzy, version 1.3.13
+    nav2_msgs        ros-navigation/navigation2, branch jazzy, version 1.3.13; FollowPath from the
+                     versions before and after it, which have these fields in common
 """
 
 from __future__ import annotations

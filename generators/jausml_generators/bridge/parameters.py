@@ -69,6 +69,9 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
         "Authority that control of JAUS components is requested with.",
     )
     yield ParameterLine(
+        "jaus_digital_resources", "", "URLs of streams and files, with spaces between them."
+    )
+    yield ParameterLine(
         "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
     )
     yield ParameterLine(

@@ -187,7 +187,7 @@ class ActionView(ConnectionView):
         if action.progressMember:
             arguments.append(f"progress={python_string(action.progressMember)}")
         if action.progress.name != "index":
-            arguments.append("counting=Progress.REMAINING")
+            arguments.append(f"counting=Progress.{action.progress.name.upper()}")
         if action.reasonMember:
             arguments.append(f"reason={python_string(action.reasonMember)}")
         return call("ListAction", *arguments)

@@ -18,11 +18,12 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.calls import (
     ELEMENTS,
+    PATH_SEGMENTS,
     driver_messages,
     knows_speed,
     takes,
 )
-from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 
@@ -51,10 +52,11 @@ class ListWay:
     member: str
 
     @property
-    def is_of_vehicle(self) -> bool:
-        """Whether its list says how fast to go, as that of an arm does not."""
+    def is_usual(self) -> bool:
+        """Whether nobody has to name it: waypoints of vehicles, whose lists say how fast to go."""
         messages = driver_messages(self.driver)
-        return messages is not None and knows_speed(messages)
+        is_segment = code(self.map.message) in PATH_SEGMENTS
+        return messages is not None and knows_speed(messages) and not is_segment
 
     def says(self) -> str:
         """Returns what it is in words, for people who choose."""
@@ -113,11 +115,11 @@ def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
 
 
 def ways_for(scope: Scope, kind: ros.ActionType, *, to_ros: bool) -> list[ListWay]:
-    """Returns the ways for an action with all maps and services, those of vehicles first."""
+    """Returns the ways for an action with all maps and services, the usual ones first."""
     ways = list_ways(
         scope.instances(bridge.AttributeMap), scope.instances(jaus.Service), kind, to_ros=to_ros
     )
-    return sorted(ways, key=lambda way: not way.is_of_vehicle)
+    return sorted(ways, key=lambda way: not way.is_usual)
 
 
 def progress_of(kind: ros.ActionType) -> tuple[str, str]:

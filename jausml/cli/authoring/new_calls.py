@@ -223,11 +223,11 @@ def action_connection(
 
 
 def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list[ListWay]:
-    """Returns the ways with a driver and a map of some names; those of vehicles without names."""
+    """Returns the ways with a driver and a map of some names; the usual ones without names."""
     from jausml.language.model.names import name_of
 
     if driver is None and element is None:
-        return [each for each in ways if each.is_of_vehicle] or ways
+        return [each for each in ways if each.is_usual] or ways
     found = [
         each
         for each in ways

@@ -263,7 +263,11 @@ def _configure(
     """
     model = bridge.settings
     # argparse reads defaults that are text as it reads options.
-    parser.set_defaults(**{each.name: node.parameter(each) for each in parameters.network(model)})
+    known = (
+        *parameters.network(model),
+        parameters.digital_resources(model.component.digital_resources),
+    )
+    parser.set_defaults(**{each.name: node.parameter(each) for each in known})
     options = parser.parse_args(line)
     component = component_settings(options, model.component)
     bridge.settings = replace(

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from ..base.address import JausAddress
 from ..base.loop import Loop
 from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
+from ..messages.digital_resources import server_type
 from ..services.definitions import ComponentSettings, Scope
 from ..transports.jtcp import JtcpTransport
 from ..transports.node_manager import NodeManagerTransport
@@ -161,6 +162,13 @@ def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddres
         help="address subsystem.node.component (default %(default)s)",
     )
     group.add_argument(
+        "--jaus-digital-resources",
+        type=_digital_resources,
+        default=(),
+        metavar="URLS",
+        help="where streams and files of the component are, with spaces between them",
+    )
+    group.add_argument(
         "--discovery-scope",
         choices=[scope.name.lower() for scope in Scope],
         help="what the component's Discovery service answers for",
@@ -182,6 +190,8 @@ def component_settings(
     known = ComponentSettings() if defaults is None else defaults
     if arguments.control_survives_emergency:
         known = replace(known, control_survives_emergency=True)
+    if arguments.jaus_digital_resources:
+        known = replace(known, digital_resources=arguments.jaus_digital_resources)
     if arguments.discovery_scope is None:
         return known
     return replace(known, discovery_scope=Scope[arguments.discovery_scope.upper()])
@@ -275,6 +285,16 @@ def _address(text: str) -> JausAddress:
     if not address.is_concrete:
         raise argparse.ArgumentTypeError(f"{text} does not name one component")
     return address
+
+
+def _digital_resources(text: str) -> tuple[str, ...]:
+    urls = tuple(text.split())
+    try:
+        for each in urls:
+            server_type(each)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return urls
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:

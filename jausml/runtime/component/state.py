@@ -12,8 +12,10 @@ from ..clients.handoff_client import HandoffClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
 from ..clients.query import QueryClient
+from ..clients.resource_client import ResourceClient
 from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
+from ..services.digital_resources import DigitalResourceService
 from ..services.discovery import DiscoveryService
 from ..services.events import EventsService
 from ..services.handoff import HandoffService
@@ -50,6 +52,7 @@ class Clients:
         self.peers = PeerClient(host, self.discovery)
         self.commands = CommandClient(host)
         self.lists = ListClient(host, self.queries)
+        self.resources = ResourceClient(host, self.peers, self.queries)
 
     def start(self) -> None:
         """Look around for others, and speak to those that wait for it."""
@@ -58,6 +61,7 @@ class Clients:
 
     def stop(self) -> None:
         """Wait for nothing any more, release control and cancel subscriptions."""
+        self.resources.stop()
         self.queries.stop()
         self.commands.stop()
         self.lists.stop()
@@ -96,6 +100,7 @@ class CoreServices:
         self.list_manager = ListManagerService(host)
         self.liveness = LivenessService(host)
         self.discovery = DiscoveryService(host)
+        self.digital_resources = DigitalResourceService(host)
         every: tuple[CoreService, ...] = (
             self.events,
             self.access_control,
@@ -105,6 +110,7 @@ class CoreServices:
             self.list_manager,
             self.liveness,
             self.discovery,
+            self.digital_resources,
         )
         provided = {service.urn for service in host.services}
         for service in every:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING
 
+from ..messages.digital_resources import server_type
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
@@ -117,6 +119,9 @@ class ComponentSettings:
             name when empty.
         registration_lifetime: Seconds after which a registered component that was not heard
             of is forgotten.
+        digital_resources: URLs of the streams and files of the component, such as
+            rtsp://10.0.0.7/front (IOP, Digital Resource Discovery). It reports them itself if it
+            provides that service, else it registers them where its subsystem has it.
         register_services: Whether the component registers its services with the Discovery
             service of its subsystem.
         discovery_timeout: Seconds without an answer of that Discovery service after which it is
@@ -151,6 +156,7 @@ class ComponentSettings:
     discovery_scope: Scope = Scope.COMPONENT
     subsystem_name: str = ""
     registration_lifetime: float = 300.0
+    digital_resources: tuple[str, ...] = ()
     register_services: bool = True
     discovery_timeout: float = 60.0
     greeted: Mapping[JausAddress, Scope] = field(default_factory=dict)
@@ -181,6 +187,8 @@ class ComponentSettings:
         _check("refused_retry", self.refused_retry, 0.05, 600)
         _check("watch_interval", self.watch_interval, 0.05, 600)
         _check("check_interval", self.check_interval, 0.05, 600)
+        for url in self.digital_resources:
+            server_type(url)
         for address in self.greeted:
             if not address.is_concrete:
                 raise ValueError(f"{address} names no single component to greet")

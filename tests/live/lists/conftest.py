@@ -12,10 +12,11 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
 
 from ..bridge_support import RosPeer, generate, wait_for
-from .list_system import LIVE, PATIENCE, Operator, System, facts
+from .list_system import LIVE, PATIENCE, ROBOT, Operator, System, facts
 
 TYPES = (
     "msg/MissedWaypoint.msg",
+    "action/FollowPath.action",
     "action/FollowWaypoints.action",
     "action/NavigateThroughPoses.action",
 )
@@ -55,11 +56,23 @@ def system(tmp_path, packages):
 def operator(system):
     """An operator in control of the robot's bridge, whose action server is there."""
     system.start_ros_robot()
-    system.start_bridge("robot")
+    yield from operator_of(system, "robot")
+
+
+@pytest.fixture
+def tracker_operator(system):
+    """An operator in control of the bridge that follows path segments."""
+    system.start_ros_robot("path")
+    yield from operator_of(system, "tracker", "--jaus-id", str(ROBOT))
+
+
+def operator_of(system, bridge, *arguments):
+    """Yields an operator in control of a bridge."""
+    system.start_bridge(bridge, *arguments)
     wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
     settings = TransportSettings(port=system.port)
     with running_transport(settings) as transport:
-        made = Operator(transport)
+        made = Operator(transport, bridge=bridge)
         made.ready()
         yield made
         made.stop()

@@ -5,6 +5,7 @@ The robot is told by the test when it has reached a waypoint, so everything happ
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 from ports import free_port
@@ -26,11 +27,9 @@ PATIENCE = 60.0
 class Operator(JausComponent):
     """Controls the robot and gives it lists."""
 
-    def __init__(self, transport, address=OPERATOR, authority=200):
+    def __init__(self, transport, address=OPERATOR, authority=200, bridge="robot"):
         super().__init__(transport, address, name="operator", services=())
-        from robot import messages
-
-        self.messages = messages
+        self.messages = messages = import_module(f"{bridge}.messages")
         self.session = self.control(ROBOT, authority=authority)
         self.seen: list[int] = []  # what the active element was, in order
         self.ends: list[bool] = []
@@ -129,12 +128,12 @@ class System:
         self.processes[name] = process
         return process
 
-    def start_bridge(self, name):
-        line = ["--jaus-port", str(self.port)]
+    def start_bridge(self, name, *arguments):
+        line = ["--jaus-port", str(self.port), *arguments]
         return self._start(name, ["-m", f"{name}.main", *line])
 
-    def start_ros_robot(self):
-        robot = self._start("ros", [str(LIVE / "list_robot.py")], stdin=True)
+    def start_ros_robot(self, *arguments):
+        robot = self._start("ros", [str(LIVE / "list_robot.py"), *arguments], stdin=True)
         wait_for(lambda: robot.of_kind("ready"), "the robot", PATIENCE)
         return robot
 

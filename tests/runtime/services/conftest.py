@@ -12,6 +12,7 @@ from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
+from jausml.runtime.messages import digital_resources
 from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -38,7 +39,7 @@ CORE_SERVICES = tuple(
 
 CLASSES = {
     each.CODE: each
-    for each in vars(core_messages).values()
+    for each in (*vars(core_messages).values(), *vars(digital_resources).values())
     if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
 }
 

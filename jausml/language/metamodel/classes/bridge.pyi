@@ -110,6 +110,7 @@ class Progress(EEnumLiteral):
     name: Literal[
         "index",
         "remaining",
+        "distance",
     ]
 
 class ConversionKind(EEnumLiteral):

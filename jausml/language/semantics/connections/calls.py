@@ -115,6 +115,10 @@ ELEMENTS = {
 """Code of what an element holds, by the driver (AS6009, AS6057); the runtime has the same."""
 
 
+PATH_SEGMENTS = frozenset({0x040F, 0x0410})
+"""Codes of elements that are ways between points, and no points."""
+
+
 @dataclass(frozen=True)
 class DriverMessages:
     """The messages of a list driver.

@@ -24,9 +24,13 @@ class Progress(Enum):
     REMAINING = "remaining"
     """How many elements remain, with the one that is under way."""
 
+    DISTANCE = "distance"
+    """How many metres remain along the elements; whoever reads the feedback makes an index of it,
+    so nobody but the client of an action may have it."""
+
     def index(self, number: int, count: int) -> int:
         """Returns which of some elements is under way, from 0; the nearest for a number beyond."""
-        found = number if self is Progress.INDEX else count - number
+        found = count - number if self is Progress.REMAINING else number
         return min(max(found, 0), count - 1)
 
     def number(self, index: int, count: int) -> int:
@@ -35,7 +39,7 @@ class Progress(Enum):
         Args:
             index: The element, from 0.
         """
-        return index if self is Progress.INDEX else count - index
+        return count - index if self is Progress.REMAINING else index
 
 
 class Outcome(Enum):
@@ -55,7 +59,7 @@ class ListAction:
     Attributes:
         type_name: Its type, e.g. `nav2_msgs/action/FollowWaypoints`.
         goal: Path of the array of the goal that has the elements.
-        progress: Path of the integer of the feedback that says how far the list is done; empty for
+        progress: Path of the number of the feedback that says how far the list is done; empty for
             none.
         counting: What that number says.
         reason: Path of the string of the result that says why the list was not done; empty for

@@ -14,6 +14,7 @@ from ...base.address import JausAddress
 from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_search import PeerBinding
+from ...messages.digital_resources import server_type
 from ...services.definitions import MAX_EVENT_RATE
 from .topics import Parameter
 
@@ -133,6 +134,17 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
             (0.0, 86400.0),
         ),
     )
+
+
+def digital_resources(urls: Sequence[str]) -> Parameter:
+    """Returns where streams and files of the bridge are, for Digital Resource Discovery."""
+
+    def check(text: str) -> None:
+        for each in text.split():
+            server_type(each)
+
+    text = "URLs of streams and files, such as rtsp://10.0.0.7/front, with spaces between them."
+    return Parameter("jaus_digital_resources", " ".join(urls), text, check=check)
 
 
 def max_events(value: int) -> Parameter:

@@ -6,15 +6,16 @@
 from __future__ import annotations
 
 import importlib
+import math
 import threading
 import time
 from collections import deque
 from functools import partial
-from itertools import islice
+from itertools import accumulate, islice
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from ..ends.actions import LONGEST_GOAL
+from ..ends.actions import LONGEST_GOAL, Progress
 from ..messages.limits import RosTypeError
 from .internals import Codec
 
@@ -85,14 +86,32 @@ class ActionMessages:
         kind = self._codec.message_class
         element = f"{kind.__module__.split('.')[0]}/{kind.__name__}"
         _require(self.type.Goal, action.goal, f"sequence<{element}", action.type_name)
-        _require(self.type.Feedback, action.progress, ("int", "uint"), action.type_name)
+        is_distance = action.counting is Progress.DISTANCE
+        numbers = ("float", "double") if is_distance else ("int", "uint")
+        _require(self.type.Feedback, action.progress, numbers, action.type_name)
         _require(self.type.Result, action.reason, "string", action.type_name)
 
     def goal(self, elements: Sequence[bytes]) -> Any:
         """Returns a goal with these serialized elements."""
         goal = self.type.Goal()
-        _set(goal, self._action.goal, [self._codec.decode(each) for each in elements])
+        made = [self._codec.decode(each) for each in elements]
+        _set(goal, self._action.goal, made)
+        # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
+        around = self._action.goal.rpartition(".")[0]
+        holder: Any = attrgetter(around)(goal) if around else None
+        if made and hasattr(holder, "header") and hasattr(made[0], "header"):
+            holder.header = made[0].header
         return goal
+
+    def distances(self, goal: Any) -> list[float]:
+        """Returns how far it is from each element of a goal to the last; none where nobody asks."""
+        if self._action.counting is not Progress.DISTANCE:
+            return []
+        places = [
+            (each.x, each.y, each.z) for each in map(_position, attrgetter(self._action.goal)(goal))
+        ]
+        lengths = map(math.dist, places[:0:-1], places[-2::-1])
+        return [*accumulate(lengths, initial=0.0)][::-1]
 
     def elements(self, goal: Any) -> list[bytes]:
         """Returns the elements of a goal, serialized: one more than it may have at most."""
@@ -107,10 +126,18 @@ class ActionMessages:
         _set(feedback, self._action.progress, number)
         return feedback
 
-    def progress(self, feedback: Any) -> int | None:
-        """Returns how far a feedback says that the list is; None when it does not."""
-        path = self._action.progress
-        return int(attrgetter(path)(feedback)) if path else None
+    def progress(self, feedback: Any, distances: Sequence[float]) -> int | None:
+        """Returns how far a feedback says that the list is; None when it does not.
+
+        Args:
+            distances: Those of the goal.
+        """
+        if not self._action.progress:
+            return None
+        number: float = attrgetter(self._action.progress)(feedback)
+        if self._action.counting is not Progress.DISTANCE:
+            return int(number)
+        return sum(each > number for each in distances)
 
     def result(self, reason: str) -> Any:
         """Returns a result that gives a reason, if results have a place for one."""
@@ -145,6 +172,10 @@ def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> N
     if not found.startswith(types):
         wanted = types if isinstance(types, str) else " or ".join(types)
         raise RosTypeError(f"{name}: {path} is {found} there, not {wanted}")
+
+
+def _position(element: Any) -> Any:
+    return getattr(element, "pose", element).position
 
 
 def _set(message: Any, path: str, value: object) -> None:

@@ -151,6 +151,7 @@ class NodeGoal:
         self._has_ended = False
         self._unsent: tuple[Sequence[bytes], Callable[[Any], object] | None] | None = None
         self._servers = 0
+        self._distances: list[float] = []
         self._id = client.former.new_id()
 
     # ------------------------------------------------------------------ SentGoal, on any thread
@@ -185,6 +186,7 @@ class NodeGoal:
             if fill is not None:
                 with client.work.loop.lock:
                     fill(message)
+            self._distances = client.messages.distances(message)
             self._servers = client.servers()
             self._guard()
             named = CancelGoal.Request().goal_info.goal_id
@@ -230,7 +232,7 @@ class NodeGoal:
             self._end(outcome, self._client.messages.reason(response.result))
 
     def _feedback(self, message: Any) -> None:
-        number = self._client.messages.progress(message.feedback)
+        number = self._client.messages.progress(message.feedback, self._distances)
         if number is not None:
             self._tell("progressed", number)
 

@@ -75,15 +75,23 @@ def goal_holds_elements(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML483", Severity.ERROR, "progress or reason that is none")
 def members_fit(subject: Subject) -> Iterator[Finding]:
-    """The feedback has at progressMember an integer, the result at reasonMember a string.
+    """The feedback has at progressMember a number, the result at reasonMember a string.
+
+    The number is an integer. With `progress="distance"` it is a floating-point number, the elements
+    are poses in metres, and the direction is jausToRos: a JAUS driver tells no distance.
 
     Bad: `progressMember="distance_remaining"`, which is a distance
 
     Good: `progressMember="number_of_poses_remaining" progress="remaining"`
     """
     for each in _sound(subject, "progressMember", "reasonMember"):
+        is_distance = each.progress.name == "distance"
+        if is_distance and not (_to_ros(each) and _has_position(each.element.type)):
+            message = "no distance is known of these elements, or in this direction"
+            yield Finding(each, message, "progress", "say index or remaining, or no progressMember")
+        number = ("number of metres", ("float",)) if is_distance else ("integer", ("int", "uint"))
         parts = (
-            ("progressMember", each.progressMember, each.type.feedback, "integer", ("int", "uint")),
+            ("progressMember", each.progressMember, each.type.feedback, *number),
             ("reasonMember", each.reasonMember, each.type.result, "string", ("string",)),
         )
         for feature, path, owner, noun, kinds in parts:
@@ -241,6 +249,11 @@ def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
     inner = place.element()
     is_sequence = field is not None and field.arrayKind.name.endswith("Sequence")
     return place.is_array and is_sequence and inner is not None and inner.type is element
+
+
+def _has_position(element: ros.MessageType) -> bool:
+    paths = ("pose.position.x", "position.x")
+    return any(isinstance(_place(element, each), RosPlace) for each in paths)
 
 
 def _is_of(place: RosPlace, kinds: tuple[str, ...]) -> bool:

@@ -28,6 +28,7 @@ PARAMETERS = frozenset(
         "jaus_allowed_hosts",
         "jaus_amplification_limit",
         "jaus_authority",
+        "jaus_digital_resources",
         "jaus_event_rate_budget",
         "jaus_fixed_sources",
         "jaus_fragment_size",

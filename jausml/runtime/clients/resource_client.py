@@ -1,0 +1,81 @@
+"""Registration of the streams and files of a component, wherever somebody collects them (IOP)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..messages.digital_resources import (
+    QueryDigitalResourceEndpoint,
+    RegisterDigitalResourceEndpoint,
+    ReportDigitalResourceEndpoint,
+    RequestIDRec,
+)
+from ..services.definitions import Scope
+from ..services.digital_resources import DIGITAL_RESOURCE_DISCOVERY, endpoints
+from .peer_search import PeerSearch
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..services.host import Host
+    from .peer_search import PeerClient
+    from .query import QueryClient
+
+REGISTRY = PeerSearch((DIGITAL_RESOURCE_DISCOVERY,), within=Scope.SUBSYSTEM)
+
+CHECK_INTERVAL = 5.0
+"""Seconds between two looks at what the registry reports, which may have begun anew."""
+
+
+class ResourceClient:
+    """Sees to it that the registry of the subsystem reports the endpoints of a component.
+
+    What it reports decides, and no confirmation: a registration that was lost, and a registry that
+    was started again, are noticed in the same way.
+    """
+
+    def __init__(self, component: Host, peers: PeerClient, queries: QueryClient) -> None:
+        self._component = component
+        self._queries = queries
+        self._own = endpoints(component.settings.digital_resources, component.address)
+        self._registry: JausAddress | None = None
+        self._timer: Timer | None = None
+        is_registry = any(each.urn == DIGITAL_RESOURCE_DISCOVERY for each in component.services)
+        if self._own and not is_registry:
+            peers.find(REGISTRY, self._found)
+
+    def stop(self) -> None:
+        """Look at nothing any more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _found(self, registries: Sequence[JausAddress]) -> None:
+        self.stop()
+        self._registry = next(iter(registries), None)
+        self._look()
+
+    def _look(self) -> None:
+        registry, component = self._registry, self._component
+        if registry is None or not component.running:
+            return
+        self._timer = component.loop.call_later(CHECK_INTERVAL, self._look)
+        self._queries.ask(
+            registry,
+            QueryDigitalResourceEndpoint(),
+            ReportDigitalResourceEndpoint,
+            self._compare,
+            None,
+            timeout=1.0,
+            retries=2,
+        )
+
+    def _compare(self, report: ReportDigitalResourceEndpoint, registry: JausAddress) -> None:
+        known = {each.server_url for each in report.endpoints}
+        for number, each in enumerate(self._own, 1):
+            if each.server_url not in known:
+                request = RequestIDRec(number)
+                message = RegisterDigitalResourceEndpoint(request, each)
+                self._component.send(message, registry, acknowledge=True)

@@ -1,0 +1,60 @@
+"""Path segments of JAUS become the path of a ROS action: real processes, a real action server."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.runtime.services.element_list import chain
+
+from ..bridge_support import wait_for
+from .list_system import PATIENCE, ROBOT, pass_by, wait_goal
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+
+def segments(operator, *xs, factor=0.0):
+    """Returns segments that end at these x, one after the other, drawn to y = 1 by the factor."""
+    segment = operator.messages.SetLocalPathSegment
+    made = [
+        segment(p1_x=x - 0.5, p1_y=1.0, p2_x=float(x), p2_y=0.0, weighting_factor=factor)
+        for x in xs
+    ]
+    return chain([(uid, each.encode(), 0) for uid, each in enumerate(made, 1)])
+
+
+def execute(operator):
+    """Sends ExecuteList; command events are of a newer core than that of path segment drivers."""
+    message = operator.messages.ExecuteList(speed=1.0, element_uid=0)
+    operator.send(message, ROBOT, acknowledge=True)
+
+
+def test_segments_are_followed_and_the_distance_tells_which(system, tracker_operator):
+    operator = tracker_operator
+    assert operator.set(segments(operator, 2, 5, 9))
+    execute(operator)
+    goal = wait_goal(system)
+    assert (goal["x"], goal["frame"]) == ([2.0, 5.0, 9.0], "odom")
+    operator.wait_active(1)
+    pass_by(system, operator, 2, 3)
+    assert operator.seen == [0, 1, 2, 3, 0]
+
+
+def test_a_curve_is_refused(tracker_operator):
+    assert not tracker_operator.set(segments(tracker_operator, 2, factor=1.0))
+    assert tracker_operator.refusals == [4]
+
+
+def test_the_robot_stops_when_its_operator_lets_go(system, tracker_operator):
+    operator = tracker_operator
+    assert operator.set(segments(operator, 2, 5))
+    execute(operator)
+    wait_goal(system)
+    operator.wait_active(1)
+    operator.session.release()
+    wait_for(lambda: system.processes["ros"].of_kind("canceled"), "the cancellation", PATIENCE)

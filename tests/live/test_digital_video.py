@@ -1,0 +1,133 @@
+"""A video stream from a real RTSP server, whose address a real client learns through JAUS and ROS.
+
+The camera is a bridge of its own and registers the address at the vehicle. The station asks that.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import SUPPORT, Process, RosPeer, generate_text, wait_for
+
+PYTHON = Path("/usr/bin/python3")
+"""The Python of the distribution, which has the bindings of GStreamer."""
+
+GSTREAMER = (
+    "import gi; gi.require_version('GstRtspServer', '1.0'); from gi.repository import Gst,"
+    " GstRtspServer; Gst.init(None); assert Gst.ElementFactory.find('rtspsrc')"
+)
+
+
+def lacks_gstreamer() -> bool:
+    line = [PYTHON, "-c", GSTREAMER]
+    return not PYTHON.exists() or subprocess.run(line, check=False, capture_output=True).returncode
+
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.skipif(
+        lacks_gstreamer(),
+        reason="no RTSP server (packages gir1.2-gst-rtsp-server-1.0, gstreamer1.0-plugins-good,"
+        " python3-gi)",
+    ),
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+SYSTEM = """
+import mappings.digital_resource
+import mappings.odometer
+import mappings.visual_sensor
+
+bridge vehicle {
+    address: 10.1.1
+    provides: DigitalResourceDiscovery, OdometryService
+    connection odometer { map: odometer topic in/odometer }
+}
+
+bridge camera {
+    address: 10.1.2
+    controlTimeout: 5
+    provides: DigitalVideo
+    connection stream { map: digital_video_stream topic camera/stream }
+}
+
+bridge station {
+    address: 10.9.1
+    connection stream { map: digital_video_stream peers: camera topic station/stream }
+    connection address { map: digital_resource_endpoint peers: vehicle rate: 5 topic endpoint }
+    connection all { map: digital_resources peers: vehicle rate: 5 topic endpoints }
+}
+"""
+
+
+@pytest.fixture
+def front(tmp_path):
+    """Yields the address of a stream while it is served."""
+    port = str(free_port())
+    line = [PYTHON, f"{SUPPORT}/rtsp_server.py", port, "320", "240"]
+    with (tmp_path / "server.log").open("w") as log:
+        server = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=log, text=True)
+    assert server.stdout.readline() == "serving\n"
+    yield f"rtsp://127.0.0.1:{port}/front"
+    server.kill()
+    server.wait()
+    server.stdout.close()
+
+
+@pytest.fixture
+def ros(front, tmp_path, monkeypatch):
+    """Yields a node of the test while the bridges run; the camera is told two addresses."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    path, port = generate_text(tmp_path, "video", SYSTEM), str(free_port())
+    urls = f"jaus_digital_resources:={front} http://127.0.0.1/rear"
+    told = {"camera": ["--ros-args", "-p", urls]}
+    peer = RosPeer()
+    running = [
+        Process(
+            ["-m", f"{name}.main", "--jaus-port", port, *told.get(name, ())],
+            path,
+            tmp_path / f"{name}.log",
+        )
+        for name in ("vehicle", "camera", "station")
+    ]
+    yield peer
+    for each in running:
+        each.close()
+        sys.stderr.write(each.log.read_text())
+    peer.close()
+
+
+def test_a_client_plays_what_it_has_discovered(ros, front):
+    from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+    from std_msgs.msg import Bool
+
+    endpoints = ros.listen(KeyValue, "endpoint")
+    lists = ros.listen(DiagnosticStatus, "endpoints")
+    switched = ros.listen(Bool, "camera/stream")
+    play = ros.publisher(Bool, "station/stream")
+
+    def has_both():
+        return endpoints and lists and len(lists[-1].values) == 2
+
+    wait_for(has_both, "the endpoints of the camera", 60)
+    found = [(each.key, each.value) for each in lists[-1].values]
+    assert found == [("RTSP", front), ("HTTP", "http://127.0.0.1/rear")]
+    assert (endpoints[-1].key, endpoints[-1].value) == ("RTSP", front)
+
+    def is_switched():
+        play.publish(Bool(data=True))
+        return any(each.data for each in switched)
+
+    wait_for(is_switched, "the command to play", 60)
+    line = [PYTHON, f"{SUPPORT}/rtsp_client.py", endpoints[-1].value, "3"]
+    played = subprocess.run(line, check=False, capture_output=True, text=True, timeout=60)
+    assert played.stdout == "320 240\n" * 3, played.stderr
