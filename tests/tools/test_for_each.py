@@ -17,7 +17,7 @@ def test_small(number, word, tmp_path):
 """
 
 
-@pytest.mark.parametrize(("shards", "tests", "failed"), [(1, 1, 1), (2, 2, 1), (3, 3, 2)])
+@pytest.mark.parametrize(("shards", "tests", "failed"), [(1, 1, 1), (2, 2, 2), (3, 3, 2)])
 def test_all_that_fail_are_named(pytester, shards, tests, failed):
     pytester.makepyfile(TEST.format(shards=shards))
     done = pytester.runpytest_inprocess("-p", "no:xdist", "-rf")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
+import shutil
 import struct
 from pathlib import Path
 from random import Random
@@ -16,7 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_by_chance import SEEDS, drawn, name, strategy, to_jaus, to_ros, view_of, wrong
 
-from jausml.generation.native import SOURCE, build, compiler
+from jausml.generation.native import SOURCE, State, build, compiler, is_current, library_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 
-# A shard builds up to five libraries.
+# A shard builds the libraries of up to twenty files.
 pytestmark = pytest.mark.timeout(600)
 
 LEFT_TO_PYTHON = {
@@ -52,15 +54,36 @@ def program() -> str:
     return found
 
 
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns where all workers of a run keep the libraries that they build."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "compiled_maps"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+def built(source: Path, program: str, kept: Path) -> None:
+    """Builds the library of a source, or takes what another worker has built of the same text."""
+    library = library_of(source)
+    one = kept / f"{library.parent.name}.so"
+    if one.exists() and not is_current(source):
+        shutil.copy(one, library)
+    (made,) = build([source], program)
+    assert made.reason == ""
+    if made.state is State.BUILT:
+        copy = Path(shutil.copy(library, kept / f"{one.name}.{os.getpid()}"))
+        copy.replace(one)
+
+
 class Function:
     """The compiled form of a translation of a bridge."""
 
-    def __init__(self, maps: Translator, name: str, program: str) -> None:
+    def __init__(self, maps: Translator, name: str, program: str, kept: Path) -> None:
         self.compiled = getattr(getattr(maps.bridge, f"translate_{name}"), "compiled", None)
         if self.compiled is not None:
             source = Path(maps.bridge.core.module).parents[1] / SOURCE
-            (built,) = build([source], program)
-            assert built.reason == ""
+            built(source, program, kept)
             library, connection = maps.bridge.core.load(), getattr(maps.bridge, name)
             self.call = self.compiled.of(maps.bridge, library, connection.drop_field.unknown)
 
@@ -109,6 +132,7 @@ def is_nan_in(data: bytes) -> bool:
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
     program: str,
+    kept: Path,
     translator: Callable[[str], Translator],
     stem: str,
     each: Any,
@@ -116,7 +140,7 @@ def test_to_ros(
     seed: int,
 ) -> None:
     maps, way = translator(stem), f"{each.name}_to_ros"
-    function = Function(maps, way, program)
+    function = Function(maps, way, program, kept)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
     if function.compiled is None:
         return
@@ -137,10 +161,15 @@ def test_to_ros(
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(
-    program: str, translator: Callable[[str], Translator], stem: str, each: Any, seed: int
+    program: str,
+    kept: Path,
+    translator: Callable[[str], Translator],
+    stem: str,
+    each: Any,
+    seed: int,
 ) -> None:
     maps, way = translator(stem), f"{each.name}_to_jaus"
-    function = Function(maps, way, program)
+    function = Function(maps, way, program, kept)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
     if function.compiled is None:
         return
