@@ -38,7 +38,6 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import file_of
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
-from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -288,6 +287,9 @@ def _notations(files: Sequence[str], reading: Reading) -> Sequence[Notation]:
         raise InputError("--bridge-address takes one file of maps")
     if not files[0].endswith(SUFFIX):
         raise InputError(f"--bridge-address takes the maps of a {SUFFIX} file")
+    # The parser is loaded by whoever reads text.
+    from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps  # noqa: PLC0415
+
     return (Ros2Jaus(BridgeOfMaps(Path(files[0]).resolve(), address, reading.frequency)),)
 
 
