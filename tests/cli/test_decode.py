@@ -486,7 +486,8 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
         "1 (READY), 2 (STANDBY), 3 (SHUTDOWN), 4 (FAILURE), 5 (EMERGENCY)",
         "lines.jsonl:4: ReportStatusRec.Stats: unknown field; did you mean Status?; "
         "ReportStatusRec.Reserved: this field is absent, it takes 0 .. 4294967295",
-        "lines.jsonl:5: no message 'ReportStat'; did you mean ReportStatus or ReportPath or ReportData?",
+        "lines.jsonl:5: no message 'ReportStat'; did you mean ReportStatus or ReportPath or "
+        "ReportData?",
         "lines.jsonl:6: column 12: Expecting value",
         "lines.jsonl:7: an object is needed, this is a list of 1",
         "lines.jsonl:8: nested too deep",
