@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.contract.finding import FindingKind
+from jausml.generation.drift import drift
 from jausml.generation.errors import (
     GenerationError,
     InternalError,
@@ -16,10 +17,11 @@ from jausml.generation.errors import (
     OwnershipError,
     RefusedError,
     SelectionError,
+    TooLargeError,
     WriteError,
 )
-from jausml.generation.manifest import MANIFEST_PATH, read_manifest
-from jausml.generation.plan import ActionKind, Plan, unified_diff
+from jausml.generation.manifest import MANIFEST_PATH, Manifest, read_manifest
+from jausml.generation.plan import ActionKind, Plan, make_plan, unified_diff
 from jausml.generation.rendering import render, render_again
 from jausml.generation.target import (
     FileTask,
@@ -29,8 +31,10 @@ from jausml.generation.target import (
     TextTask,
     WholeLibrary,
     load_targets,
+    templates_beside,
 )
 from jausml.generation.workspace import Result, Selection, broken_code, generate, select, with_code
+from jausml.generation.writer import apply
 
 __all__ = [
     "MANIFEST_PATH",
@@ -41,6 +45,7 @@ __all__ = [
     "GenerationError",
     "InternalError",
     "Kind",
+    "Manifest",
     "MethodContract",
     "NoSystemError",
     "OwnershipError",
@@ -54,15 +59,20 @@ __all__ = [
     "Task",
     "TextFile",
     "TextTask",
+    "TooLargeError",
     "WholeLibrary",
     "WriteError",
+    "apply",
     "broken_code",
+    "drift",
     "generate",
     "load_targets",
+    "make_plan",
     "read_manifest",
     "render",
     "render_again",
     "select",
+    "templates_beside",
     "unified_diff",
     "with_code",
 ]

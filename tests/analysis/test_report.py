@@ -246,12 +246,13 @@ def test_what_is_shaped_costs_less_and_waits_longer(system):
 
 def test_services_and_actions_are_told_beside_the_connections(live_system):
     report = report_of(live_system("waypoint_lists.ros2jaus"), Assumptions())
-    robot, station = report.bridges
-    (follow,), (through,) = robot.calls, station.calls
+    robot, station, tracker = report.bridges
+    (follow,), (through,), (path,) = robot.calls, station.calls, tracker.calls
     assert (follow.kind, follow.direction, follow.peers) == ("action", "jausToRos", ())
     assert (through.ros_name, through.type) == ("navigate_through_poses", "NavigateThroughPoses")
     assert through.messages[0] == "SetLocalWaypoint"
     assert (through.peers, through.seconds) == (("robot",), 1.0)
+    assert (path.ros_name, path.direction) == ("follow_path", "jausToRos")
     others = report_of(live_system("services.ros2jaus"), Assumptions()).bridges
     served = [call for each in others for call in each.calls]
     assert {each.kind for each in served} == {"service"}

@@ -108,6 +108,7 @@ def test_actions_are_called_or_executed() -> None:
     assert uses == {
         "robot.policy.xml": ({"/robot/follow_waypoints"}, set()),
         "station.policy.xml": (set(), {"/station/navigate_through_poses"}),
+        "tracker.policy.xml": ({"/robot/follow_path"}, set()),
     }
 
 

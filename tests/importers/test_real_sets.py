@@ -41,6 +41,11 @@ OTHER_EDITION = {
             f"inputs: nothing / Set{kind}Waypoint",
         )
     ),
+    # The library has them where their drivers are: the source gives them to the lists alone.
+    *(
+        f"{kind}PathSegmentDriver: inputs: nothing / Set{kind}PathSegment"
+        for kind in ("Global", "Local")
+    ),
     "AccelerationStateSensor: version: 1.0 / 0.6",
     *(
         "AccelerationStateSensor/ReportAccelerationState/ReportAccelerationStateRec"

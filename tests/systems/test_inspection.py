@@ -76,7 +76,10 @@ def test_services_and_actions_are_declared_too(name):
     found = {each.key: each for each in declarations_of(read.model)}
     assert called
     for each in called:
-        (declared,) = [one for key, one in found.items() if key[1] == each.name]
+        node = f"/{each.eContainer().name}"
+        (declared,) = [
+            one for (at, name), one in found.items() if name == each.name and at.endswith(node)
+        ]
         assert declared.message
         assert (declared.topics, declared.rate, declared.is_report) == ((), None, False)
 

@@ -43,6 +43,10 @@ LEFT_TO_PYTHON = {
     "local_waypoint_list_to_jaus": "messages inside messages",
     "global_waypoint_list_to_ros": "messages inside messages",
     "global_waypoint_list_to_jaus": "messages inside messages",
+    "local_path_segment_list_to_ros": "messages inside messages",
+    "local_path_segment_list_to_jaus": "messages inside messages",
+    "global_path_segment_list_to_ros": "messages inside messages",
+    "global_path_segment_list_to_jaus": "messages inside messages",
 }
 
 

@@ -71,6 +71,16 @@ class Blocks:
         else:
             self.insert_lines(body, before, lines, is_spaced=self._is_spaced(body, before, item))
 
+    def breaks(self, body: Body, item: Item, lines: Sequence[str]) -> bool:
+        """Tells whether a list on one line has no room for one more, and gets lines."""
+        if not self._is_inline(body):
+            return False
+        source, line = self._source, lines[0].strip()
+        end = source.line_end(body.end)
+        width = end - source.line_start(body.start) + len(_SPACE) + len(line)
+        is_short = len(lines) == 1 and isinstance(item, _SHORT) and width <= WIDTH
+        return not is_short or (not source.is_blank(body.start, body.end) and not body.items)
+
     def append_block(self, end: int, item: Item, *, indent: str) -> None:
         """Gives an item that has no block one with a new item in it."""
         lines = self.lines(item, indent + self._source.unit)
@@ -100,13 +110,9 @@ class Blocks:
         self, body: Body, before: Item | None, item: Item, lines: Sequence[str]
     ) -> None:
         """Puts an item into a list that stands on one line, if it fits there."""
-        source, line = self._source, lines[0].strip()
-        end = source.line_end(body.end)
-        width = end - source.line_start(body.start) + len(_SPACE) + len(line)
-        is_blank = source.is_blank(body.start, body.end)
-        is_short = len(lines) == 1 and isinstance(item, _SHORT) and width <= WIDTH
-        if not is_short or (not is_blank and not body.items):
-            self._break(body, before, lines)
+        line = lines[0].strip()
+        if self.breaks(body, item, lines):
+            self._break(body, before, item, lines)
         elif not body.items:
             self._edits.replace(body.start, body.end, f" {line} ")
         elif before is not None:
@@ -115,15 +121,22 @@ class Blocks:
             start = self._outline.whole_start(body.items[0])
             self._edits.insert(start, f"{line}{_SPACE}")
 
-    def _break(self, body: Body, before: Item | None, lines: Sequence[str]) -> None:
-        """Gives each item of a list on one line a line of its own, and new lines their place."""
+    def _break(self, body: Body, before: Item | None, item: Item, lines: Sequence[str]) -> None:
+        """Gives each item of a list on one line a line of its own, and new lines their place.
+
+        An item of the list itself is moved: it stands nowhere else then.
+        """
         source = self._source
         indent = self.indent(body)
         cuts = [body.start, *map(self._outline.whole_start, body.items[1:]), body.end]
         parts = [source.text[a:b].strip() for a, b in pairwise(cuts)]
-        stacked = [f"{indent}{each}" for each in parts if each]
-        at = self._outline.place(before)[1] + 1 if before is not None else 0
-        stacked[at:at] = lines
+        stacked: list[str] = [] if before is not None else [*lines]
+        for at, part in enumerate(parts):
+            own = body.items[at] if at < len(body.items) else None
+            if part and own is not item:
+                stacked.append(f"{indent}{part}")
+            if own is not None and own is before:
+                stacked += lines
         owner = body.owner
         around = source.indent_of(self._outline.start(owner)) if owner is not None else ""
         self._edits.replace(body.start, body.end, "\n".join(["", *stacked, around]))

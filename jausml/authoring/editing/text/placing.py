@@ -249,8 +249,10 @@ class Moving:
         indent = edited.blocks.indent(body)
         lines = source.text[start:end].replace("\r\n", "\n").split("\n")
         moved = [lines[0], *(_shifted(each, first, indent) for each in lines[1:])]
-        edited.blocks.insert_raw(body, before, item, [f"{indent}{moved[0]}", *moved[1:]])
-        edited.blocks.remove(place, [item])
+        stacked = [f"{indent}{moved[0]}", *moved[1:]]
+        edited.blocks.insert_raw(body, before, item, stacked)
+        if place is not body or not edited.blocks.breaks(body, item, stacked):
+            edited.blocks.remove(place, [item])
 
 
 def _check_names(obj: EObject, owner: EObject) -> None:

@@ -163,6 +163,10 @@ class Edits:
         for start, end, new in self._replaced:
             if not any(first < end and start < last for first, last in deleted):
                 changes.append((start, end, new))
+            elif not any(first <= start and end <= last for first, last in deleted):
+                raise EditError(
+                    "two changes of the same text do not go together; do one after the other"
+                )
             elif start == end:
                 message = "something is to be added to what is removed; do one after the other"
                 raise EditError(message)
