@@ -1,4 +1,4 @@
-"""Moves that a text has no words for are refused before anything is written; others find a place."""
+"""Moves that a text has no words for are refused, those within one line get lines."""
 
 from __future__ import annotations
 
