@@ -25,10 +25,11 @@ def jausml(*arguments: str | Path) -> None:
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> str:
     found = []
-    for profile in ("iop-ugv", "iop-operator"):
+    # Each has a package of messages of its own, with those that it knows.
+    for profile, name in (("iop-ugv", "robot"), ("iop-operator", "station")):
         folder = tmp_path_factory.mktemp("profile")
-        jausml("init", folder, "--from", profile, "--name", "robot")
-        model = folder / "models" / "robot.ros2jaus"
+        jausml("init", folder, "--from", profile, "--name", name)
+        model = folder / "models" / f"{name}.ros2jaus"
         text = decided(profile, model.read_text(encoding="utf-8"))
         # Hosts of the virtual network have no addresses.
         model.write_text(text.replace('allowedHosts: "127.0.0.1" ', ""), encoding="utf-8")
