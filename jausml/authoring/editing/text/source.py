@@ -134,6 +134,9 @@ class TextSource(FileText):
         return [each.start for each in self.comments]
 
 
+_CONFLICT = "two changes of the same text do not go together; do one after the other"
+
+
 @dataclass
 class Edits:
     """Changes of a text that are planned together."""
@@ -164,9 +167,7 @@ class Edits:
             if not any(first < end and start < last for first, last in deleted):
                 changes.append((start, end, new))
             elif not any(first <= start and end <= last for first, last in deleted):
-                raise EditError(
-                    "two changes of the same text do not go together; do one after the other"
-                )
+                raise EditError(_CONFLICT)
             elif start == end:
                 message = "something is to be added to what is removed; do one after the other"
                 raise EditError(message)
@@ -174,8 +175,7 @@ class Edits:
         # What is put in at an offset comes before what is taken away there.
         for start, end, new in sorted(changes, key=lambda each: each[:2]):
             if found and start < found[-1][1]:
-                message = "two changes of the same text do not go together; do one after the other"
-                raise EditError(message)
+                raise EditError(_CONFLICT)
             if found and start == found[-1][1]:
                 first, _, before = found.pop()
                 found.append((first, end, before + new))
