@@ -12,6 +12,7 @@ import { MapEditor } from "./panels/map/MapEditor";
 import { Palette } from "./panels/palette/Palette";
 import { Problems } from "./panels/problems/Problems";
 import { Source } from "./panels/source/Source";
+import { Stepping } from "./panels/stepping/Stepping";
 import { asProperties, Splitter, useSizes } from "./Splitter";
 import { type BottomTab, type MiddleTab, update, useStudio } from "./store";
 import { Tabs } from "./Tabs";
@@ -102,14 +103,17 @@ function Right() {
 }
 
 function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
-  const bottom = useStudio((studio) => studio.bottom);
+  const chosen = useStudio((studio) => studio.bottom);
+  const isMachine = useStudio((studio) => studio.view.startsWith("machine:"));
   const tabs: [BottomTab, string][] = [
     ["problems", useProblemsTitle()],
     ["generate", "Generate"],
     ["live", "Live"],
     ["log", "History"],
   ];
-  const panels = { problems: Problems, generate: Generate, live: Live, log: Log };
+  if (isMachine) tabs.splice(1, 0, ["step", "Step"]);
+  const bottom = chosen === "step" && !isMachine ? "problems" : chosen;
+  const panels = { problems: Problems, generate: Generate, live: Live, step: Stepping, log: Log };
   const Panel = panels[bottom];
   return (
     <section className="bottom" aria-label="Verdicts and work">

@@ -14,7 +14,7 @@ from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.handlers import editing, modelling, showing
+from jausml.authoring.studio.handlers import editing, modelling, showing, stepping
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.views.palette import library_entries
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
 
-_MODULES = (showing, editing, modelling)
+_MODULES = (showing, editing, modelling, stepping)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
