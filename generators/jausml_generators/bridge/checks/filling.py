@@ -139,19 +139,30 @@ class JausMessage:
             tuple(map(condition_text, conditions(found.conditions))),
         )
 
+    def around(self, path: str) -> set[tuple[places.Place, Expression]]:
+        """Returns what a new message lacks on the way to a path, with elements before others."""
+        return {
+            (each, value) for place, value in self.field(path).containers for each in _up_to(place)
+        }
+
     def _step(self, path: str) -> float:
         found = message_place(self.element).follow(path)
         return found.attribute().step or 0.0 if isinstance(found, JausPlace) else 0.0
 
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
+    def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
+        """Returns the statements that make the message with some values.
+
+        Args:
+            values: The values by path; None for what stays as it is made, where it stands.
+        """
         lines = [f"{self.name} = {self.message.class_name}()"]
         made: set[places.Place] = set()
         for path, value in values.items():
             field = self.field(path)
             for place, container in field.containers:
                 lines += _made(place, container, made)
-            lines.append(self.set(field, value))
+            if value is not None:
+                lines.append(self.set(field, value))
         return lines
 
     def set(self, field: JausField, value: Scalar) -> str:
@@ -184,8 +195,17 @@ class RosMessage:
         limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
         return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
 
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
+    def around(self, path: str) -> set[places.Place]:
+        """Returns the elements of sequences on the way to a path, and those before them."""
+        elements = self.field(path).elements
+        return {each for end, _ in elements for each in _up_to(end.place.at(end.than))}
+
+    def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
+        """Returns the statements that make the message with some values.
+
+        Args:
+            values: The values by path; None for what stays as it is made, where it stands.
+        """
         lines = [f"{self.name} = {self.type_name(self.type)}()"]
         sizes: dict[str, int] = {}
         for path in values:
@@ -197,7 +217,8 @@ class RosMessage:
                 if prefix not in made:
                     made.add(prefix)
                     lines.append(self._elements(prefix, sizes[prefix]))
-            lines.append(self.set(path, value))
+            if value is not None:
+                lines.append(self.set(path, value))
         return lines
 
     def set(self, path: str, value: Scalar) -> str:
@@ -231,17 +252,26 @@ class RosMessage:
         return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
 
 
+def _up_to(place: places.Place) -> list[places.Place]:
+    """A place, and those of the elements before it where it is an element itself."""
+    last = place.steps[-1]
+    if isinstance(last, str):
+        return [place]
+    held = replace(place, steps=place.steps[:-1])
+    return [held.at(index) for index in range(last + 1)]
+
+
 def _made(place: places.Place, value: Expression, made: set[places.Place]) -> list[str]:
     """The statements that make a container or an element that is not there yet."""
     if place in made:
         return []
     made.add(place)
-    text, last = expression_text(value), place.steps[-1]
-    if isinstance(last, str):
+    text = expression_text(value)
+    if isinstance(place.steps[-1], str):
         return [store(place_text(place), text)]
-    held = replace(place, steps=place.steps[:-1])
-    missing = [held.at(index) for index in range(last) if held.at(index) not in made]
+    missing = [each for each in _up_to(place)[:-1] if each not in made]
     made.update(missing)
+    held = replace(place, steps=place.steps[:-1])
     return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)
 
 
@@ -271,13 +301,29 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
 
 
 def is_absent(place: Place) -> list[str]:
-    """Returns the assertion that an optional attribute is left out."""
-    return [holds(f"{place.code} is None")]
+    """Returns the assertion that an optional attribute is left out, or what it stands in."""
+    around = _around(place)
+    if not around:
+        return [holds(f"{place.code} is None")]
+    return [holds(f"not ({' and '.join([*around, _own(place)])})")]
 
 
 def is_there(place: Place) -> list[str]:
     """Returns the assertions that an attribute is there."""
     return [holds(each) for each in place.conditions]
+
+
+def has_place(place: Place) -> list[str]:
+    """Returns the assertions that what an attribute stands in is there, be it left out or not."""
+    return [holds(each) for each in _around(place)]
+
+
+def _around(place: Place) -> list[str]:
+    return [each for each in place.conditions if each != _own(place)]
+
+
+def _own(place: Place) -> str:
+    return f"{place.code} is not None"
 
 
 Message: TypeAlias = JausMessage | RosMessage
