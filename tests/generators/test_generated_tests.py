@@ -142,6 +142,18 @@ DAMAGES_OF_PARTS = {
         "cost_and_confidence_data_list_0.cost = 2",
         "cost_and_confidence_data_list_0.cost = cost_and_confidence_data_list_0.confidence = 2",
     ),
+    "the alternative of a number": (
+        "JointPosition(\n            2,",
+        "JointPosition(\n            1,",
+    ),
+    "the alternative of a number on the way back": (
+        "joint_position.index != 2",
+        "joint_position.index != 1",
+    ),
+    "the alternative of octets": ("ImageFrame(1, ", "ImageFrame(2, "),
+    "the alternative of octets on the way back": ("format_index != 1", "format_index != 2"),
+    "the octets": ("target.data = ", 'target.data = b"a" + '),
+    "the octets on the way back": ("bytes(source.data)", "bytes(source.data)[:1]"),
 }
 MODELS = {"checked_bridge": DAMAGES, "checked_parts": DAMAGES_OF_PARTS}
 MORE_NAMES = "from jausml_runtime.conversions import (\n"

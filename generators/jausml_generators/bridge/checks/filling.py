@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
 from jausml_generators.bridge.translation.places import INTEGER_RANGES, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
@@ -37,7 +38,7 @@ _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
 # A shorter last step, such as x, says little alone.
 _SHORT = 8
 _ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""'}
-Scalar = float | int | bool | str
+Scalar = float | int | bool | str | bytes
 PRESENT = "\0present"
 """Stands for a bit field as it is made."""
 
@@ -109,6 +110,9 @@ class Place:
             return known in {"true", "1"}
         if self.kind == TEXT:
             return text
+        octets = octets_of(text) if self.kind == OCTETS else None
+        if octets is not None:
+            return octets
         raise ValueTextError(f"{self.path} takes no value in a test vector")
 
 
@@ -127,7 +131,8 @@ class JausMessage:
     def place(self, path: str) -> Place:
         """Returns the attribute at the end of a path."""
         found = self.field(path)
-        low, high = found.limits if found.kind in {REAL, INTEGER} else (-math.inf, math.inf)
+        limited = found.kind in {REAL, INTEGER, OCTETS}
+        low, high = found.limits if limited else (-math.inf, math.inf)
         return Place(
             path,
             place_text(found.value),
@@ -170,7 +175,8 @@ class JausMessage:
         place = place_text(field.place)
         if value is PRESENT:
             return store(place, f"{field.class_name}()")
-        number = float(value) if field.is_float and not isinstance(value, str) else value
+        is_number = not isinstance(value, str | bytes)
+        number = float(value) if field.is_float and is_number else value
         code = value if isinstance(value, Code) else python_literal(number)
         if field.index is None:
             return store(place, code)
@@ -226,7 +232,7 @@ class RosMessage:
         found = self.field(path)
         if isinstance(value, Code):
             return store(place_text(found.place), value)
-        is_real = ros_kind(found) == REAL and not isinstance(value, str)
+        is_real = ros_kind(found) == REAL and not isinstance(value, str | bytes)
         return store(place_text(found.place), python_literal(float(value) if is_real else value))
 
     def _sequences(self, path: str) -> list[tuple[str, int]]:
@@ -289,6 +295,8 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
     if isinstance(value, str):
         code = value if isinstance(value, Code) else python_string(value)
         return [*lines, equals(place.code, code)]
+    if isinstance(value, bytes):
+        return [*lines, equals(f"bytes({place.code})", python_literal(value))]
     if place.kind == BOOLEAN:
         return [*lines, holds(place.code if value else f"not {place.code}")]
     if place.kind == INTEGER and float(value).is_integer() and tolerance < 0.5:

@@ -382,7 +382,8 @@ class VectorValue(EObject):
     """Path of the attribute; elements of lists are named by index."""
 
     value: str
-    """The value: a number, true, false, text, or absent for an optional field that is left out."""
+    """The value: a number, true, false, text, octets as pairs of hexadecimal digits, or absent
+    for an optional field that is left out."""
 
     tolerance: float
     """Largest difference of a number that is expected; 0 means half a step of the JAUS fields on
