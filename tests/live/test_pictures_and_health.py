@@ -90,3 +90,27 @@ def test_what_the_vehicle_sees_and_how_it_is(ros, used, other, word):
     assert (seen.format, seen.header.frame_id) == (word, "camera")
     assert seen.header.stamp.sec == image.header.stamp.sec
     assert (told.level, told.name, told.message) == (DiagnosticStatus.WARN, "vehicle", "warning")
+
+
+@pytest.mark.parametrize("used", ["still_image_raw"])
+def test_raw_pixels_cross_and_those_without_a_file_are_dropped(ros):
+    from sensor_msgs.msg import Image
+
+    images = ros.listen(Image, "out/image")
+    blue_first = bytes(range(240)) * 80
+    padded = b"".join(blue_first[at : at + 480] + b"....." for at in range(0, 19200, 480))
+    image = Image(height=40, width=160, encoding="bgr8", step=485, data=padded)
+    image.header.stamp = ros.node.get_clock().now().to_msg()
+    depths = Image(height=1, width=1, encoding="32FC1", step=4, data=b"\0\0\x80?")
+    depths.header.stamp = image.header.stamp
+    with (
+        Repeater(ros.publisher(Image, "in/image"), image, 0.2),
+        Repeater(ros.publisher(Image, "in/image"), depths, 0.05),
+    ):
+        wait_for(lambda: images, "an image", 60)
+    seen = images[-1]
+    assert {each.encoding for each in images} == {"rgb8"}
+    assert (seen.height, seen.width, seen.step, seen.is_bigendian) == (40, 160, 480, 0)
+    assert bytes(seen.data[:6]) == b"\2\1\0\5\4\3"
+    assert bytes(seen.data[2::3]) == blue_first[0::3]
+    assert seen.header.stamp.sec == image.header.stamp.sec

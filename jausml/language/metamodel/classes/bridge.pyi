@@ -156,6 +156,8 @@ class ConversionKind(EEnumLiteral):
         "user",
         "orientation_if_known",
         "limit",
+        "pixels_to_pnm",
+        "pnm_to_pixels",
     ]
 
 class NamedElement(EObject):
