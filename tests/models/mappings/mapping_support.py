@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"
 EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
 _ASKING = {
+    "ReportPlatformMode": "PlatformMode.QueryPlatformMode",
     "ReportPlatformState": "PlatformState.QueryPlatformState",
     "ReportStatus": "Management.QueryStatus",
     "ConfirmSensorConfiguration": "SetVisualSensorConfiguration",

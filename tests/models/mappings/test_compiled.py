@@ -31,6 +31,8 @@ GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 pytestmark = pytest.mark.timeout(600)
 
 LEFT_TO_PYTHON = {
+    "still_image_raw_to_ros": "files of pictures",
+    "still_image_raw_to_jaus": "files of pictures",
     "cost_map_to_ros": "octets by a table",
     "cost_map_to_jaus": "octets by a table",
     "cost_map_enu_to_ros": "octets by a table",

@@ -156,6 +156,8 @@ class ConversionKind(EEnumLiteral):
         "user",
         "orientation_if_known",
         "limit",
+        "pixels_to_pnm",
+        "pnm_to_pixels",
     ]
 
 class NamedElement(EObject):
@@ -382,7 +384,8 @@ class VectorValue(EObject):
     """Path of the attribute; elements of lists are named by index."""
 
     value: str
-    """The value: a number, true, false, text, or absent for an optional field that is left out."""
+    """The value: a number, true, false, text, octets as pairs of hexadecimal digits, or absent
+    for an optional field that is left out."""
 
     tolerance: float
     """Largest difference of a number that is expected; 0 means half a step of the JAUS fields on
