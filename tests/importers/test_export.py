@@ -20,6 +20,8 @@ GUARDS = ("models/library/jaus", "models/examples")
 OWN = ROOT / "models" / "examples" / "winch" / "service.xmi"
 OF_OTHERS = sorted((SHARED / "jsidl").glob("urn.*"))
 SETS = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
+CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
+PAYLOAD = "MessagePayload"
 # Machines are compared by what they do: the paths of the library become states in each other.
 TOLD = Policy(ignored=frozenset({"frame", "moves", "jaus.Service.machines"}))
 JSIDL = "{urn:jaus:jsidl:1.1}"
@@ -178,6 +180,23 @@ def test_no_argument_of_an_exported_transition_is_without_a_type(path):
     model = read_models([path]).model
     for data in export_jsidl(model, services(model)).documents.values():
         assert [each for each in transitions(data) if not each[2] <= {*each[1]}] == []
+
+
+def test_the_types_of_what_comes_and_goes_are_those_of_transport():
+    """What a parameter says: Receive.Body.ReceiveRec is declared in the library."""
+    model = read_models([CORE]).model
+    (data,) = (
+        e for n, e in export_jsidl(model, services(model)).documents.items() if "Transp" in n
+    )
+    events = etree.fromstring(data).iterfind(f"{JSIDL}internal_events_set/{JSIDL}event_def")
+    bodies = {each.get("name"): each.find(f"{JSIDL}body/{JSIDL}record") for each in events}
+    assert {name: [each.get("name") for each in body] for name, body in bodies.items()} == {
+        "Send": [None, "ReliableDelivery", "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "BroadcastLocal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "BroadcastGlobal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "Receive": ["SourceID", PAYLOAD],
+    }
+    assert bodies["Receive"].get("name") == "ReceiveRec"
 
 
 @pytest.mark.parametrize(
