@@ -169,7 +169,7 @@ def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world
     world.run(2.0)
     ((outcome, reason),) = goal.ends
     assert outcome is Outcome.ABORTED
-    assert "should have stopped and did not answer" in reason
+    assert "should have stopped and did not confirm it" in reason
     restore()
     world.run(3.0)
     assert not vehicle.drives
