@@ -115,6 +115,8 @@ def dask(verb: str, folder: Path, *options: object) -> subprocess.Popen[bytes]:
     """
     line = [sys.executable, "-m", "dask", verb, "--host", "127.0.0.1", "--no-dashboard"]
     environment = {name: each for name, each in os.environ.items() if name != "CXX"}
+    # Else each worker looks at its own stack a hundred times a second.
+    environment["DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED"] = "False"
     with (folder / f"{verb}.log").open("wb") as log:
         return subprocess.Popen(
             [*line, *map(str, options)],
