@@ -30,6 +30,11 @@ class Handoffs:
         self._waiting: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         self.on_news: Callable[[str], None] = lambda _: None
 
+    @property
+    def waiting(self) -> tuple[HandoffRequest, ...]:
+        """Who asks for control of components that we control."""
+        return tuple(each for asked in list(self._waiting.values()) for each in asked)
+
     def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
         """Takes who asks for control of a component that we control; on the loop's thread."""
         self._waiting[target] = requests
