@@ -172,6 +172,9 @@ class OperatorUnit:
                         network, self.catalogue, _TIMEOUT, Identity(name="jausml studio")
                     )
                 )
+            except NoAnswer as error:
+                self._fault = str(error)
+                self._monitor.take_source("JAUS", self._fault)
             except OSError as error:
                 self._fault = fault(error, self._network, _REMEDY)
                 self._monitor.take_source("JAUS", self._fault)
