@@ -58,6 +58,7 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
   const held = useRef<HeldStick | null>(null);
   const present = useRef<object>({});
   const keys = useRef(new Set<string>());
+  const pointer = useRef<{ pad: Element; id: number } | null>(null);
 
   const faults: Faults = new Map();
   const moved = [
@@ -77,13 +78,18 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
   present.current = readGroup(fields, moved, "", faults);
   const isReady = isAllowed && !isIdle && faults.size === 0;
 
-  function begin() {
-    if (!isReady || held.current) return;
+  /** Takes the stick in hand; false where it cannot be. */
+  function begin(): boolean {
+    if (!isReady || held.current) return false;
     const stick = new HeldStick(
       () => present.current,
       () => {
         held.current = null;
         keys.current.clear();
+        // Else the next click, wherever it is, would be on the pad and hold the stick again.
+        const taken = pointer.current;
+        pointer.current = null;
+        if (taken?.pad.hasPointerCapture(taken.id)) taken.pad.releasePointerCapture(taken.id);
         setHeld(false);
         setPlace(CENTRE);
       },
@@ -91,6 +97,7 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
     held.current = stick;
     setHeld(true);
     void stick.begin(component, command.name);
+    return true;
   }
   const end = () => held.current?.end();
   useEffect(() => () => held.current?.end(), []);
@@ -143,9 +150,10 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
         tabIndex={0}
         onPointerDown={(event) => {
           if (event.button !== 0) return;
-          event.currentTarget.setPointerCapture(event.pointerId);
           onPointer(event);
-          begin();
+          if (!begin()) return;
+          pointer.current = { pad: event.currentTarget, id: event.pointerId };
+          event.currentTarget.setPointerCapture(event.pointerId);
         }}
         onPointerMove={onPointer}
         onPointerUp={end}

@@ -17,7 +17,7 @@ from studio_client import Server
 from jausml.language.model.library import LIBRARY_URI
 
 MODELS = Path(__file__).parents[3] / "models"
-PATIENCE = 10_000
+PATIENCE = 40_000
 """Milliseconds: long enough for a computer that is busy with other tests."""
 
 _FAILED = pytest.StashKey[bool]()

@@ -48,8 +48,8 @@ PERIOD = 0.25
 LONGEST = 1.0
 """Seconds after which a state is told that has not changed."""
 
-RELEASED = "released"
-"""Why a stick ends as its hand wants it."""
+RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
+"""Why a stick ends because a person wants it."""
 
 _TIMEOUT = 2.0
 _STOP_TRIES = 5
@@ -322,7 +322,7 @@ class OperatorUnit:
         """Releases control of a component; tells whether the component confirms it."""
         self.require_commander(page)
         with self._turn:
-            self._end_stick("control is released", target)
+            self._end_stick(GIVEN_UP, target)
             is_confirmed = self.operator.release(target)
             self._end_commander_without_holds()
         told = "" if is_confirmed else ", which does not confirm it"
@@ -340,7 +340,7 @@ class OperatorUnit:
         """Tells a component what a person decided of a request; returns who had asked."""
         with self._turn:
             if decision is HandoffDecision.GRANTED:
-                self._end_stick("control is handed over", target)
+                self._end_stick(GIVEN_UP, target)
             client = self.operator.decide_handoff(target, number, decision)
             self._end_commander_without_holds()
         return client
@@ -361,7 +361,7 @@ class OperatorUnit:
         if self.powers is None:
             raise NotAllowedError("this studio was started without --operate")
         operator = self.operator
-        self._end_stick("stop")
+        self._end_stick(STOPPED)
         stopped = list(dict.fromkeys((*(each.target for each in operator.holds), *targets)))
         shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
         self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
@@ -382,6 +382,10 @@ class OperatorUnit:
             if self.powers is not None and self.powers.stop == "emergency":
                 state = operator.emergency(target)
             elif operator.controls(target):
+                for hold in operator.holds:
+                    if hold.target == target:
+                        hold.expect_standby()
+                # With acknowledgement, and before all that waits; then it is asked for its state.
                 operator.deliver(target, Standby(), lambda _: None)
                 state = operator.change(target, Standby(), Status.STANDBY)
             else:
@@ -484,7 +488,7 @@ class OperatorUnit:
             if self._stick is not None and self._stick.number == number:
                 self._stick = None
         self.journal.note("unit", f"sent the stop of {name} to {target}: {why}")
-        if why != RELEASED:
+        if why not in (RELEASED, STOPPED, GIVEN_UP):
             self.journal.alarm(f"stick of {target}", f"stopped: {why}")
 
     def _deliver(self, number: int, target: JausAddress, message: Message, tries: int = 1) -> None:
