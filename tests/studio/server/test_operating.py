@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
-from studio_client import RefusedError, serving
+from studio_client import LONGEST, RefusedError, begun, serving
 from websockets.exceptions import InvalidStatus
+
+from jausml.live.recording.mcap_files import McapRecording
+from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
+from jausml.runtime.services.definitions import CORE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
     from studio_client import Page, Server
+
+    from jausml.runtime.transports.transport import Transport
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 
@@ -74,12 +86,12 @@ def holding(commanding: Page, vehicle: Vehicle) -> Page:  # noqa: ARG001 - it is
     return commanding
 
 
-def take(page: Page) -> None:
+def take(page: Page, component: str = VEHICLE) -> None:
     """Takes control; whoever commanded in the test before is released meanwhile."""
 
     def taken() -> bool:
         try:
-            page.ask("take", component=VEHICLE, authority=205)
+            page.ask("take", component=component, authority=205)
         except RefusedError:
             return False
         return True
@@ -313,3 +325,132 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     holding.ask("silence", number=number, reason="a test")
     texts = [each["text"] for each in holding.ask("journal")["entries"]]
     assert any("because 'a test'" in each for each in texts)
+
+
+# ---- what a person has said at the start ---------------------------------------------------------
+
+
+def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--operate", "emergency", "--lease", "5", "--jaus-port", str(port))
+    with serving(folder, built, *options) as server, server.page("/operate") as page:
+        page.ask("claim", right=server.right, name="")
+        stopped = page.ask("stop", components=[VEHICLE])["stopped"]
+        assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
+        assert vehicle.status == "EMERGENCY"
+        assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--operate", "standby"), "belong together"),
+        (("--lease", "2"), "belong together"),
+        (("--stop", STOP), "--stop is for --operate"),
+        (("--operate", "standby", "--lease", "2", "--stop", "SetWrenchEffort 1 X=0"), "--stop:"),
+    ],
+)
+def test_half_of_a_decision_is_none(
+    folder: Path, built: Path, options: tuple[str, ...], said: str
+) -> None:
+    process = begun(folder, built, *options)
+    _, told = process.communicate(timeout=LONGEST)
+    assert process.returncode == 2
+    assert said in told
+
+
+# ---- others --------------------------------------------------------------------------------------
+
+
+class Asking(JausComponent):
+    """Another operator unit, which asks for control."""
+
+    def __init__(self, transport: Transport) -> None:
+        services = (ServiceIdentity("urn:jaus:jss:iop:HandoffController", 1, 1),)
+        settings = ComponentSettings(register_services=False)
+        address = JausAddress(60, 1, 1)
+        super().__init__(transport, address, name="other", services=services, settings=settings)
+        self.answers: list[HandoffAnswer] = []
+
+    def ask_for(self, target: str) -> None:
+        self.request_handoff(
+            JausAddress.parse(target),
+            authority=210,
+            explanation="my shift begins",
+            on_answer=self.answers.append,
+        )
+
+
+@pytest.fixture
+def handing_over(port: int) -> Iterator[tuple[JausComponent, Asking]]:
+    """A component that lets its controller hand it over, and who wants it."""
+    with running_transport(TransportSettings(port=port)) as transport:
+        names = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+        services = (
+            *(ServiceIdentity(CORE + each, 1, 1) for each in names),
+            ServiceIdentity("urn:jaus:jss:iop:EnhancedAccessControl", 1, 1),
+        )
+        target = JausComponent(transport, JausAddress.parse(SHARED), name="t", services=services)
+        other = Asking(transport)
+        target.start()
+        other.start()
+        yield target, other
+        other.stop()
+        target.stop()
+
+
+SHARED = "100.1.20"
+
+
+@pytest.mark.parametrize(("decision", "answer"), [("deny", "DENIED"), ("grant", "GRANTED")])
+def test_a_request_for_control_waits_for_a_person(
+    server: Server,
+    commanding: Page,
+    handing_over: tuple[JausComponent, Asking],
+    decision: str,
+    answer: str,
+) -> None:
+    target, other = handing_over
+    take(commanding, SHARED)
+    other.ask_for(SHARED)
+    told = commanding.await_told("operate.state", lambda told: told["requests"])
+    [request] = told["requests"]
+    assert (request["client"], request["explanation"]) == ("60.1.1", "my shift begins")
+    with server.page("/operate") as looking:
+        asked = {"component": SHARED, "number": request["number"], "decision": decision}
+        with pytest.raises(RefusedError) as refused:
+            looking.ask("decide", **asked)
+        assert refused.value.code == UNAUTHORIZED
+        looking.ask("claim", right=server.right, name="")
+        with pytest.raises(RefusedError, match="anna"):
+            looking.ask("decide", **asked)
+    assert HandoffAnswer.GRANTED not in other.answers
+    commanding.ask("decide", **asked)
+    until(lambda: other.answers and other.answers[-1].name == answer)
+    if decision == "grant":
+        until(lambda: nobody_commands(server))
+    else:
+        assert str(target.controller).startswith("65000.")
+
+
+def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    path, log = tmp_path / "run.mcap", tmp_path / "run.log"
+    line = [sys.executable, "-m", "jausml", "record", "--output", str(path), "--port", str(port)]
+    with log.open("w") as stream:
+        process = subprocess.Popen(line, stderr=stream)
+    try:
+        while "record" not in log.read_text(encoding="utf-8"):
+            holding.ask("renew")
+            time.sleep(LEASE / 10)
+        if "multicast" in log.read_text(encoding="utf-8"):
+            pytest.skip("no capture here: CAP_NET_RAW is missing")
+        fields = {"PropulsiveLinearEffortX": 12.0}
+        holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.wait(timeout=LONGEST)
+    topics = {channel.topic for _, channel, _ in McapRecording(str(path)).messages()}
+    own = holding.project["state"]["own"]
+    assert f"/jaus/{own}/SetWrenchEffort" in topics
