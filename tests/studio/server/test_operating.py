@@ -327,6 +327,20 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     assert any("because 'a test'" in each for each in texts)
 
 
+def test_a_studio_that_ends_stops_and_releases(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--operate", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
+    with serving(folder, built, *options) as server, server.page("/operate") as page:
+        page.ask("claim", right=server.right, name="")
+        take(page)
+        page.ask("resume", component=VEHICLE)
+        move(page, held(page), 30.0)
+        until(lambda: vehicle.last == 30.0)
+    assert vehicle.last == 0.0
+    assert (vehicle.status, vehicle.controller) == ("STANDBY", None)
+
+
 # ---- what a person has said at the start ---------------------------------------------------------
 
 

@@ -259,6 +259,7 @@ class OperatorUnit:
         with self._turn:
             self._begin(page, name)
             self._try_holding(
+                page,
                 target,
                 lambda: self.operator.control(
                     target, authority, lambda news: self._changed(target, news)
@@ -273,6 +274,7 @@ class OperatorUnit:
         self._begin(page, name)
         self.journal.note(name, f"asks for control of {target}: {reason!a}")
         self._try_holding(
+            page,
             target,
             lambda: self.operator.request_handoff(
                 target, authority, reason, lambda news: self._changed(target, news)
@@ -291,7 +293,7 @@ class OperatorUnit:
                 self._commander = Commander(page, name, lease)
         self.require_commander(page)
 
-    def _try_holding(self, target: JausAddress, work: Callable[[], Hold]) -> None:
+    def _try_holding(self, page: int, target: JausAddress, work: Callable[[], Hold]) -> None:
         try:
             work()
         except BaseException as error:
@@ -299,9 +301,9 @@ class OperatorUnit:
             self._end_commander_without_holds()
             raise
         commander = self._commander
-        if commander is None:  # its page was lost meanwhile
+        if commander is None or commander.page != page:
             self.operator.release(target)
-            raise UnitError("the page was silent meanwhile")
+            raise UnitError("the page was lost meanwhile")
 
     def require_commander(self, page: int) -> None:
         """Sees to it that a page commands."""
