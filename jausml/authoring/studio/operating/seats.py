@@ -14,9 +14,9 @@ from jausml.authoring.studio.operating.stops import NoStopError
 from jausml.authoring.studio.operating.unit import (
     NotAllowedError,
     OperatorUnit,
-    UnitError,
 )
 from jausml.authoring.studio.operating.values import TooManyError
+from jausml.authoring.studio.operating.watching import UnitError
 from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
@@ -214,7 +214,7 @@ class Seat:
 
     def _command(self, target: JausAddress, entry: MessageEntry, service: str) -> dict[str, Any]:
         try:
-            stop = self._unit.stop_of(target, entry)
+            stop = self._unit.sticks.stop_of(target, entry)
         except (NoStopError, MessageError) as error:
             stick: dict[str, Any] = {"refusal": str(error)}
         else:
@@ -342,15 +342,18 @@ class Seat:
     def _begin_stick(self, component: str, message: str) -> dict[str, Any]:
         target = component_address(component)
         entry = self._unit.operator.find(target, message)
-        number, stop = self._unit.begin_stick(self._number, self._name, target, entry)
-        return {"stick": number, "timeout": stop.timeout}
+        self._unit.require_commander(self._number)
+        number, timeout = self._unit.sticks.begin(self._name, target, entry)
+        return {"stick": number, "timeout": timeout}
 
     def _move_stick(self, stick: int, fields: dict[str, object]) -> dict[str, Any]:
-        self._unit.move_stick(self._number, stick, fields)
+        self._unit.require_commander(self._number)
+        self._unit.sticks.move(stick, fields)
         return {}
 
     def _end_stick(self, stick: int) -> dict[str, Any]:
-        self._unit.end_stick(self._number, stick)
+        self._unit.require_commander(self._number)
+        self._unit.sticks.release(stick)
         return {}
 
 
