@@ -1,9 +1,10 @@
-import { useEffect } from "react";
+import { lazy, Suspense, useEffect } from "react";
 import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
 import { Header } from "./header/Header";
 import { onShortcut } from "./keyboard/shortcuts";
+import { hasRight, useOperating } from "./operate/mode";
 import { PropertyForm } from "./panels/form/PropertyForm";
 import { Generate } from "./panels/generate/Generate";
 import { Live } from "./panels/live/Live";
@@ -19,6 +20,8 @@ import { Tabs } from "./Tabs";
 import { TableView } from "./table/TableView";
 import { ViewBar } from "./views/ViewBar";
 
+const Operate = lazy(() => import("./operate/Operate"));
+
 /** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
 export function App() {
   useEffect(() => {
@@ -26,6 +29,7 @@ export function App() {
     return () => document.removeEventListener("keydown", onShortcut);
   }, []);
   const right = useStudio((studio) => studio.right);
+  const isOperating = useOperating((mode) => mode.isOpen);
   const [sizes, resize] = useSizes();
   const fold = () => resize({ isFolded: !sizes.isFolded });
   return (
@@ -60,6 +64,12 @@ export function App() {
         onFold={fold}
       />
       <Dialogs />
+      {/* Who may command has the stop at hand, whatever else is shown. */}
+      {(isOperating || hasRight()) && (
+        <Suspense>
+          <Operate />
+        </Suspense>
+      )}
       <Said />
     </div>
   );
