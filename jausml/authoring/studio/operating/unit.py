@@ -316,10 +316,10 @@ class OperatorUnit:
 
     def leave(self, page: int) -> None:
         """Takes that a page is gone: if it commanded, all stops."""
-        self.values.leave(page)
         commander = self._commander
         if commander is not None and commander.page == page:
             self._lose(commander, "is gone")
+        self.values.leave(page)
 
     def _lose(self, commander: Commander, why: str) -> None:
         """Stops and releases all that a page commanded which is lost, once."""
