@@ -73,7 +73,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 def _of(
     scale: Scale, folder: Path, system: System, name: str, message: Sample, ros: RosEnd
 ) -> dict[str, Any]:
-    variants = [FLOOR, COMPILED, GENERATED, GENERIC]
+    variants = scale.cases((COMPILED, FLOOR, GENERATED, GENERIC), 4)
     samples: dict[str, list[dict[str, float]]] = {each: [] for each in variants}
     for number in range(scale.count(_RUNS, 1)):
         random.shuffle(variants)

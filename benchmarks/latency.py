@@ -84,7 +84,7 @@ def measure_connections(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         Figures by connections each way, way and variant at 100 messages a second.
     """
-    variants = (FLOOR, COMPILED, GENERATED, GENERIC)
+    variants = scale.cases((COMPILED, FLOOR, GENERATED, GENERIC), 4)
     found = {}
     with closing(RosEnd("meter")) as ros:
         for count in scale.cases(IDLE, 2):
@@ -112,7 +112,7 @@ def measure_events(scale: Scale, folder: Path) -> dict[str, Any]:
     """
     system = generate(folder, {"events": Measured((REPORT,))})
     system.compile()
-    variants = (RELAY, FLOOR, COMPILED, GENERATED)
+    variants = scale.cases((COMPILED, RELAY, FLOOR, GENERATED), 4)
     message = sample(system.model, REPORT)
     with closing(RosEnd("meter")) as ros:
         return side_by_side(scale, folder, system, "events", message, ros, variants, loop=EventLoop)

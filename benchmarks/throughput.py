@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from counterpart import Counterpart
 from ends import drained, paced
 from figures import rounded
-from names import VARIANTS
+from names import COMPILED, FLOOR, GENERATED, GENERIC, RELAY, TYPED
 from processes import Children
 from samples import sample
 from systems import Measured, generate
@@ -49,7 +49,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     steps = scale.cases(STEPS, 4)
     seconds = max(_SECONDS * scale.factor, 0.3)
     with Children(system.environment(), folder / "processes.log") as children:
-        routes = [Route(each, system, "one_point", message) for each in VARIANTS]
+        variants = scale.cases((COMPILED, RELAY, FLOOR, GENERATED, TYPED, GENERIC), 6)
+        routes = [Route(each, system, "one_point", message) for each in variants]
         publish, take = ([each.topic(way) for each in routes] for way in ("down", "up"))
         topics = ["--publish", *publish, "--take", *take]
         other = Counterpart(children, folder, message, *topics)

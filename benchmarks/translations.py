@@ -20,7 +20,7 @@ from figures import Blocks
 from names import COMPILED, FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
 from rclpy.serialization import deserialize_message, serialize_message
 from samples import sample
-from systems import MAPS, READY, Measured, generate
+from systems import Measured, generate
 
 from jausml.language.metamodel.classes import bridge
 from jausml.live.messages import Catalogue
@@ -53,7 +53,10 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         interpreted form. Ready maps of the library stand under their names; the interpreter here
         does not know what they use, and some have no compiled form.
     """
-    system = generate(folder, {_OWN: Measured(MAPS), _READY: Measured(tuple(READY))})
+    kinds = scale.cases(tuple(KINDS), len(KINDS))
+    own = tuple(dict.fromkeys(KINDS[each][0] for each in kinds))
+    names = scale.cases(tuple(READY_MAPS), len(READY_MAPS))
+    system = generate(folder, {_OWN: Measured(own), _READY: Measured(tuple(names))})
     system.compile()
     system.importable()
     forms = _Forms(system.model, _OWN)
@@ -62,13 +65,13 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     gc.collect()
     gc.freeze()
     found: dict[str, Any] = {}
-    for kind in scale.cases(tuple(KINDS), len(KINDS)):
+    for kind in kinds:
         message = sample(system.model, kind)
         found[kind] = {way: _by_turns(scale, forms.of(message, way)) for way in WAYS}
         told = {way: _told(figures) for way, figures in found[kind].items()}
         print(f"  {kind}: {told}", flush=True)
-    for name, (kind, _) in READY_MAPS.items():
-        message = ready.sample(name, sample(system.model, kind))
+    for name in names:
+        message = ready.sample(name, sample(system.model, READY_MAPS[name][0]))
         found[name] = {way: _by_turns(scale, ready.of(message, way)) for way in WAYS}
         told = {way: _told(figures) for way, figures in found[name].items()}
         print(f"  {name}: {told}", flush=True)

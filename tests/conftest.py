@@ -9,11 +9,14 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING
 
+import compile_once
 import pytest
 from hypothesis import settings
 from isolation import isolate, own_domain
 from ports import MOST_WORKERS, worker
 from xdist.scheduler import LoadFileScheduling
+
+from jausml.generation.native import compiler
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -42,6 +45,9 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
     _keep_bytecode()
     own_domain(worker())
+    kept = config.rootpath / ".pytest_cache" / "d"
+    compile_once.use(kept / "compiled", compiler())
+    os.environ["MYPY_CACHE_DIR"] = str(kept / "mypy")
     config.stash[SHARED_NETWORK] = isolate()
 
 
@@ -59,6 +65,12 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.enable()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Puts files that take long first, so that no worker is left with one at the end."""
+    slow = {each.path for each in items if each.get_closest_marker("slow")}
+    items.sort(key=lambda each: each.path not in slow)
 
 
 @pytest.hookimpl(trylast=True)

@@ -3,7 +3,8 @@
 
 The facts file is JSON: the services of each set with their messages, described with the words of
 SAE AS5684 (names, codes, field order, types, units, ranges). Axes, and units that the facts lack,
-come from jaus_frames.ini beside this tool, and states of the core services from jaus_machines.ini.
+come from jaus_frames.ini beside this tool, states and internal events of the core services from
+jaus_machines.ini, and what these events carry from jaus_events.json.
 The same facts give the same bytes.
 
 Usage: python tools/build_jaus_library.py FACTS.json OUTPUT_FOLDER
@@ -26,6 +27,7 @@ Facts = Mapping[str, Any]
 
 FRAMES = Path(__file__).with_name("jaus_frames.ini")
 MACHINES = Path(__file__).with_name("jaus_machines.ini")
+EVENTS = Path(__file__).with_name("jaus_events.json")
 
 MOVES_NOTHING = frozenset(
     [
@@ -244,7 +246,7 @@ def _variable_length_string(element: Element, facts: Facts) -> None:
 def _variable_length_field(element: Element, facts: Facts) -> None:
     _numeric(element, "countType", facts["count"], "uint32")
     # The facts give no format; by the standard's naming an embedded message is called a message.
-    if not facts["name"].endswith("Message"):
+    if not facts["name"].endswith(("Message", "MessagePayload")):
         element.attributes["format"] = facts.get("format", "octets")
     _limits(element, facts, facts["count"], "Length")
 
@@ -442,7 +444,8 @@ def behaviour_elements(key: str) -> Iterator[Element]:
     """
     section = machines()[key] if machines().has_section(key) else {}
     for name in section.get("events", "").split():
-        yield Element("events", {"name": name})
+        body = [field_element("body", event_bodies()[name])] if name in event_bodies() else []
+        yield Element("events", {"name": name}, body)
     paths = section.get("states", "").split()
     states = []
     for path in paths:
@@ -461,6 +464,13 @@ def machines() -> ConfigParser:
     parser = ConfigParser(interpolation=None)
     parser.read_string(MACHINES.read_text(encoding="utf-8"))
     return parser
+
+
+@cache
+def event_bodies() -> Mapping[str, Facts]:
+    """Returns what jaus_events.json says, by the names of the events."""
+    found: dict[str, Facts] = json.loads(EVENTS.read_text(encoding="utf-8"))["events"]
+    return found
 
 
 def service_set(place: SetFile, services: Sequence[Facts], places: Mapping[Any, str]) -> str:

@@ -45,6 +45,7 @@ DEFAULT_PACKAGES = (
     "visualization_msgs",
     "control_msgs",
     "lifecycle_msgs",
+    "rcl_interfaces",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")

@@ -62,9 +62,11 @@ def python_string(value: object) -> str:
 
 
 def python_literal(value: object) -> str:
-    """Returns a Python expression for None, a bool, an int, a float or a string."""
+    """Returns a Python expression for None, a bool, an int, a float, a string or bytes."""
     if isinstance(value, str):
         return python_string(value)
+    if isinstance(value, bytes):
+        return f'bytes.fromhex("{value.hex()}")'
     if isinstance(value, float) and not math.isfinite(value):
         return f'float("{value}")'
     if isinstance(value, float):

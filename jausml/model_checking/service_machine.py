@@ -29,18 +29,23 @@ from jausml.model_checking.runtime_machines import (
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.attributes.guards import Guard
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.inherited_machines import Machine
     from jausml.model_checking.runtime_machines import CoreServices
 
+    _Guarded = tuple[jaus.Transition, Guard | None]
+
 REMEMBERED = 4
 """Pushes that are followed; the runtime remembers more."""
 
 MOST_CONDITIONS = 8
 """Conditions of the user that are tried in all combinations; further ones hold."""
+
+_OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
+"""Conditions that the core services know the answer to."""
 
 _OUTER = "Receiving.Ready"
 _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
@@ -87,7 +92,7 @@ class MachineProduct:
     clients: tuple[str, ...]
     obeyed: Mapping[str, str]
     demanded: int = 0
-    _found: dict[tuple[str, str], list[jaus.Transition]] = field(default_factory=dict)
+    _found: dict[tuple[str, str], list[_Guarded]] = field(default_factory=dict)
 
     def initial(self) -> Behaving:
         """Returns the state at the start."""
@@ -105,19 +110,20 @@ class MachineProduct:
         """Yields what can happen."""
         core, services = state.core, self.services
         for step, after in core_steps(services, core, self.component, self.clients):
-            yield step, self._followed(state, after)
+            yield step, self.followed(state, after)
         for message, client in combinations(self.messages(), self.clients):
             yield from self._taken(state, message, client)
         for event in self.events():
             yield from self._taken(state, event, "")
-        yield TIME, self._later(state)
+        yield TIME, self.later(state)
 
-    def _later(self, state: Behaving) -> Behaving:
+    def later(self, state: Behaving) -> Behaving:
+        """Returns the state one tick after another one in which nobody does anything."""
         core = self.services.tick(state.core)
         if state.core.controller and not core.controller and not self._follows:
             for _, after in self._taken(state, "Timedout", ""):
                 state = after
-        return self._followed(state, core)
+        return self.followed(state, core)
 
     # ------------------------------------------------------------------ the machine
 
@@ -136,7 +142,13 @@ class MachineProduct:
         found = {_trigger(each): None for each in self._transitions() if each.message is None}
         return [each for each in found if each]
 
-    def _candidates(self, path: str, trigger: str) -> list[jaus.Transition]:
+    def own_conditions(self) -> list[str]:
+        """Returns the names of the conditions that the user of the machine writes."""
+        guards = (parse_guard(each.guard) for each in self._transitions())
+        found = {name: None for guard in guards for name in conditions(guard)}
+        return [each for each in found if each not in _OF_THE_CORE]
+
+    def _candidates(self, path: str, trigger: str) -> list[_Guarded]:
         """Returns the transitions to try: innermost first, those for any trigger last."""
         key = (path, trigger)
         if key not in self._found:
@@ -151,7 +163,8 @@ class MachineProduct:
                 outer = outer.rpartition(".")[0]
             listed = [each for each in listed if not is_core_trigger(each)]
             named = [each for each in listed if _trigger(each) == trigger]
-            self._found[key] = [*named, *(each for each in listed if not _trigger(each))]
+            ordered = [*named, *(each for each in listed if not _trigger(each))]
+            self._found[key] = [(each, parse_guard(each.guard)) for each in ordered]
         return self._found[key]
 
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
@@ -164,25 +177,36 @@ class MachineProduct:
         self, state: Behaving, trigger: str, sender: str
     ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
         """Yields what conditions of the user may say of a trigger, and what is taken then."""
-        if sender and not self.services.allows(state.core, self.obeyed[trigger], sender):
+        if not self.is_obeyed(state, trigger, sender):
             return
-        candidates = self._candidates(state.path, trigger)
-        guards = [parse_guard(each.guard) for each in candidates]
+        guards = (guard for _, guard in self._candidates(state.path, trigger))
+        names = {name: True for guard in guards for name in conditions(guard)}
+        free = [each for each in names if each not in _OF_THE_CORE][:MOST_CONDITIONS]
+        for values in combinations((True, False), repeat=len(free)):
+            said = {**names, **dict(zip(free, values, strict=True))}
+            own = {name: value for name, value in said.items() if name not in _OF_THE_CORE}
+            yield own, self.chosen(state, trigger, sender, said)
+
+    def is_obeyed(self, state: Behaving, trigger: str, sender: str) -> bool:
+        """Tells whether a message comes as far as the machine; an internal event always does."""
+        return not sender or self.services.allows(state.core, self.obeyed[trigger], sender)
+
+    def chosen(
+        self, state: Behaving, trigger: str, sender: str, said: Mapping[str, bool]
+    ) -> jaus.Transition | None:
+        """Returns the transition that an obeyed trigger takes, when conditions of the user say so.
+
+        A condition of which nothing is said does not hold.
+        """
         known = {
             "isControllingClient": bool(sender) and sender == state.core.controller,
             "isControlAvailable": state.core.is_available,
             "isIDStored": sender in state.core.emergencies,
         }
-        names = {name: True for guard in guards for name in conditions(guard) if name not in known}
-        free = list(names)[:MOST_CONDITIONS]
-        for values in combinations((True, False), repeat=len(free)):
-            said = {**names, **dict(zip(free, values, strict=True))}
-            holding = (
-                each
-                for each, guard in zip(candidates, guards, strict=True)
-                if _holds(guard, {**said, **known}.__getitem__)
-            )
-            yield said, next(holding, None)
+        told = {**said, **known}
+        candidates = self._candidates(state.path, trigger)
+        holding = (each for each, guard in candidates if _holds(guard, told))
+        return next(holding, None)
 
     def step(
         self, state: Behaving, transition: jaus.Transition, trigger: str, sender: str
@@ -240,7 +264,7 @@ class MachineProduct:
             return self.services.drop(core._replace(status="SHUTDOWN"))
         return core
 
-    def _followed(self, state: Behaving, core: Core) -> Behaving:
+    def followed(self, state: Behaving, core: Core) -> Behaving:
         """Goes where the core services have gone."""
         state = state._replace(core=core)
         if not self._follows or _lies_in(state.path, self._path(core)):
@@ -294,12 +318,12 @@ def _is_command(message: jaus.MessageDef | None) -> bool:
     return message is not None and owner is not None and needs_control(message, owner)
 
 
-def _holds(guard: Guard | None, said: Callable[[str], bool]) -> bool:
+def _holds(guard: Guard | None, said: Mapping[str, bool]) -> bool:
     match guard:
         case None:
             return True
         case Condition():
-            return said(guard.name)
+            return said.get(guard.name, False)
         case Negation():
             return not _holds(guard.operand, said)
         case AllOf():

@@ -10,7 +10,11 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
-from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.core_services import (
+    CORE,
+    SERVED_BY_RUNTIME,
+    standard_services,
+)
 from jausml.language.semantics.jaus.inherited_machines import machines_of
 from jausml.language.semantics.jaus.services import (
     find_same,
@@ -25,7 +29,7 @@ from jausml.model_checking.runtime_machines import CommandConnection, CoreServic
 from jausml.model_checking.service_machine import MachineProduct
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.metamodel.classes import jaus, system
     from jausml.language.metamodel.classes.ecore import EObject
@@ -83,40 +87,56 @@ def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subje
 
     for component in system_.components:
         if not component.external and not isinstance(component, bridge.Bridge):
-            yield from _behaving(component, demanded)
+            yield from machine_subjects(component, demanded)
 
 
-def _behaving(component: jaus.Component, demanded: float) -> Iterator[Subject]:
+def machine_subjects(component: jaus.Component, demanded: float = 0.0) -> Iterator[Subject]:
     """Yields the product of each machine that is generated for a component."""
-    services = [
-        each for each in with_inherited(component.provides) if each.urn not in SERVED_BY_RUNTIME
-    ]
-    lapse = float(component.controlTimeout)
-    clock = _Clock([lapse, demanded])
+    clock = _Clock([float(component.controlTimeout), demanded])
     authority = int(component.defaultAuthority)
     core = core_services_of(component, clock, {_ANYBODY: authority, _TAKES_OVER: authority + 1})
+    provided = provided_services(component)
+    yield from _behaving(str(component.name), component.provides, provided, (core, clock), demanded)
+
+
+def service_subjects(service: jaus.Service) -> Iterator[Subject]:
+    """Yields the product of each machine of a service, in a component that says nothing else."""
+    clock = _Clock([_LAPSE])
+    core = CoreServices({_ANYBODY: 0, _TAKES_OVER: 1}, timeout=clock.ticks(_LAPSE))
+    provided = with_inherited([service, *standard_services()])
+    yield from _behaving(str(service.name), [service], provided, (core, clock))
+
+
+def _behaving(
+    name: str,
+    provides: Iterable[jaus.Service],
+    provided: Sequence[jaus.Service],
+    timed: tuple[CoreServices, _Clock],
+    demanded: float = 0.0,
+) -> Iterator[Subject]:
+    core, clock = timed
+    services = [each for each in with_inherited(provides) if each.urn not in SERVED_BY_RUNTIME]
     for machine in machines_of(services[::-1]):
         product = MachineProduct(
-            str(component.name),
+            name,
             machine,
             core,
             (_ANYBODY, _TAKES_OVER),
-            _obeyed(component, machine, services),
+            _obeyed(provided, machine, services),
             clock.ticks(demanded),
         )
-        name = f"{component.name}: {machine.name} of {machine.service_name}"
+        title = f"{name}: {machine.name} of {machine.service_name}"
         held = "" if machine.extends_core else "its states are left to the code of the component"
-        yield Subject(name, machine.elements[-1], product, clock.tick, held)
+        yield Subject(title, machine.elements[-1], product, clock.tick, held)
 
 
 def _obeyed(
-    component: jaus.Component, machine: Machine, services: Sequence[jaus.Service]
+    provided: Sequence[jaus.Service], machine: Machine, services: Sequence[jaus.Service]
 ) -> dict[str, Guard]:
     """Returns whom a component obeys before it asks the machine, by the name of the message.
 
     Where the core services are extended, the guards of the machine say who is obeyed.
     """
-    provided = provided_services(component)
     access = f"{CORE}AccessControl"
     found: dict[str, Guard] = {}
     for service in services:

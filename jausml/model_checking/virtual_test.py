@@ -37,12 +37,14 @@ from jausml_runtime import messages as core
 from jausml_runtime.virtual import VirtualWorld
 from {package} import messages, ros_types
 from {package}.{package} import {class_name}
+'''
 
+CLIENTS = '''
 
 def services(minor):
     """Return the core services of a component."""
     names = ("Transport", "Events", "AccessControl", "Management")
-    return tuple(ServiceIdentity(f"urn:jaus:jss:core:{{each}}", 1, minor) for each in names)
+    return tuple(ServiceIdentity(f"urn:jaus:jss:core:{each}", 1, minor) for each in names)
 
 
 def client(transport, address, name):
@@ -52,6 +54,7 @@ def client(transport, address, name):
     return made
 
 '''
+"""Functions of a test that make its clients."""
 
 _LONG = 60.0
 """Seconds that stand for what has no end."""
@@ -102,7 +105,7 @@ def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str
     own = next(each for each in view.connections if each.connection is connection)
     message = " ".join(example.message.split())
     names = {"package": view.package, "class_name": view.class_name}
-    lines = [_HEAD.format(name=subject.name, message=message, **names)]
+    lines = [_HEAD.format(name=subject.name, message=message, **names), CLIENTS]
     if isinstance(product, CommandingProduct):
         lines.append(_PEER)
         body = _commanding(product, subject, example, view, own)
@@ -138,7 +141,7 @@ def _obeying(
             return _of_the_bridge(step.what)
         sent = f"messages.{own.message_name}()"
         if step.what != product.command:
-            sent = _core_message(step.what, product.services.authorities.get(step.actor, 0))
+            sent = core_message(step.what, product.services.authorities.get(step.actor, 0))
         return f"{actors[step.actor]}.send({sent}, address)"
 
     yield from _steps(example, done)
@@ -192,7 +195,7 @@ def _commanding(
         is_inside = step.receiver == product.bridge
         sender = "rival" if step.actor == product.rival else "emergency"
         sender, to = ("inside", "bridge.settings.address") if is_inside else (sender, at)
-        sent = _core_message(step.what, product.services.authorities.get(step.actor, 0))
+        sent = core_message(step.what, product.services.authorities.get(step.actor, 0))
         return f"{sender}.send({sent}, {to})"
 
     yield from _steps(example, done)
@@ -211,7 +214,8 @@ def _of_the_bridge(what: str) -> str:
     return f"bridge.set_active({what == 'is activated'})"
 
 
-def _core_message(name: str, authority: int) -> str:
+def core_message(name: str, authority: int) -> str:
+    """Returns the expression for a message of the core services."""
     arguments = {"RequestControl": f"authority_code={authority}"}
     arguments |= dict.fromkeys(("SetEmergency", "ClearEmergency"), "emergency_code=1")
     return f"core.{name}({arguments.get(name, '')})"

@@ -293,7 +293,7 @@ OPERATORS = (
         "bridge.AttributeMap whenStale, bridge.Join whenStale, bridge.ReportJoin whenStale, "
         "bridge.Connection exchange outOfRange onSilence whenStale priority acknowledge, "
         "bridge.RosServiceConnection outOfRange priority, bridge.RosActionConnection "
-        "outOfRange progress, bridge.ReportSource exchange, jaus.ServiceConnection exchange",
+        "outOfRange progress onEnd, bridge.ReportSource exchange, jaus.ServiceConnection exchange",
     ),
     Operator(
         "control",

@@ -1,9 +1,10 @@
-import { useEffect } from "react";
+import { lazy, Suspense, useEffect } from "react";
 import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
 import { Header } from "./header/Header";
 import { onShortcut } from "./keyboard/shortcuts";
+import { hasRight, useOperating } from "./operate/mode";
 import { PropertyForm } from "./panels/form/PropertyForm";
 import { Generate } from "./panels/generate/Generate";
 import { Live } from "./panels/live/Live";
@@ -12,11 +13,14 @@ import { MapEditor } from "./panels/map/MapEditor";
 import { Palette } from "./panels/palette/Palette";
 import { Problems } from "./panels/problems/Problems";
 import { Source } from "./panels/source/Source";
+import { Stepping } from "./panels/stepping/Stepping";
 import { asProperties, Splitter, useSizes } from "./Splitter";
 import { type BottomTab, type MiddleTab, update, useStudio } from "./store";
 import { Tabs } from "./Tabs";
 import { TableView } from "./table/TableView";
 import { ViewBar } from "./views/ViewBar";
+
+const Operate = lazy(() => import("./operate/Operate"));
 
 /** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
 export function App() {
@@ -25,6 +29,7 @@ export function App() {
     return () => document.removeEventListener("keydown", onShortcut);
   }, []);
   const right = useStudio((studio) => studio.right);
+  const isOperating = useOperating((mode) => mode.isOpen);
   const [sizes, resize] = useSizes();
   const fold = () => resize({ isFolded: !sizes.isFolded });
   return (
@@ -59,6 +64,12 @@ export function App() {
         onFold={fold}
       />
       <Dialogs />
+      {/* Who may command has the stop at hand, whatever else is shown. */}
+      {(isOperating || hasRight()) && (
+        <Suspense>
+          <Operate />
+        </Suspense>
+      )}
       <Said />
     </div>
   );
@@ -102,14 +113,17 @@ function Right() {
 }
 
 function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
-  const bottom = useStudio((studio) => studio.bottom);
+  const chosen = useStudio((studio) => studio.bottom);
+  const isMachine = useStudio((studio) => studio.view.startsWith("machine:"));
   const tabs: [BottomTab, string][] = [
     ["problems", useProblemsTitle()],
     ["generate", "Generate"],
     ["live", "Live"],
     ["log", "History"],
   ];
-  const panels = { problems: Problems, generate: Generate, live: Live, log: Log };
+  if (isMachine) tabs.splice(1, 0, ["step", "Step"]);
+  const bottom = chosen === "step" && !isMachine ? "problems" : chosen;
+  const panels = { problems: Problems, generate: Generate, live: Live, step: Stepping, log: Log };
   const Panel = panels[bottom];
   return (
     <section className="bottom" aria-label="Verdicts and work">

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { CallError, Connection, type Link, takeToken } from "./connection";
+import { CallError, Connection, type Link, RIGHT_KEY, takeToken } from "./connection";
 import { PROJECT } from "./testing/fakeServer";
 
 // The other side of a socket, in the hand of the test.
@@ -100,6 +100,17 @@ test("who is not known is told so, and does not try again", async () => {
   await vi.waitFor(() => expect(links).toEqual([["refused", "the token is another one"]]));
   await vi.advanceTimersByTimeAsync(60_000);
   expect(Wire.made).toHaveLength(1);
+});
+
+test("the right to command leaves the address too, and goes with an address without it", () => {
+  const take = () => takeToken(window.location, window.history, window.sessionStorage);
+  window.location.hash = "#token=abc&command=xyz";
+  expect(take()).toBe("abc");
+  expect(window.location.href).not.toContain("xyz");
+  expect(window.sessionStorage.getItem(RIGHT_KEY)).toBe("xyz");
+  window.location.hash = "#token=abc";
+  expect(take()).toBe("abc");
+  expect(window.sessionStorage.getItem(RIGHT_KEY)).toBeNull();
 });
 
 test("the token leaves the address and stays in this tab", () => {

@@ -162,11 +162,17 @@ function withRevision(result: unknown, revision: number | undefined): unknown {
 }
 
 export const TOKEN_KEY = "jausml-token";
+/** Where a tab keeps the right to command, if its address had one. */
+export const RIGHT_KEY = "jausml-command";
 
-/** Takes the token out of the address, where a history would keep it, or from this tab. */
+/** Takes the tokens out of the address, where a history would keep them, or from this tab. */
 export function takeToken(location: Location, history: History, storage: Storage): string {
-  const told = new URLSearchParams(location.hash.slice(1)).get("token");
+  const address = new URLSearchParams(location.hash.slice(1));
+  const told = address.get("token");
   if (told) {
+    const right = address.get("command");
+    if (right) storage.setItem(RIGHT_KEY, right);
+    else storage.removeItem(RIGHT_KEY);
     storage.setItem(TOKEN_KEY, told);
     history.replaceState(null, "", location.pathname + location.search);
   }

@@ -3,6 +3,7 @@
 import { create } from "zustand";
 import type { Link } from "./connection";
 import type {
+  ChosenStep,
   Command,
   ConnectOption,
   Entry,
@@ -74,7 +75,19 @@ export interface Said {
   number: number;
 }
 
-export type BottomTab = "problems" | "generate" | "live" | "log";
+/** A path through the machine of a view, and where it has come to. */
+export interface Walk {
+  file: string;
+  view: string;
+  path: ChosenStep[];
+  said: Record<string, boolean>;
+  /** Path of the present state, empty while it is asked for. */
+  at: string;
+  /** Id of the transition that led there. */
+  by: string;
+}
+
+export type BottomTab = "problems" | "generate" | "live" | "step" | "log";
 export type MiddleTab = "diagram" | "table" | "members";
 export type RightTab = "form" | "source";
 
@@ -119,6 +132,8 @@ export interface Studio {
   /** The part that would take what is being dragged. */
   under: PartKey | null;
   filter: string;
+  /** The machine that is stepped, null while none is. */
+  walk: Walk | null;
   bottom: BottomTab;
   middle: MiddleTab;
   right: RightTab;
@@ -153,6 +168,7 @@ export const BEGINNING: Studio = {
   legal: null,
   under: null,
   filter: "",
+  walk: null,
   bottom: "problems",
   middle: "diagram",
   right: "form",
@@ -177,4 +193,21 @@ export function revisionOf(studio: Studio): number {
 /** Where the keyboard stands. */
 export function active(studio: Studio): PartKey | null {
   return studio.selection.at(-1) ?? null;
+}
+
+function shownWalk(studio: Studio): Walk | null {
+  const { walk, file, view } = studio;
+  return walk?.file === file && walk.view === view ? walk : null;
+}
+
+/** Tells whether a box or frame shows the state in which a stepped machine is, or one around it. */
+export function isPresent(studio: Studio, id: string, isAround = false): boolean {
+  const at = shownWalk(studio)?.at;
+  const path = id.slice(id.lastIndexOf("!") + 1);
+  return Boolean(at) && (path === at || (isAround && at!.startsWith(`${path}.`)));
+}
+
+/** Tells whether a line shows the transition that a stepped machine took last. */
+export function isTakenLast(studio: Studio, id: string): boolean {
+  return shownWalk(studio)?.by === id;
 }

@@ -81,10 +81,10 @@ def domain():
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory, domain):
+def path(domain):
     """The packages of the generated bridge."""
     del domain
-    return generate(tmp_path_factory.mktemp("workspace"))
+    return generate()
 
 
 @pytest.fixture(scope="module")

@@ -31,8 +31,8 @@ SHARED_MEMORY = Path("/dev/shm")
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return os.pathsep.join(generate(tmp_path_factory.mktemp("workspace")))
+def path():
+    return os.pathsep.join(generate())
 
 
 def catches_signals(process):

@@ -52,7 +52,8 @@ def test_pystr_is_the_same_string_in_ascii_on_one_line(text):
 
 
 @pytest.mark.parametrize(
-    "value", [None, True, False, 0, -7, 1e-9, 0.1, "it's", math.inf, -math.inf]
+    "value",
+    [None, True, False, 0, -7, 1e-9, 0.1, "it's", b"\x00it's\xff", b"", math.inf, -math.inf],
 )
 def test_pyliteral_evaluates_to_the_value(value):
     assert eval(literals.python_literal(value)) == value  # noqa: S307 - our own literal

@@ -74,8 +74,7 @@ class Generated:
         settings = self.folder / "mypy.ini"
         unknown = ",".join(f"mypy-{name}.*" for name in _UNKNOWN.split()).replace(",mypy-", ",")
         settings.write_text(
-            f"[mypy]\nstrict = True\npython_version = 3.10\ncache_dir = {os.devnull}\n"
-            "follow_imports = silent\n"
+            "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
             f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
         )
         path = python_path(self.folder)

@@ -260,8 +260,7 @@ def test_output_passes_the_type_checker(tmp_path):
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     settings = tmp_path / "mypy.ini"
     settings.write_text(
-        "[mypy]\nstrict = True\npython_version = 3.10\ncache_dir = " + os.devnull + "\n"
-        "follow_imports = silent\n"
+        "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
         "[mypy-rclpy.*,diagnostic_msgs.*,geometry_msgs.*,nav_msgs.*,rcl_interfaces.*,std_msgs.*]\n"
         "ignore_missing_imports = True\n"
         "follow_imports = skip\n"

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,6 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 pytestmark = pytest.mark.timeout(300)  # the first one waits for all of them
 
 ROOT = Path(__file__).resolve().parents[2]
-MODEL = Path(__file__).with_name("checked_bridge.ros2jaus")
-BASE = "checked_bridge/checked_bridge_base.py"
 
 # What is damaged, the text that is replaced in the base, and what replaces it.
 DAMAGES = {
@@ -114,16 +113,60 @@ DAMAGES = {
         "child_frame_id = target.header.frame_id = self.speed_frame_id",
     ),
 }
+DAMAGES_OF_PARTS = {
+    "what is ignored in an element of an element": (
+        "velocities[1].linear.y = conversions",
+        "velocities[1].linear.z = target.points[0].velocities[1].linear.y = conversions",
+    ),
+    "what is ignored in an element": (
+        "velocities[0].linear.x = source",
+        "velocities[0].linear.y = target.points[0].velocities[0].linear.x = source",
+    ),
+    "an element that is left": (
+        "if source.velocity_z is not None:",
+        "target.points[1].velocities[0].linear.z = 1.0\n        if source.velocity_z is not None:",
+    ),
+    "what is ignored in an element of JAUS": (
+        "outer_1.third = ",
+        "outer_1.second = outer_1.third = ",
+    ),
+    "an optional member that is ignored": (
+        "outer_0.second = ",
+        "outer_0.first = outer_0.second = ",
+    ),
+    "what is ignored in an option": (
+        "target.cost_map2d_pose_var.map_center_x = ",
+        "target.cost_map2d_pose_var.map_center_y = target.cost_map2d_pose_var.map_center_x = ",
+    ),
+    "what is ignored in an element of an option": (
+        "cost_and_confidence_data_list_0.cost = 2",
+        "cost_and_confidence_data_list_0.cost = cost_and_confidence_data_list_0.confidence = 2",
+    ),
+    "the alternative of a number": (
+        "JointPosition(\n            2,",
+        "JointPosition(\n            1,",
+    ),
+    "the alternative of a number on the way back": (
+        "joint_position.index != 2",
+        "joint_position.index != 1",
+    ),
+    "the alternative of octets": ("ImageFrame(1, ", "ImageFrame(2, "),
+    "the alternative of octets on the way back": ("format_index != 1", "format_index != 2"),
+    "the octets": ("target.data = ", 'target.data = b"a" + '),
+    "the octets on the way back": ("bytes(source.data)", "bytes(source.data)[:1]"),
+}
+MODELS = {"checked_bridge": DAMAGES, "checked_parts": DAMAGES_OF_PARTS}
 MORE_NAMES = "from jausml_runtime.conversions import (\n"
 IMPORTED = (
     "    flu_quaternion_to_frd_angles,\n    frd_angles_to_flu_quaternion,\n    percent_to_value,\n"
 )
 
 
-def write(folder):
-    """Writes the generated bridge and the runtime."""
-    result = read_models([MODEL], notations=NOTATIONS)
-    assert result.diagnostics == []
+def write(folder, name):
+    """Writes the generated bridge of a model and the runtime."""
+    model = Path(__file__).with_name(f"{name}.ros2jaus")
+    result = read_models([model], notations=NOTATIONS)
+    assert [each for each in result.diagnostics if each.severity.name != "INFO"] == []
     for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -136,27 +179,33 @@ def damaged(text, found, replacement):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Returns a folder with the generated bridge."""
-    made = tmp_path_factory.mktemp("checked")
-    write(made)
+def package(tmp_path_factory):
+    """Returns what gives the folder of the package of a generated bridge by its name."""
+
+    @cache
+    def made(name):
+        folder = tmp_path_factory.mktemp("checked")
+        write(folder, name)
+        return folder / name
+
     return made
 
 
-def test_the_generated_tests_need_no_formatter(folder):
+@pytest.mark.parametrize("name", MODELS)
+def test_the_generated_tests_need_no_formatter(package, name):
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     for check in (["format", "--check"], ["check", "--ignore", "S101"]):
         done = subprocess.run(
             [sys.executable, "-m", "ruff", *check, *config, "test"],
-            cwd=folder / "checked_bridge",
+            cwd=package(name),
             capture_output=True,
             text=True,
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_hypothesis_is_what_the_tests_need(folder):
-    manifest = (folder / "checked_bridge" / "package.xml").read_text(encoding="utf-8")
+def test_hypothesis_is_what_the_tests_need(package):
+    manifest = (package("checked_bridge") / "package.xml").read_text(encoding="utf-8")
     assert "<test_depend>python3-hypothesis</test_depend>" in manifest
 
 
@@ -217,9 +266,9 @@ bridge desk_bridge {
     assert "source.yaw = ReportAnalogAction.Yaw" not in tests.text
 
 
-def outcomes_of(folder, module, damages):
+def outcomes_of(package, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
-    package = folder / "checked_bridge"
+    folder = package.parent
     text = (package / module).read_text(encoding="utf-8")
     replacements = []
     for number, (found, replacement) in enumerate(damages.values()):
@@ -244,22 +293,30 @@ def outcomes_of(folder, module, damages):
 
 
 @pytest.fixture(scope="module")
-def outcomes(folder):
-    """Returns what becomes of damages of the readable translations."""
+def outcomes(package):
+    """Returns what gives what becomes of damages of the readable translations of a bridge."""
     pytest.importorskip("rclpy")
-    return outcomes_of(folder, BASE, DAMAGES)
+
+    @cache
+    def found(name):
+        return outcomes_of(package(name), f"{name}/{name}_base.py", MODELS[name])
+
+    return found
 
 
 @pytest.mark.slow
-def test_the_generated_tests_pass(outcomes):
-    code, output = outcomes[None]
+@pytest.mark.parametrize("name", MODELS)
+def test_the_generated_tests_pass(outcomes, name):
+    code, output = outcomes(name)[None]
     assert code == 0, output
     assert re.search("^[0-9]{2} passed", output, re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", DAMAGES)
-def test_damage_is_found(outcomes, name):
-    code, output = outcomes[name]
+@pytest.mark.parametrize(
+    ("name", "damage"), [(name, each) for name, damages in MODELS.items() for each in damages]
+)
+def test_damage_is_found(outcomes, name, damage):
+    code, output = outcomes(name)[damage]
     # Other codes than 1 mean that the tests did not run.
     assert code == 1, output
     assert "1 failed" in output

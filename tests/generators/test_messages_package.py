@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import os
 import re
 from collections import Counter
 from pathlib import Path
@@ -126,7 +125,7 @@ def test_the_package_is_clean(namesakes):
             done = run("-m", "ruff", *check, *config, place, cwd=namesakes)
             assert done.returncode == 0, done.stdout
     modules = ("-m", "tower.messages", "-m", "desk.messages", "-m", "nothing.messages")
-    mypy = ("-m", "mypy", "--strict", "--follow-imports", "silent", "--cache-dir", os.devnull)
+    mypy = ("-m", "mypy", "--strict", "--follow-imports", "silent", "--python-version", "3.10")
     done = run(*mypy, *modules, MYPYPATH=path)
     assert done.returncode == 0, done.stdout
 

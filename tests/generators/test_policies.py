@@ -109,6 +109,8 @@ def test_actions_are_called_or_executed() -> None:
         "robot.policy.xml": ({"/robot/follow_waypoints"}, set()),
         "station.policy.xml": (set(), {"/station/navigate_through_poses"}),
         "tracker.policy.xml": ({"/robot/follow_path"}, set()),
+        "spooler.policy.xml": ({"/robot/follow_waypoints"}, set()),
+        "dispatcher.policy.xml": (set(), {"/station/navigate_through_poses"}),
     }
 
 

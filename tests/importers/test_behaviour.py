@@ -125,6 +125,19 @@ def test_actions_that_send(arguments, name, sends):
     assert list(made.arguments) == list(arguments)
 
 
+def test_a_parameter_that_is_a_part_of_an_event_is_told_to_be_the_event():
+    told = marked(
+        machine(
+            state(
+                '<transition name="Burnt">⟦JML626⟧<parameter type="Burnt" value="msg"/>'
+                '<parameter ⟦JML624⟧type="Burnt.Body.Colour.Red" value="red"/><new:internal/>'
+                "</transition>"
+            )
+        )
+    )
+    assert told[1].message == "'red' is taken for the event, not for 'Burnt.Body.Colour.Red'"
+
+
 def test_an_unknown_message_to_send_is_suggested():
     action = (
         '<new:internal/>⟦JML624⟧<action name="t.Send"><argument value="\'ReportLam\'"/></action>'

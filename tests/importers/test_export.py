@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from for_each import for_each
 from jsidl_support import ROOT, SHARED, WINCH, winch
@@ -18,6 +20,8 @@ GUARDS = ("models/library/jaus", "models/examples")
 OWN = ROOT / "models" / "examples" / "winch" / "service.xmi"
 OF_OTHERS = sorted((SHARED / "jsidl").glob("urn.*"))
 SETS = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
+CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
+PAYLOAD = "MessagePayload"
 # Machines are compared by what they do: the paths of the library become states in each other.
 TOLD = Policy(ignored=frozenset({"frame", "moves", "jaus.Service.machines"}))
 JSIDL = "{urn:jaus:jsidl:1.1}"
@@ -140,6 +144,95 @@ def test_every_kind_of_field_comes_back():
     assert differences(service, imported, result.model.metamodels) == []
 
 
+def transitions(data):
+    """Returns what each transition of a file is on, its parameters, and the arguments in it."""
+    found = []
+    for each in etree.fromstring(data).iter("{*}transition"):
+        parameters = {e.get("value"): e.get("type") for e in each.iterfind("{*}parameter")}
+        given = [e.get("value") for e in each.iterfind("{*}action/{*}argument")]
+        for guard in each.iterfind("{*}guard"):
+            given += re.findall(r"\w\s*\(\s*(\w+)\s*\)", guard.get("condition"))
+        arguments = {e.strip() for e in given if e.strip()[:1] not in "'0123456789"}
+        found.append((each.get("name").rpartition(".")[2], parameters, arguments))
+    return found
+
+
+@for_each("path", [WINCH[0].parent, *OF_OTHERS])
+def test_each_argument_of_a_transition_keeps_the_parameter_that_types_it(path):
+    """The code generator of the JAUS Tool Set knows the type of an argument from there alone."""
+    files = sorted(each for each in path.rglob("*") if each.suffix in (".xml", ".jsidl"))
+    result = import_jsidl(files)
+    made = [each for root in result.sets for each in root.services]
+    exported = export_jsidl(result.model, made).documents
+    written = [each for data in exported.values() for each in transitions(data)]
+    given = [each for file in files for each in transitions(file.read_bytes())]
+    assert given
+    for on, parameters, arguments in given:
+        if on != "Receive":
+            assert (on, parameters, arguments) in written
+        for name in arguments & {*parameters} - {"transportData"}:
+            assert any(name in also and also[name] == parameters[name] for _, also, _ in written)
+    assert [each for each in written if not each[2] <= {*each[1]}] == []
+
+
+@for_each("path", [*SETS, OWN])
+def test_no_argument_of_an_exported_transition_is_without_a_type(path):
+    model = read_models([path]).model
+    for data in export_jsidl(model, services(model)).documents.values():
+        assert [each for each in transitions(data) if not each[2] <= {*each[1]}] == []
+
+
+def test_the_types_of_what_comes_and_goes_are_those_of_transport():
+    """What a parameter says: Receive.Body.ReceiveRec is declared in the library."""
+    model = read_models([CORE]).model
+    (data,) = (
+        e for n, e in export_jsidl(model, services(model)).documents.items() if "Transp" in n
+    )
+    events = etree.fromstring(data).iterfind(f"{JSIDL}internal_events_set/{JSIDL}event_def")
+    bodies = {each.get("name"): each.find(f"{JSIDL}body/{JSIDL}record") for each in events}
+    assert {name: [each.get("name") for each in body] for name, body in bodies.items()} == {
+        "Send": [None, "ReliableDelivery", "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "BroadcastLocal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "BroadcastGlobal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
+        "Receive": ["SourceID", PAYLOAD],
+    }
+    assert bodies["Receive"].get("name") == "ReceiveRec"
+
+
+@pytest.mark.parametrize(
+    ("guard", "condition"),
+    [
+        ("paysOut", "paysOut(msg)"),
+        ("!(paysOut || paysIn)", "!paysOut(msg) && !paysIn(msg)"),
+        ("!(paysOut && paysIn)", "!paysOut(msg) || !paysIn(msg)"),
+        ("!(paysOut && !(paysIn || slow))", "!paysOut(msg) || paysIn(msg) || slow(msg)"),
+        ("(paysOut || paysIn) && slow", "paysOut(msg) && slow(msg) || paysIn(msg) && slow(msg)"),
+        (
+            "isControllingClient && !(lasts(msg, '3') && slow(msg))",
+            "isControllingClient(transportData) && !lasts(msg, '3')"
+            " || isControllingClient(transportData) && !slow(msg)",
+        ),
+        # Without its parentheses a guard of so many alternatives would be no guard any more.
+        (
+            " && ".join(["(paysOut || paysIn || slow || steady)"] * 4),
+            " && ".join(["(paysOut(msg) || paysIn(msg) || slow(msg) || steady(msg))"] * 4),
+        ),
+    ],
+)
+def test_a_guard_has_no_parentheses_around_conditions_and_means_the_same(guard, condition):
+    """The code generator of the JAUS Tool Set copies parentheses into names of methods."""
+    model = read_models([OWN]).model
+    (service,) = services(model)
+    locking = next(e for e in model.instances(jaus.State) if e.name == "Locked").transitions[0]
+    locking.guard = guard
+    ((name, data),) = export_jsidl(model, [service]).documents.items()
+    conditions = [each.get("condition") for each in etree.fromstring(data).iter("{*}guard")]
+    assert condition in conditions
+    (imported,) = import_sources([Source(name, data)]).sets[0].services
+    changed = differences(service, imported, model.metamodels)
+    assert [each for each in changed if each.feature == "guard"] == []
+
+
 def test_of_an_own_service_the_names_of_what_makes_messages_are_lost():
     model = read_models([OWN]).model
     exported = export_jsidl(model, services(model))
@@ -218,8 +311,8 @@ def test_a_file_has_what_as5684_asks_for_in_its_order():
         ('field_units="newton"', 'field_units="meter"', "Tension"),
         ('enum_index="2"', 'enum_index="9"', "PAYING_OUT"),
         (
-            "paysOut(msg) || paysIn",
-            "paysOut(msg) &amp;&amp; paysIn",
+            "!paysOut(msg) &amp;&amp; !paysIn",
+            "!paysOut(msg) || !paysIn",
             "Moving/defaults on SetWinchCommand 1",
         ),
         (

@@ -14,9 +14,10 @@ from jausml.language.importers.jsidl import import_jsidl
 from jausml.language.importers.jsidl.scopes import pick_version
 from jausml.language.importers.jsidl.services import services_by_urn
 from jausml.language.model import read_models
-from jausml.language.model.comparison import ON_THE_WIRE, compare
+from jausml.language.model.comparison import ON_THE_WIRE, Policy, compare
 from jausml.language.model.xmi.writer import write_model
 from jausml.language.project import Reading, library
+from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.validation.engine import check_project
 
 JSIDL = SHARED / "jsidl"
@@ -73,6 +74,18 @@ def test_no_difference_from_the_library(name):
         theirs = versions[pick_version(service.version, versions)]
         found |= {str(e) for e in compare(service, theirs, result.model.metamodels, ON_THE_WIRE)}
     assert found == (OTHER_EDITION if "mobility" in name else set())
+
+
+def test_what_events_of_transport_carry_is_that_of_the_library():
+    """In the library too the code generator of the JAUS Tool Set finds the types of parameters."""
+    result = import_jsidl(files("urn.jaus.jss.core-v1.1"))
+    (imported,) = (e for root in result.sets for e in root.services if e.name == "Transport")
+    ours = newest_services()[imported.urn]
+    names = ["Send", "BroadcastLocal", "BroadcastGlobal", "Receive"]
+    assert [each.name for each in ours.events] == names
+    policy = Policy(ignored=frozenset({"documentation"}))
+    for one, other in zip(imported.events, ours.events, strict=True):
+        assert compare(one, other, result.model.metamodels, policy) == []
 
 
 def write_set(name, place):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.language.attributes.guards import (
     LONGEST,
+    MOST_ALTERNATIVES,
     AllOf,
     AnyOf,
     Condition,
     GuardError,
     Negation,
+    alternatives,
     conditions,
     parse_guard,
 )
@@ -104,3 +108,30 @@ def written(guard):
 @given(_GUARDS)
 def test_what_is_written_is_read(guard):
     assert parse_guard(written(guard)) == guard
+
+
+def holds(guard, facts):
+    if isinstance(guard, Condition):
+        return facts[guard.name]
+    if isinstance(guard, Negation):
+        return not holds(guard.operand, facts)
+    joined = all if isinstance(guard, AllOf) else any
+    return joined([holds(each, facts) for each in guard.operands])
+
+
+@given(_GUARDS)
+def test_alternatives_hold_when_the_guard_holds(guard):
+    found = alternatives(guard)
+    assert found
+    for values in product((False, True), repeat=3):
+        facts = dict(zip("abc", values, strict=True))
+        by_alternatives = any(all(facts[e.name] is so for e, so in each) for each in found)
+        assert by_alternatives == holds(guard, facts)
+
+
+def test_alternatives_are_bounded():
+    number = MOST_ALTERNATIVES.bit_length()
+    choice = " && ".join(f"(a{n} || b{n})" for n in range(number))
+    assert alternatives(parse_guard(choice)) is None
+    assert alternatives(parse_guard(f"!({choice})")) is not None
+    assert alternatives(parse_guard(f"!(!({choice}))")) is None

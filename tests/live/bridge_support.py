@@ -14,9 +14,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from workspaces import packages_of
+from workspaces import kept, packages_of
 
-from jausml.generation import native, render
+from jausml.generation import native
 from jausml.language.model import read_models
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import NOTATIONS
@@ -27,25 +27,23 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
 SUPPORT = str(ROOT / "tests" / "support")
+TARGETS = (BRIDGE, MESSAGES, RUNTIME)
 PATIENCE = 20.0
 
 COMPILED = bool(os.environ.get("JAUSML_COMPILED"))
 """Whether bridges run with a compiled core, to try all of these tests on the fast path."""
 
 
-def generate(folder: Path, document: Path = MODEL) -> list[str]:
-    """Generates the bridges of a model, of the test bridge as a rule.
+def generate(document: Path = MODEL, *, compiled: bool = COMPILED) -> list[str]:
+    """Generates the bridges of a model, of the test bridge as a rule, for all tests.
 
     Returns:
         The folders for the module path.
     """
     result = read_models([document], notations=NOTATIONS, allow_outside=True)
     assert [each for each in result.diagnostics if each.severity is not Severity.INFO] == []
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
-    if COMPILED:
+    folder = kept(result.model, TARGETS, compiled=compiled)
+    if compiled:
         built = native.build(native.cores(folder), native.compiler())
         assert [each.reason for each in built if each.reason] == []
     return packages_of(folder)
@@ -55,7 +53,7 @@ def generate_text(folder: Path, name: str, text: str) -> list[str]:
     """Generates the bridges of a model in text, which is written beside them."""
     document = folder / f"{name}.ros2jaus"
     document.write_text(text, encoding="utf-8")
-    return generate(folder, document)
+    return generate(document)
 
 
 def guardian_of(bridge: int) -> int:

@@ -23,8 +23,8 @@ VEHICLE, OPERATOR = str(FOLDER / "bridge_vehicle.py"), str(FOLDER / "bridge_oper
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return generate(tmp_path_factory.mktemp("workspace"))
+def path():
+    return generate()
 
 
 @pytest.fixture(scope="module")

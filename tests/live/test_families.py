@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 
+import jts_winch
 import pytest
 from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
+
+from jausml.live.peers.makes.vehicle import Place
 
 from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
 
@@ -135,6 +139,48 @@ def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, famil
     assert int(told()["not acknowledged"]) == 0
     for each in quirks:
         assert bridge.log.read_text().count(f"{PEER} {each}") == 1
+
+
+WINCH = """
+import "{service}"
+speed {{
+    JAUS SetWinchCommand
+    ROS std_msgs/Float64
+    stopJaus: {{ silenceTimeout: 0.5 values: {{ target: RopeSpeed value: 0 }} }}
+    ROS->JAUS ( data -> RopeSpeed )
+}}
+length {{ JAUS ReportWinchState ROS std_msgs/Float64 JAUS->ROS ( RopeLength -> data ) }}
+component winch {{ address: 126.1.1 provides: Winch external: true }}
+bridge station {{
+    address: 126.1.9
+    uses: Winch
+    connection speed {{ map: speed direction: rosToJaus peers: winch topic speed }}
+    connection length {{ map: length exchange: periodicEvent rate: 10 peers: winch topic length }}
+}}
+"""
+
+
+def test_what_the_jaus_tool_set_made_of_an_export_obeys_and_reports(ros, start, tmp_path):
+    """It refuses the events by which a bridge watches control and status, without a code."""
+    from std_msgs.msg import Float64
+
+    shutil.copy(jts_winch.SERVICE, tmp_path / "service.xmi")
+    service = tmp_path / "service.xmi"
+    library = "http://www.jausml.org/library/"
+    text = service.read_text(encoding="utf-8").replace("../../library/", library)
+    service.write_text(text, encoding="utf-8")
+    port = free_port()
+    path = generate_text(tmp_path, "winch", WINCH.format(service=service.name))
+    lengths = ros.listen(Float64, "length")
+    with jts_winch.Winch(Place(port=port)) as winch:
+        bridge = start(path, "-m", "station.main", "--jaus-port", str(port))
+        with Repeater(ros.publisher(Float64, "speed"), Float64(data=1.0)):
+            wait_for(lambda: len(winch.commands) > 5, "commands that are obeyed", 40)
+        wait_for(lambda: winch.commands[-1].hex() == "01d10080", "the stop when ROS is silent")
+        wait_for(lambda: lengths, "a report")
+        bridge.close()
+    assert {each.hex() for each in winch.commands} == {"01d1ffbf", "01d10080"}
+    assert {round(each.data, 2) for each in lengths} == {6.25}
 
 
 def test_the_unit_of_the_judges_commands_a_bridge_in_each_of_its_tests(ros, start, tmp_path):

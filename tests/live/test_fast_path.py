@@ -46,12 +46,8 @@ NOT_COMPARED = ("unheard", "translation", "passed on by the core", "rate (Hz)", 
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("workspace")
-    found = generate(folder, MODEL)
-    (built,) = native.build(native.cores(folder), native.compiler())
-    assert not built.reason, built
-    return found
+def path():
+    return generate(MODEL, compiled=True)
 
 
 @contextmanager

@@ -24,8 +24,8 @@ VEHICLE = str(FOLDER / "found_vehicle.py")
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return generate(tmp_path_factory.mktemp("workspace"), FOLDER / "found_peers.ros2jaus")
+def path():
+    return generate(FOLDER / "found_peers.ros2jaus")
 
 
 class System:

@@ -19,8 +19,8 @@ MANUAL = ("-m", "loop_bridge.main", "--ros-args", "-p", "autostart:=false", "--"
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return generate(tmp_path_factory.mktemp("workspace"))
+def path():
+    return generate()
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ def system(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", free_domain())
-        path = generate(tmp_path_factory.mktemp("workspace"))
+        path = generate()
         started = System(path, tmp_path_factory.mktemp("logs"))
         yield started
         started.close()

@@ -1,4 +1,4 @@
-"""A JAUS operator changes the life cycle of a ROS node, by the model of the page on ready maps."""
+"""A JAUS operator changes the life cycle and the mode of a ROS node, by the model of the page."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+
 from .bridge_support import ROOT, Process, RosPeer, generate_text, wait_for
 
 pytestmark = [
@@ -18,6 +20,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
+AT_MOST_2 = IntegerRange(from_value=0, to_value=2, step=1)
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
 MODEL = re.compile(r"^\$ cat > managed\.ros2jaus <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL)
 
@@ -52,6 +55,9 @@ def test_an_operator_activates_and_deactivates_a_node(ros, tmp_path):
         done = ocu("command", "100.1.40", "SetPlatformState", f"PlatformState={name}")
         assert done.returncode == 0, done.stderr
 
+    def mode():
+        return driver.get_parameter("platform_mode").value
+
     try:
         ready = ocu("status", "100.1.40", "--timeout", "60")
         assert ready.returncode == 0, ready.stderr
@@ -63,6 +69,16 @@ def test_an_operator_activates_and_deactivates_a_node(ros, tmp_path):
         assert "(Operational)" in state()
         command("Initialize")
         wait_for(lambda: "(Initialize)" in state(), "an inactive node")
+        assert "Standard" not in ocu("query", "100.1.40", "PlatformMode", "--timeout", "2").stdout
+        driver.declare_parameter("platform_mode", 0, ParameterDescriptor(integer_range=[AT_MOST_2]))
+        done = ocu("command", "100.1.40", "SetPlatformMode", "PlatformMode=2")
+        assert done.returncode == 0, done.stderr
+        wait_for(lambda: mode() == 2, "maintenance")
+        assert re.search(r"PlatformMode.*\b2\b", ocu("query", "100.1.40", "PlatformMode").stdout)
+        ocu("command", "100.1.40", "SetPlatformMode", "PlatformMode=1")
+        wait_for(lambda: mode() == 1, "training")
+        ocu("command", "100.1.40", "SetPlatformMode", "PlatformMode=200")  # the node refuses it
+        assert re.search(r"PlatformMode.*\b1\b", ocu("query", "100.1.40", "PlatformMode").stdout)
     finally:
         bridge.kill()
         ros.executor.remove_node(driver)

@@ -67,7 +67,7 @@ def check_graph(ros, node, namespace, policy):
 
 def test_the_graph_of_a_bridge_is_its_policy(ros, tmp_path):
     arguments = ["-m", "loop_bridge.main", "--jaus-port", str(free_port())]
-    bridge = Process(arguments, generate(tmp_path / "workspace"), tmp_path / "log")
+    bridge = Process(arguments, generate(), tmp_path / "log")
     try:
         check_graph(ros, "loop_bridge", "/", policies(MODEL)["loop_bridge"])
     finally:

@@ -126,7 +126,7 @@ def recording(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", free_domain())
-        packages = generate(tmp_path_factory.mktemp("workspace"), FLEET)
+        packages = generate(FLEET)
         ros = RosPeer()
         line = ["-m", "robot.main", "--jaus-port", str(port)]
         bridge = Process(line, packages, folder / "bridge.log")

@@ -106,7 +106,7 @@ class Metronome:
 
 @pytest.fixture(scope="module")
 def capture(tmp_path_factory):
-    path = generate(tmp_path_factory.mktemp("workspace"))
+    path = generate()
     logs = tmp_path_factory.mktemp("logs")
     port = free_port()
     with pytest.MonkeyPatch.context() as environment:

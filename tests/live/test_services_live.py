@@ -24,8 +24,8 @@ FOLDER = Path(__file__).resolve().parent
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    return generate(tmp_path_factory.mktemp("workspace"), FOLDER / "services.ros2jaus")
+def path():
+    return generate(FOLDER / "services.ros2jaus")
 
 
 class System:

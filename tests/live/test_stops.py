@@ -149,7 +149,7 @@ def moves(message):
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory, request):
-    packages = generate(tmp_path_factory.mktemp("workspace"), FOLDER / "stops.ros2jaus")
+    packages = generate(FOLDER / "stops.ros2jaus")
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", free_domain())

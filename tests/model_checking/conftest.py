@@ -19,22 +19,29 @@ ROVER = FOLDER / "rover.ros2jaus"
 
 
 @pytest.fixture(scope="session")
-def run_script(tmp_path_factory):
-    """Runs a script of this folder beside the packages of a model; returns what it says as JSON."""
+def path_of(tmp_path_factory):
+    """Returns the Python path of the packages of a model, which are generated once."""
     workspaces = {}
 
-    def workspace_of(model):
+    def found(model):
         if model not in workspaces:
             workspaces[model] = tmp_path_factory.mktemp(model.stem)
             line = ["generate", str(model), "-o", str(workspaces[model]), "-q"]
             result = CliRunner().invoke(main, line)
             assert result.exit_code == 0, result.output
-        return workspaces[model]
+        return python_path(workspaces[model])
+
+    return found
+
+
+@pytest.fixture(scope="session")
+def run_script(path_of):
+    """Runs a script of this folder beside the packages of a model; returns what it says as JSON."""
 
     def run(name, *words, model=ROVER):
         result = subprocess.run(
             [sys.executable, str(FOLDER / name), *words],
-            env={**os.environ, "PYTHONPATH": python_path(workspace_of(model))},
+            env={**os.environ, "PYTHONPATH": path_of(model)},
             capture_output=True,
             text=True,
             timeout=100,

@@ -72,6 +72,8 @@ PARAMETERS = {
     "number": "float",
     "numbers": "Sequence[Cell]",
     "value": "Key",
+    "text": "str",
+    "octets": "Sequence[int]",
     "geometry_msgs/Quaternion": "QuaternionLike",
     "builtin_interfaces/Time": "TimeLike",
     "TimeStamp": "TimeStampLike",
@@ -81,6 +83,8 @@ RESULTS = {
     ("number", "number", "number"): "Angles",
     ("numbers",): "list[Cell]",
     ("value",): "Value",
+    ("octets",): "bytes",
+    ("number", "number", "text", "number", "number", "octets"): "Pixels",
     ("geometry_msgs/Quaternion",): "Quaternion",
     ("builtin_interfaces/Time",): "Time",
     ("TimeStamp",): "TimeStamp",
@@ -143,6 +147,7 @@ INPUTS = {
     "number": NUMBERS,
     "numbers": st.lists(st.integers(-128, 127), max_size=24),
     "value": st.sampled_from([0.0, 1.0, 2.0, "on"]),
+    "octets": st.binary(max_size=16),
     "geometry_msgs/Quaternion": PARTS,
     "builtin_interfaces/Time": INSTANTS,
     "TimeStamp": STAMPS,
@@ -158,6 +163,17 @@ ARGUMENTS = {
     "percent_to_value": st.tuples(POSITIVE),
     "look_up": st.just((TABLE,)),
 }
+ENCODINGS = st.sampled_from(["mono8", "mono16", "rgb8", "bgr8", "rgba8", ""])
+SIDES = st.integers(0, 3)
+# Of a header, mostly whole, and pixels of it, mostly as many as there should be.
+HEADERS = st.tuples(
+    st.sampled_from(["P5", "P6", "P4", "p5"]),
+    *[st.sampled_from([" ", "\n", "\r\n", "\t # 9 8\n", "#\r", ""])] * 2,
+    *[st.sampled_from(["1", "2", "02", "0", "1234567890", "x", "-1"])] * 2,
+    st.sampled_from([" ", "\n#\n"]),
+    st.sampled_from(["255", "65535", "254", ""]),
+    st.sampled_from(["\n", " ", "#9\n", "", "x"]),
+).map(lambda each: f"{each[0]}{each[1]}{each[3]}{each[2]}{each[4]}{each[5]}{each[6]}{each[7]}")
 # Where the usual numbers would only ever miss.
 OWN_INPUTS = {
     "occupancy_to_cost": st.tuples(st.integers(-1, 101)),
@@ -166,6 +182,12 @@ OWN_INPUTS = {
         INPUTS["numbers"], st.sampled_from([1.0, 2.0, 3.0, 2.5, 0.0, math.inf])
     ),
     "covariance_to_rms": st.tuples(*[st.floats(-1.0, 1e6)] * 3),
+    "pixels_to_pnm": st.tuples(
+        SIDES, SIDES, ENCODINGS, st.booleans(), st.integers(0, 9), st.binary(max_size=27)
+    ).map(lambda each: (*each[:5], (each[5] * 27)[: each[0] * each[4]] if each[5] else b"a")),
+    "pnm_to_pixels": st.tuples(HEADERS, st.sampled_from([1, 2, 3, 4, 6, 8, 12]), st.binary()).map(
+        lambda each: (each[0].encode() + (each[2] * 12)[: each[1]],)
+    ),
 }
 KINDS = {
     "geometry_msgs/Quaternion": runtime.Quaternion,
@@ -205,7 +227,7 @@ def parts_of(result):
 
 def same(conversion, found, expected):
     """Whether two results are the same; of a tilt only the sine is exact near the vertical."""
-    if isinstance(expected, str):
+    if isinstance(expected, str | bytes):
         return found == expected
     if math.isnan(expected):
         return math.isnan(found)

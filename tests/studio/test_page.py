@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -52,5 +54,14 @@ def test_nothing_stands_in_the_page_itself():
 
 def test_licences_of_what_is_in_it_are_beside_it():
     text = (PAGE.parent / "licenses.md").read_text(encoding="utf-8")
-    for name in ("react", "@xyflow/react", "zustand"):
+    for name in ("react", "@xyflow/react", "zustand", "uplot"):
         assert name in text
+
+
+def test_all_of_it_stays_light():
+    """What a slow link carries: all parts, though those that load late are seldom wanted."""
+    parts = [each for each in (PAGE.parent / "assets").iterdir() if each.suffix in (".js", ".css")]
+    assert sum(len(gzip.compress(each.read_bytes())) for each in parts) < 700_000
+    # Who edits models does not load the operator unit, nor what draws its plots.
+    first = re.findall(r'src="\./([^"]+)"', PAGE.read_text(encoding="utf-8"))
+    assert all("Take control" not in (PAGE.parent / each).read_text() for each in first)

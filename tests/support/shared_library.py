@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 TESTS = Path(__file__).resolve().parents[1]
-OF_THE_READER = ("model", "editing/text")
+OF_THE_READER = ("model",)
 """Folders of tests that judge reading itself, or change what was read."""
 IN_THREADS = ("studio/server", "studio/browser", "editor")
 """Folders of tests that read in several threads at once, which each need a cache."""

@@ -39,6 +39,12 @@ class Server:
 
     process: subprocess.Popen[str]
     address: str
+    commanding: str = ""
+
+    @property
+    def right(self) -> str:
+        """The right to command; empty where nobody has it."""
+        return self.commanding.partition("&command=")[2]
 
     @property
     def host(self) -> str:
@@ -63,8 +69,8 @@ class Server:
         return connect(f"ws://{urlsplit(self.address).netloc}{path}", **options)
 
     @contextmanager
-    def page(self) -> Iterator[Page]:
-        with self.connect() as socket:
+    def page(self, path: str = "/socket") -> Iterator[Page]:
+        with self.connect(path) as socket:
             page = Page(socket)
             page.project = page.ask("hello", token=self.token)
             yield page
@@ -144,7 +150,10 @@ def serving(
         assert process.stdout is not None
         address = process.stdout.readline().strip().removeprefix("jausml studio: ")
         assert address, process.communicate()[1]
-        yield Server(process, address)
+        commanding = ""
+        if "--operate" in options:
+            commanding = process.stdout.readline().strip().removeprefix("to command: ")
+        yield Server(process, address, commanding)
     finally:
         process.send_signal(signal.SIGTERM)
         try:

@@ -1,12 +1,27 @@
-"""Generated workspaces in tests: where Python finds their packages."""
+"""Generated workspaces in tests: those that many want, and where Python finds their packages."""
 
 from __future__ import annotations
 
 import os
+import shutil
+import tempfile
+import time
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.generation.rendering import digest, render, tool
+
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
+    from typing import Any
+
+    from jausml.generation import Target
+    from jausml.language.model import Model
+
+_FORGOTTEN = 24 * 3600
+"""Seconds after which what another state of the project has generated is removed."""
 
 
 def packages_of(workspace: Path) -> list[str]:
@@ -17,3 +32,45 @@ def packages_of(workspace: Path) -> list[str]:
 def python_path(workspace: Path) -> str:
     """Returns the value of PYTHONPATH with all packages of a workspace."""
     return os.pathsep.join(packages_of(workspace))
+
+
+def write(model: Model, targets: Sequence[Target[Any]], folder: Path) -> None:
+    """Writes what is generated of a model."""
+    for artifact in render(model, targets):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+
+
+def kept(model: Model, targets: Sequence[Target[Any]], *, compiled: bool = False) -> Path:
+    """Returns a folder with what is generated of a model, which nobody may change.
+
+    All workers have the same one, and later runs, until a document or anything of the project is
+    another. What is compiled in it stays, so that there is one with and one without.
+    """
+    names = [f"{each.path.name} {sha256(each.data).hexdigest()}" for each in model.documents]
+    folder = _place() / digest([str(compiled), *(each.name for each in targets), *names])[:24]
+    if not folder.exists():
+        new = Path(tempfile.mkdtemp(dir=folder.parent, prefix="new-"))
+        write(model, targets, new)
+        try:
+            new.rename(folder)
+        except OSError:  # another worker was first
+            shutil.rmtree(new)
+    return folder
+
+
+@cache
+def _place() -> Path:
+    """Returns the folder for this state of the project; far from it, for tools look upwards."""
+    root = Path(tempfile.gettempdir(), f"jausml-workspaces-{os.getuid()}")
+    root.mkdir(mode=0o700, exist_ok=True)
+    if root.stat().st_uid != os.getuid():
+        raise PermissionError(f"{root} is somebody else's")
+    for each in root.iterdir():
+        if each.stat().st_mtime < time.time() - _FORGOTTEN:
+            shutil.rmtree(each, ignore_errors=True)
+    place = root / digest(tool())[:24]
+    place.mkdir(exist_ok=True)
+    os.utime(place)
+    return place

@@ -15,6 +15,7 @@ import pytest
 from for_each import for_each
 
 from jausml.generation.native import compiler
+from jausml.language.model import library_root
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "benchmarks"
@@ -61,6 +62,15 @@ def test_what_it_imports_is_there(path):
 def _has(module, name):
     """Whether a module has a name, or a package a module."""
     return hasattr(module, name) or importlib.util.find_spec(f"{module.__name__}.{name}")
+
+
+def test_the_ready_maps_are_there(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    systems, names = map(importlib.import_module, ("systems", "names"))
+    assert systems.READY.keys() == names.READY_MAPS.keys()
+    for name, file in systems.READY.items():
+        text = (library_root() / "mappings" / f"{file}.ros2jaus").read_text(encoding="utf-8")
+        assert f"\n{name} {{" in text
 
 
 def test_the_page_is_made_of_the_data(page):

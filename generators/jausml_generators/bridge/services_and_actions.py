@@ -21,7 +21,12 @@ from jausml.language.semantics.connections.calls import (
     speed_answer,
 )
 from jausml.language.semantics.connections.reports import requested_in
-from jausml.language.semantics.jaus.commands import answer_alike, guard_of_receivers, is_command
+from jausml.language.semantics.jaus.commands import (
+    answer_alike,
+    guard_of_executors,
+    guard_of_receivers,
+    is_command,
+)
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import peers_of, priority_of, query_call
@@ -144,11 +149,21 @@ class ActionView(ConnectionView):
             lines += [*self._answers, f"fill=self.{self.hook}"]
         else:
             lines += [f"speed={python_literal(self.speed)}", f"speed_of=self.{self.hook}"]
-            if not action.control:
-                lines.append("control=False")
+            if self._guard != "READY":
+                lines.append(f"control=Guard.{self._guard}")
+            if action.onEnd.name == "pause":
+                lines.append("pauses=True")
         if self.action.peers or self.action.search is not None or not self.to_ros:
             lines.append(f"peers={self.peers}")
         return (*lines, f"timeout={python_literal(float(action.timeout))}")
+
+    @property
+    def _guard(self) -> str:
+        """Whom peers obey that are to execute something."""
+        action = self.action
+        if not action.control:
+            return "ANY"
+        return guard_of_executors(action.peers, action.search)
 
     @property
     def speed(self) -> float:

@@ -168,6 +168,11 @@ class Machines:
         """Guards and actions, as methods of the skeleton."""
         return (*self._guard_methods.values(), *self._action_methods.values())
 
+    @property
+    def condition_methods(self) -> dict[str, str]:
+        """Names of the methods of conditions that the user writes, by their names in guards."""
+        return {name: method.name for name, method in self._guard_methods.items()}
+
     def _guard_method(self, use: _Use) -> Method:
         name = self._scope.claim(names.snake_case(use.name))
         text = sentence(f"tell whether the guard {clean(use.name)} holds")

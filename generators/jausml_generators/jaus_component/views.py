@@ -195,6 +195,11 @@ class ComponentView(ProgramView):
         return self._machines.views
 
     @property
+    def condition_methods(self) -> Mapping[str, str]:
+        """Names of the methods of conditions of its machines, by their names in guards."""
+        return self._machines.condition_methods
+
+    @property
     def events(self) -> tuple[EventView, ...]:
         """Internal events that the component may raise."""
         return self._machines.events if self.state_machines else ()

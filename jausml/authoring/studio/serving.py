@@ -55,11 +55,10 @@ def require_page() -> None:
         )
 
 
-def serve(session: Session, host: str, port: int, opened: Callable[[str], None]) -> None:
+def serve(session: Session, host: str, port: int, opened: Callable[[Studio], None]) -> None:
     """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
 
-    `opened`: is called with the address as soon as it can be opened. `OSError`: the port cannot be
-    had.
+    `opened`: is called as soon as the addresses can be opened. `OSError`: the port cannot be had.
     """
     if not host:
         raise ValueError("an empty host would be all addresses")
@@ -85,7 +84,7 @@ def serve(session: Session, host: str, port: int, opened: Callable[[str], None])
         )
         server = uvicorn.Server(config)
         with _ended_by_signals(server):
-            opened(studio.address)
+            opened(studio)
             server.run(sockets=[listener])
 
 
@@ -124,12 +123,19 @@ class Studio:
         """The address to open; the token stands where browsers send it to nobody."""
         return f"http://{self.served.authority}/#token={self.token.text}"
 
+    @property
+    def commanding_address(self) -> str:
+        """The address of those who may command too; empty where nobody may."""
+        powers = self.session.operating.powers
+        return f"{self.address}&command={powers.token.text}" if powers is not None else ""
+
     def app(self) -> ASGIApp:
         """Returns the application."""
         routes = [
             Route("/", self._index),
             WebSocketRoute("/socket", self._page_socket),
             WebSocketRoute("/language", self._language_socket),
+            WebSocketRoute("/operate", self._operator_socket),
             Mount("/", StaticFiles(directory=self.page)),
         ]
         return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.served)
@@ -152,6 +158,12 @@ class Studio:
         async with self._accepted(socket) as is_accepted:
             if is_accepted:
                 await LanguageSocket(socket, self.session.root).run(self.token)
+
+    async def _operator_socket(self, socket: WebSocket) -> None:
+        async with self._accepted(socket) as is_accepted:
+            if is_accepted:
+                seat = await asyncio.to_thread(self.session.operating.seat)
+                await PageSocket(socket, seat).run(self.token)
 
     @asynccontextmanager
     async def _accepted(self, socket: WebSocket) -> AsyncIterator[bool]:

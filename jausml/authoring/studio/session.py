@@ -14,8 +14,9 @@ from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.handlers import editing, modelling, showing
+from jausml.authoring.studio.handlers import editing, modelling, showing, stepping
 from jausml.authoring.studio.handlers.showing import LiveRequests
+from jausml.authoring.studio.operating.seats import Operating
 from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
@@ -31,8 +32,9 @@ if TYPE_CHECKING:
     from jausml.authoring.studio import rpc
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
+    from jausml.authoring.studio.operating.unit import Powers
 
-_MODULES = (showing, editing, modelling)
+_MODULES = (showing, editing, modelling, stepping)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
@@ -42,7 +44,8 @@ DEBOUNCE_MS, STEP_MS = 50, 10
 class Session:
     """Answers pages, and tells them what happens."""
 
-    def __init__(self, context: StudioContext) -> None:
+    def __init__(self, context: StudioContext, powers: Powers | None = None) -> None:
+        """Begins a session (`powers`: what pages may command, None for nothing)."""
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._context = context
         self._live_requests = LiveRequests(context)
@@ -54,6 +57,7 @@ class Session:
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
+        self.operating = Operating(context.project, context.network, powers)
         context.followers.extend((self._checking.begin, self._live_requests.changed))
 
     @property
@@ -80,6 +84,7 @@ class Session:
         end = asyncio.Event()
         watched = asyncio.create_task(self._watch(end))
         self._checking.start()
+        self.operating.start()
         # Reading the library takes seconds on a busy computer: better before somebody asks for it.
         threading.Thread(target=library_entries, name="library", daemon=True).start()
         try:
@@ -90,6 +95,7 @@ class Session:
             self._checking.close()
             await watched  # it may wait for its turn among the changes
             self._answering.close()
+            await asyncio.to_thread(self.operating.stop)
             await asyncio.to_thread(self._live_requests.stop)
             await asyncio.to_thread(self._context.trials.close)
 

@@ -9,7 +9,7 @@ import os
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
@@ -17,12 +17,12 @@ from jausml.authoring.studio import rpc
 from jausml.authoring.studio.rpc import Request, RpcError, TypedError, typed
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Coroutine
+    from collections.abc import AsyncIterator, Callable, Coroutine
+    from contextlib import AbstractContextManager
 
     from starlette.websockets import WebSocket
 
     from jausml.authoring.studio.security import Token
-    from jausml.authoring.studio.session import Session
 
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Bytes of a message that a page sends; a text of a file is the longest."""
@@ -72,10 +72,24 @@ async def received(socket: WebSocket) -> AsyncIterator[str | None]:
             yield message.get("text")
 
 
+class Asked(Protocol):
+    """What answers a page."""
+
+    @property
+    def revision(self) -> int:
+        """The revision of what answers are about."""
+
+    def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
+        """Tells a listener what happens as long as the context lasts."""
+
+    async def answer(self, request: Request) -> object:
+        """Returns the result of a request."""
+
+
 class PageSocket:
     """One page and what it asks."""
 
-    def __init__(self, socket: WebSocket, session: Session) -> None:
+    def __init__(self, socket: WebSocket, session: Asked) -> None:
         self._socket = socket
         self._session = session
         self._loop = asyncio.get_running_loop()

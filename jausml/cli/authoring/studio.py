@@ -5,18 +5,23 @@ from __future__ import annotations
 import logging
 import webbrowser
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import (
+    STOP_WORDS,
+    FiniteRange,
     interface_option,
     multicast_group_option,
     peer_option,
     port_option,
 )
 from jausml.cli.shared.terminal import remark
+
+if TYPE_CHECKING:
+    from jausml.authoring.studio.operating.unit import Powers
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "pygls")
 
@@ -47,6 +52,27 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
     metavar="DIR",
     help="Output folder for code generated from the page.",
 )
+@click.option(
+    "--operate",
+    type=click.Choice(STOP_WORDS),
+    help="Let pages with a second address command components. The word is what Stop does, to those "
+    "that are controlled: standby (Management), or emergency, which lasts until it is cleared.",
+)
+@click.option(
+    "--lease",
+    type=FiniteRange(0.5, 60.0),
+    metavar="SECONDS",
+    help="With --operate: how long the page that commands may be silent before all that it "
+    "controls is stopped and released. You decide it, there is no default.",
+)
+@click.option(
+    "--stop",
+    "stops",
+    multiple=True,
+    metavar="'MESSAGE SECONDS FIELDS'",
+    help="With --operate: the message that stops a command of the stick, and after which silence "
+    "of the page. May be repeated; without it, what the model declares.",
+)
 @interface_option("--jaus-interface")
 @port_option("--jaus-port")
 @multicast_group_option("--jaus-multicast-group")
@@ -57,12 +83,16 @@ def command(
     page_port: int,
     no_browser: bool,
     out: str,
+    operate: str | None,
+    lease: float | None,
+    stops: tuple[str, ...],
     **network: Any,
 ) -> None:
     """Show and edit models in the browser: a file, or a folder of them.
 
     Serves a page to this computer only, and opens the browser. Anybody with the printed address can
-    change the model files of the folder. Needs the extra `studio`.
+    change the model files of the folder, and nothing commands a component without --operate. Needs
+    the extra `studio`.
 
     Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
     or the page is missing), 3 internal error.
@@ -72,24 +102,33 @@ def command(
         raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio.context import StudioContext
-    from jausml.authoring.studio.serving import PageMissingError, require_page, serve
+    from jausml.authoring.studio.serving import PageMissingError, Studio, require_page, serve
     from jausml.authoring.studio.session import Session
     from jausml.cli.live.network import network_from
 
+    powers = _powers(operate, lease, stops)
     # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
+    if powers is not None:
+        logging.getLogger("jausml.operating").setLevel(logging.INFO)
     watched = network_from(None, **network)
     try:
-        session = Session(StudioContext(Project(path), out, watched))
+        project = Project(path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
+    try:
+        session = Session(StudioContext(project, out, watched), powers)
+    except ValueError as error:
+        raise click.UsageError(f"--stop: {error}") from error
 
-    def opened(address: str) -> None:
-        click.echo(f"jausml studio: {address}")
+    def opened(studio: Studio) -> None:
+        click.echo(f"jausml studio: {studio.address}")
+        if studio.commanding_address:
+            click.echo(f"to command: {studio.commanding_address}")
         remark("Ctrl-C ends it.")
         if not no_browser:
-            webbrowser.open(address)
+            webbrowser.open(studio.commanding_address or studio.address)
 
     try:
         require_page()
@@ -99,6 +138,19 @@ def command(
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
+
+
+def _powers(operate: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:
+    """Returns what pages may command, None for nothing."""
+    if (operate is None) != (lease is None):
+        raise click.UsageError("--operate and --lease belong together: both say what is safe")
+    if operate is None or lease is None:
+        if stops:
+            raise click.UsageError("--stop is for --operate")
+        return None
+    from jausml.authoring.studio.operating.unit import Powers
+
+    return Powers(operate, lease, stops)
 
 
 @click.command("language-server")

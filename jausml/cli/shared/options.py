@@ -48,6 +48,9 @@ QUESTIONS = ("heartbeat", "identification", "status", "control")
 AUTHORITY = 205
 """`jausml.live.peers.console`."""
 
+STOP_WORDS = ("standby", "emergency")
+"""`jausml.authoring.studio.operating.stops`."""
+
 TRANSPORTS = ("judp", "jtcp", "node-manager")
 INTERFACE = "127.0.0.1"
 PORT = 3794

@@ -14,7 +14,9 @@ the condition is given the message and its sender.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import chain, product
+from math import prod
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.cursor import Language, LanguageError, TokenCursor
@@ -25,6 +27,9 @@ if TYPE_CHECKING:
 LONGEST = 1000
 """Characters of a guard; more is no guard that a person wrote."""
 
+MOST_ALTERNATIVES = 100
+"""Alternatives of a guard without parentheses; more are no longer to be read."""
+
 
 class GuardError(LanguageError):
     """A text is no guard."""
@@ -33,8 +38,8 @@ class GuardError(LanguageError):
 _LANGUAGE = Language(
     noun="guard",
     tokens=re.compile(
-        r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
-        r"(?:\s*\([^()|&!]*\))?|(?P<sign>&&|\|\||[!()]))"
+        r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*"
+        r"(?:\s*\([^()|&!]*\))?)|(?P<sign>&&|\|\||[!()]))"
     ),
     error=GuardError,
     longest=LONGEST,
@@ -44,9 +49,14 @@ _LANGUAGE = Language(
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition by its name."""
+    """A condition by its name.
+
+    Attributes:
+        written: The condition as it stands in the text, with its arguments.
+    """
 
     name: str
+    written: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -71,6 +81,8 @@ class AnyOf:
 
 
 Guard = Condition | Negation | AllOf | AnyOf
+Alternative = tuple[tuple[Condition, bool], ...]
+"""Conditions, each with whether it has to hold."""
 
 
 def parse_guard(text: str | None) -> Guard | None:
@@ -89,6 +101,31 @@ def conditions(guard: Guard | None) -> Iterator[str]:
     elif guard is not None:
         for operand in guard.operands:
             yield from conditions(operand)
+
+
+def alternatives(guard: Guard, *, holds: bool = True) -> list[Alternative] | None:
+    """Returns a guard without parentheses: it holds when all of one alternative is as it says.
+
+    `!(a || b) && (c || d)` are the alternatives `!a && !b && c` and `!a && !b && d`.
+
+    Args:
+        holds: False for the opposite of the guard.
+
+    Returns:
+        None where there are more than `MOST_ALTERNATIVES`.
+    """
+    if isinstance(guard, Condition):
+        return [((guard, holds),)]
+    if isinstance(guard, Negation):
+        return alternatives(guard.operand, holds=not holds)
+    inside = [alternatives(each, holds=holds) for each in guard.operands]
+    known = [each for each in inside if each is not None]
+    is_choice = isinstance(guard, AnyOf) is holds
+    number = sum(map(len, known)) if is_choice else prod(map(len, known))
+    if len(known) < len(inside) or number > MOST_ALTERNATIVES:
+        return None
+    found = chain(*known) if is_choice else (tuple(chain(*each)) for each in product(*known))
+    return list(dict.fromkeys(tuple(dict.fromkeys(each)) for each in found))
 
 
 class _Parser:
@@ -120,4 +157,5 @@ class _Parser:
             return cursor.parenthesized(self._any_of)
         if cursor.token.kind != "name":
             raise cursor.error(f"a condition is missing before {cursor.token}")
-        return Condition(cursor.advance().text.rpartition(".")[2].strip())
+        written = cursor.advance().text
+        return Condition(written.partition("(")[0].rpartition(".")[2].strip(), written)

@@ -30,6 +30,11 @@ class Handoffs:
         self._waiting: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         self.on_news: Callable[[str], None] = lambda _: None
 
+    @property
+    def waiting(self) -> tuple[HandoffRequest, ...]:
+        """Who asks for control of components that we control, or did when we lost it."""
+        return tuple(each for asked in list(self._waiting.values()) for each in asked)
+
     def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
         """Takes who asks for control of a component that we control; on the loop's thread."""
         self._waiting[target] = requests
@@ -51,6 +56,9 @@ class Handoffs:
         for each in self._waiting.get(target, ()):
             if each.number == number:
                 self._component.decide_handoff(each, decision)
+                if decision is not HandoffDecision.WAIT:
+                    left = (other for other in self._waiting[target] if other is not each)
+                    self._waiting[target] = tuple(left)
                 return each
         raise Refused(f"nobody asks for control of {target} under number {number}")
 

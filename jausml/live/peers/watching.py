@@ -10,6 +10,7 @@ from jausml.live.peers.entry_messages import EntryMessage, full_query, message_c
 from jausml.live.peers.query_client import QueryClient, Refused
 from jausml.live.peers.rendering import printable
 from jausml.runtime.services.definitions import Guard
+from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.runtime import EventSubscription
     from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
 
 _LATE_REPORTS = 3
 """Periodic reports that may be missing before it is told."""
@@ -71,6 +73,19 @@ class WatchingClient(QueryClient):
             payloads=True,
         )
         return self._confirmed(target, subscription, report)
+
+    def deliver(
+        self, target: JausAddress, message: Message, arrived: Callable[[bool], None]
+    ) -> None:
+        """Sends a message before others that wait, and tells whether it was acknowledged."""
+        self._component.transport.send(
+            self.own,
+            target,
+            message.encode(),
+            priority=Priority.SAFETY_CRITICAL,
+            acknowledge=True,
+            on_result=arrived,
+        )
 
     def _confirmed(
         self, target: JausAddress, subscription: EventSubscription, report: MessageEntry

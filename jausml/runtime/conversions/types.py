@@ -13,6 +13,7 @@ from ..base.api import JausError
 __all__ = [
     "Angles",
     "ConversionError",
+    "Pixels",
     "Quaternion",
     "QuaternionLike",
     "Time",
@@ -119,3 +120,14 @@ class Angles(NamedTuple):
     roll: float
     pitch: float
     yaw: float
+
+
+class Pixels(NamedTuple):
+    """The pixels of an image, with the attributes of sensor_msgs/Image."""
+
+    height: int
+    width: int
+    encoding: str
+    is_bigendian: int
+    step: int
+    data: bytes

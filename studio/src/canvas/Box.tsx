@@ -4,7 +4,7 @@ import { beginRename, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
 import { nodeKey, type PartKey, portKey } from "../selection";
-import { active, type Studio, update, useStudio } from "../store";
+import { active, isPresent, type Studio, update, useStudio } from "../store";
 import { type BoxNode, handleId } from "./flow";
 import { domId, liveClass, liveText, Mark, severityOf, told } from "./marks";
 
@@ -14,15 +14,16 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const key = nodeKey(node.id);
   const states = useStudio((studio) => statesOf(studio, node));
   const live = useStudio((studio) => studio.live?.boxes[node.id]);
+  const isNow = useStudio((studio) => isPresent(studio, node.id));
   const severity = severityOf(node.findings);
   const [own = "", ...rows] = states.split(BETWEEN);
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
       id={domId(key)}
-      className={`box ${node.kind} ${severity} ${liveClass(live)} ${own}`}
+      className={`box ${node.kind} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
       role="group"
-      aria-label={labelOf(node)}
+      aria-label={isNow ? `${labelOf(node)}, the present state` : labelOf(node)}
       data-part={key}
     >
       <div className="head" style={{ height: node.head }}>

@@ -1,7 +1,7 @@
 import type { NodeProps } from "@xyflow/react";
 import { memo } from "react";
 import { groupKey } from "../selection";
-import { active, useStudio } from "../store";
+import { active, isPresent, useStudio } from "../store";
 import type { FrameNode } from "./flow";
 import { domId } from "./marks";
 
@@ -11,7 +11,8 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
   const key = groupKey(group.id);
   const isActive = useStudio((studio) => active(studio) === key);
   const isUnder = useStudio((studio) => studio.under === key);
-  const states = [selected && "chosen", isActive && "active", isUnder && "under"];
+  const isNow = useStudio((studio) => isPresent(studio, group.id, true));
+  const states = [isNow && "now", selected && "chosen", isActive && "active", isUnder && "under"];
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div

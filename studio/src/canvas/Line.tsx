@@ -2,7 +2,7 @@ import { type EdgeProps, getBezierPath } from "@xyflow/react";
 import { memo } from "react";
 import type { GraphEdge } from "../protocol";
 import { edgeKey } from "../selection";
-import { active, useStudio } from "../store";
+import { active, isTakenLast, useStudio } from "../store";
 import { bend, type FlowEdge, middleOf, pathOf } from "./flow";
 import { domId, liveClass, liveText, SIGNS, severityOf, told } from "./marks";
 
@@ -16,6 +16,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   const isActive = useStudio((studio) => active(studio) === key);
   const isDim = useStudio((studio) => studio.bright !== null && !studio.bright.has(key));
   const live = useStudio((studio) => studio.live?.edges[edge.id]);
+  const isTaken = useStudio((studio) => isTakenLast(studio, edge.id));
   const [path, x, y] = wayOf(props);
   const severity = severityOf(edge.findings);
   const classes = ["line", edge.kind, severity, liveClass(live)];
@@ -23,6 +24,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   if (selected) classes.push("chosen");
   if (isActive) classes.push("active");
   if (isDim) classes.push("dim");
+  if (isTaken) classes.push("taken");
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
   // What a topic carries is told where its row ends on the other side of the bridge.
   const said = live && edge.kind !== "topic" ? [liveText(live)] : [];

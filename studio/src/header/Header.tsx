@@ -1,4 +1,5 @@
 import { openFile, openView, redo, undo } from "../actions";
+import { operate } from "../operate/mode";
 import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
 
@@ -46,6 +47,9 @@ export function Header() {
         </select>
       </label>
       <span className="spring" />
+      <button type="button" onClick={() => operate(true)}>
+        Operate
+      </button>
       <button type="button" onClick={() => update({ dialog: { kind: "create" } })}>
         New model…
       </button>

@@ -46,6 +46,7 @@ export const HELP: readonly HelpGroup[] = [
       ["Ctrl+F", "filter the diagram by name; Enter goes to the next that fits"],
       ["M", "fill the map that is shown from what corresponds"],
       ["F6, Shift+F6", "to the next part of the page, or the one before"],
+      ["F8, Pause", "STOP, for who may command, wherever the focus is"],
       ["?", "this help"],
     ],
   ],

@@ -10,3 +10,4 @@ export type * from "./plans";
 export type * from "./problems";
 export type * from "./project";
 export type * from "./sources";
+export type * from "./steps";

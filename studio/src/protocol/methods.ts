@@ -9,6 +9,7 @@ import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, Project, Ref, ViewInfo } from "./project";
 import type { FileText, Source } from "./sources";
+import type { ChosenStep, Stepping } from "./steps";
 
 /** Requests: parameters and results by method. */
 export interface Methods {
@@ -58,6 +59,12 @@ export interface Methods {
     TryResult,
   ];
   tried: [{ file: string; map: string; direction: Direction }, { inputs: TriedInput[] }];
+  step: [
+    { file: string; view: string; path: ChosenStep[]; said: Record<string, boolean> },
+    Stepping,
+  ];
+  /** A path as a test module. */
+  "step.test": [{ file: string; view: string; path: ChosenStep[] }, { test: string }];
   /** `force` overwrites generated files that were edited, after a copy. */
   plan: [{ file: string; out?: string; force?: boolean }, Plan];
   diff: [{ file: string; out: string; path: string; force: boolean }, { diff: string }];

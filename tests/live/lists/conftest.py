@@ -32,9 +32,9 @@ def nav2():
 
 
 @pytest.fixture(scope="module")
-def packages(tmp_path_factory, nav2):
+def packages(nav2):
     """The module path of the generated bridges, of their messages, and of nav2_msgs."""
-    made = generate(tmp_path_factory.mktemp("lists"), LIVE / "waypoint_lists.ros2jaus")
+    made = generate(LIVE / "waypoint_lists.ros2jaus")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_DOMAIN_ID", free_domain())

@@ -272,3 +272,30 @@ def test_a_goal_goes_through_two_bridges(system, client):
     other.wait_feedback(1)
     order(system, "abort")
     assert other.ended()[0] == ABORTED
+
+
+def test_goals_are_missions_of_a_spooler(system, peer):
+    system.start_ros_robot()
+    for name in ("spooler", "dispatcher"):
+        system.start_bridge(name)
+    client = Client(peer)
+    wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
+    goal = client.send_accepted(1, 2, 3)
+    assert wait_goal(system)["x"] == [1.0, 2.0, 3.0]
+    for remaining in (3, 2, 1):
+        goal.wait_feedback(*range(3, remaining - 1, -1))
+        order(system, "next")
+    assert goal.ended() == (SUCCEEDED, "")
+    canceled = client.send_accepted(4, 5)
+    assert wait_goal(system, 2)["x"] == [4.0, 5.0]
+    canceled.wait_feedback(2)
+    canceled.handle.cancel_goal_async()
+    assert canceled.ended() == (CANCELED, "canceled")
+    wait_for(lambda: facts(system, "canceled"), "standstill", PATIENCE)
+    # The mission that is paused makes room for the next one.
+    failed = client.send_accepted(6)
+    assert wait_goal(system, 3)["x"] == [6.0]
+    failed.wait_feedback(1)
+    order(system, "abort")
+    status, reason = failed.ended()
+    assert (status, "ended the mission at 1 of 1" in reason) == (ABORTED, True)

@@ -9,7 +9,7 @@ pytest.importorskip("rclpy")
 from jausml.runtime.services.element_list import chain
 
 from ..bridge_support import wait_for
-from .list_system import PATIENCE, ROBOT, pass_by, wait_goal
+from .list_system import OPERATOR, PATIENCE, ROBOT, facts, pass_by, wait_goal
 
 pytestmark = [
     pytest.mark.live,
@@ -45,9 +45,16 @@ def test_segments_are_followed_and_the_distance_tells_which(system, tracker_oper
     assert operator.seen == [0, 1, 2, 3, 0]
 
 
-def test_a_curve_is_refused(tracker_operator):
-    assert not tracker_operator.set(segments(tracker_operator, 2, factor=1.0))
-    assert tracker_operator.refusals == [4]
+def test_a_curve_is_refused_and_the_log_names_it(system, tracker_operator):
+    operator = tracker_operator
+    straight, bent = segments(operator, 2, 5), segments(operator, 2, 5, factor=0.5)
+    mixed = chain([(each.uid, each.data, 0) for each in (straight[0], bent[1])])
+    assert not operator.set(mixed)
+    assert operator.refusals == [4]
+    assert not facts(system, "goal")
+    log = system.log_of("tracker")
+    assert "bridge.follow.no_counterpart (1 times): 0.50" in log
+    assert f"list_manager.rejected (1 times): request of {OPERATOR}: element 2" in log
 
 
 def test_the_robot_stops_when_its_operator_lets_go(system, tracker_operator):

@@ -11,7 +11,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.append(str(Path(__file__).parents[2] / "generators"))
 
-from mapping_support import Translator, generate, read, system_text
+from mapping_support import Translator, generated, read, system_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,11 +28,9 @@ def system(tmp_path_factory: pytest.TempPathFactory) -> ReadResult:
 
 
 @pytest.fixture(scope="session")
-def workspace(system: ReadResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def workspace(system: ReadResult) -> Path:
     """Returns a folder with the generated bridges."""
-    folder = tmp_path_factory.mktemp("mappings")
-    generate(system, folder)
-    return folder
+    return generated(system)
 
 
 @pytest.fixture(scope="session")

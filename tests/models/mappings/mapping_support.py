@@ -9,9 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workspaces import packages_of
+from workspaces import kept, packages_of
 
-from jausml.generation import render
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -27,6 +26,7 @@ ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"
 EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
 _ASKING = {
+    "ReportPlatformMode": "PlatformMode.QueryPlatformMode",
     "ReportPlatformState": "PlatformState.QueryPlatformState",
     "ReportStatus": "Management.QueryStatus",
     "ConfirmSensorConfiguration": "SetVisualSensorConfiguration",
@@ -185,17 +185,9 @@ def findings(result: ReadResult) -> list[str]:
     return [str(each) for each in check(result).diagnostics]
 
 
-def generate(result: ReadResult, folder: Path) -> None:
-    """Generates the bridges of a system, each as a package, with the runtime.
-
-    Args:
-        result: The model of `system_text`.
-        folder: Where to put the packages.
-    """
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
-        file = folder / artifact.path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(artifact.text, encoding="utf-8")
+def generated(result: ReadResult) -> Path:
+    """Returns the folder with the bridges of a system, each as a package, and the runtime."""
+    return kept(result.model, [BRIDGE, MESSAGES, RUNTIME])
 
 
 class Translator:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import importlib
 import math
-import os
-import shutil
 import struct
 from pathlib import Path
 from random import Random
@@ -18,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_by_chance import SEEDS, drawn, name, strategy, to_jaus, to_ros, view_of, wrong
 
-from jausml.generation.native import SOURCE, State, build, compiler, is_current, library_of
+from jausml.generation.native import SOURCE, build, compiler
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,6 +29,8 @@ GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 pytestmark = pytest.mark.timeout(600)
 
 LEFT_TO_PYTHON = {
+    "still_image_raw_to_ros": "files of pictures",
+    "still_image_raw_to_jaus": "files of pictures",
     "cost_map_to_ros": "octets by a table",
     "cost_map_to_jaus": "octets by a table",
     "cost_map_enu_to_ros": "octets by a table",
@@ -58,36 +58,20 @@ def program() -> str:
     return found
 
 
-@pytest.fixture(scope="session")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns where all workers of a run keep the libraries that they build."""
-    own = tmp_path_factory.getbasetemp()
-    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "compiled_maps"
-    folder.mkdir(exist_ok=True)
-    return folder
-
-
-def built(source: Path, program: str, kept: Path) -> None:
-    """Builds the library of a source, or takes what another worker has built of the same text."""
-    library = library_of(source)
-    one = kept / f"{library.parent.name}.so"
-    if one.exists() and not is_current(source):
-        shutil.copy(one, library)
+def built(source: Path, program: str) -> None:
+    """Builds the library of a source."""
     (made,) = build([source], program)
     assert made.reason == ""
-    if made.state is State.BUILT:
-        copy = Path(shutil.copy(library, kept / f"{one.name}.{os.getpid()}"))
-        copy.replace(one)
 
 
 class Function:
     """The compiled form of a translation of a bridge."""
 
-    def __init__(self, maps: Translator, name: str, program: str, kept: Path) -> None:
+    def __init__(self, maps: Translator, name: str, program: str) -> None:
         self.compiled = getattr(getattr(maps.bridge, f"translate_{name}"), "compiled", None)
         if self.compiled is not None:
             source = Path(maps.bridge.core.module).parents[1] / SOURCE
-            built(source, program, kept)
+            built(source, program)
             library, connection = maps.bridge.core.load(), getattr(maps.bridge, name)
             self.call = self.compiled.of(maps.bridge, library, connection.drop_field.unknown)
 
@@ -136,7 +120,6 @@ def is_nan_in(data: bytes) -> bool:
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
     program: str,
-    kept: Path,
     translator: Callable[[str], Translator],
     stem: str,
     each: Any,
@@ -144,7 +127,7 @@ def test_to_ros(
     seed: int,
 ) -> None:
     maps, way = translator(stem), f"{each.name}_to_ros"
-    function = Function(maps, way, program, kept)
+    function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
     if function.compiled is None:
         return
@@ -166,14 +149,13 @@ def test_to_ros(
 @given(seed=SEEDS)
 def test_to_jaus(
     program: str,
-    kept: Path,
     translator: Callable[[str], Translator],
     stem: str,
     each: Any,
     seed: int,
 ) -> None:
     maps, way = translator(stem), f"{each.name}_to_jaus"
-    function = Function(maps, way, program, kept)
+    function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
     if function.compiled is None:
         return

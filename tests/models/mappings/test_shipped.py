@@ -16,7 +16,7 @@ from mapping_support import (
     Translator,
     files_read,
     findings,
-    generate,
+    generated,
     read,
     ready_maps,
 )
@@ -137,8 +137,7 @@ def test_the_bridge_of_the_guide_knows_its_own_maximum(tmp_path: Path) -> None:
     (told,) = findings(result)
     assert "JML367 no connection of 'rover' answers QueryGeomagneticProperty" in told
     assert "QueryGeomagneticProperty" in guide
-    generate(result, tmp_path)
-    maps = Translator(tmp_path / "rover")
+    maps = Translator(generated(result) / "rover")
     command = maps.messages.SetWrenchEffort(
         propulsive_linear_effort_x=100.0, propulsive_rotational_effort_z=50.0
     )

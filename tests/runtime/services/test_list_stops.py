@@ -169,7 +169,7 @@ def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world
     world.run(2.0)
     ((outcome, reason),) = goal.ends
     assert outcome is Outcome.ABORTED
-    assert "should have stopped and did not answer" in reason
+    assert "should have stopped and did not confirm it" in reason
     restore()
     world.run(3.0)
     assert not vehicle.drives
@@ -280,3 +280,22 @@ def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
     restore()
     world.run(10.0)
     assert deletions(world) == before
+
+
+def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting):
+    """Its last repetition is lost, and the next list is set before that is known."""
+    vehicle = opened(world, setting)
+    goal = begun(world, setting, vehicle)
+    restore = away(world, QueryActiveElement.CODE)
+    world.run(1.35)
+    for uid in (list(vehicle.elements)[-1].uid, 0):
+        vehicle.active = uid
+        vehicle.report_changed(ReportActiveElement)
+        world.run(0.02)
+    assert goal.ends == [(Outcome.SUCCEEDED, "")]
+    following = setting.ros.send(3.0)
+    world.run(0.3)
+    restore()
+    world.run(3.0)
+    assert following.ends == []
+    assert vehicle.drives

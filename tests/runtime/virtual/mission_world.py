@@ -1,4 +1,7 @@
-"""An operator and a robot with missions in virtual time: plays a scene, prints what happened."""
+"""A robot with missions of an operator or of a station, in virtual time.
+
+Plays a scene, prints what happened.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import sys
 from jausml_runtime import JausAddress, JausComponent, ServiceIdentity
 from jausml_runtime.bridge.ends.actions import Outcome
 from jausml_runtime.virtual import Link, VirtualWorld
+from pausing.pausing import Pausing
 from robot.messages import (
     AbortMission,
     PauseMission,
@@ -21,6 +25,7 @@ from robot.messages import (
 )
 from robot.robot import Robot
 from robot.ros_types import PoseStamped
+from station.station import Station
 
 ROBOT, OPERATOR = JausAddress(100, 1, 20), JausAddress(200, 1, 1)
 SERVICES = tuple(
@@ -50,27 +55,17 @@ PLAN = (
 """The task 7 first, then its subtasks 8 and 9."""
 
 
-class Scene:
-    """The world, what the robot drives to, and what the operator is told."""
+class Driving:
+    """The world, and what the robot drives to."""
 
     def __init__(self, loss):
         self.world = VirtualWorld(seed=3)
         self.driven, self.told, self.goal = [], [], None
         self.world.ros.serve_action("/follow", self)
         self.robot = Robot()
-        link = Link(loss=loss)
-        self.way = self.world.transport(link, link)
+        self.link = Link(loss=loss, delay=0.05)
+        self.way = self.world.transport(self.link, self.link)
         self.robot.open(self.world.ros_node("robot"), self.way)
-        self.operator = JausComponent(
-            self.world.transport(), OPERATOR, name="operator", services=SERVICES
-        )
-        self.operator.handle(ReportMissionStatus, self._hear)
-        self.operator.start()
-        self.session = self.operator.control(ROBOT, authority=200)
-        self.world.run_for(5)
-
-    def _hear(self, report, _sender):
-        self.told.append((report.type_, report.id_, report.status, report.secondary_status))
 
     def accepts(self, _elements, _request):
         return True
@@ -86,6 +81,32 @@ class Scene:
             self.goal = None
             goal.end(Outcome.CANCELED)
 
+    def reach(self, number):
+        self.goal.progress(number)
+        self.world.run_for(1)
+
+    def end(self, outcome=Outcome.SUCCEEDED):
+        goal, self.goal = self.goal, None
+        goal.end(outcome)
+        self.world.run_for(1)
+
+
+class Scene(Driving):
+    """An operator with missions, and what it is told."""
+
+    def __init__(self, loss):
+        super().__init__(loss)
+        self.operator = JausComponent(
+            self.world.transport(), OPERATOR, name="operator", services=SERVICES
+        )
+        self.operator.handle(ReportMissionStatus, self._hear)
+        self.operator.start()
+        self.session = self.operator.control(ROBOT, authority=200)
+        self.world.run_for(5)
+
+    def _hear(self, report, _sender):
+        self.told.append((report.type_, report.id_, report.status, report.secondary_status))
+
     def say(self, message):
         self.operator.send(message, ROBOT, acknowledge=True)
         self.world.run_for(2)
@@ -100,14 +121,56 @@ class Scene:
         info = SpoolMission.MissionInfo(number, source)
         self.say(SpoolMission(info, list(tasks or PLAN)))
 
-    def reach(self, number):
-        self.goal.progress(number)
-        self.world.run_for(1)
 
-    def end(self, outcome=Outcome.SUCCEEDED):
-        goal, self.goal = self.goal, None
-        goal.end(outcome)
-        self.world.run_for(1)
+class Client:
+    """A goal of a ROS client, and what it is told."""
+
+    def __init__(self, scene, xs):
+        poses = [PoseStamped() for _ in xs]
+        for pose, x in zip(poses, xs, strict=True):
+            pose.pose.position.x = x
+        self.feedback, self.result = [], None
+        way = scene.world.ros.action_client("/through")
+        self.handle = way.send([each.to_cdr() for each in poses], None, self)
+
+    def accepted(self, _goal):
+        """Notes nothing."""
+
+    def progressed(self, _goal, number):
+        self.feedback.append(number)
+
+    def ended(self, _goal, outcome, reason):
+        self.result = [outcome.value, reason]
+
+
+class Sending(Driving):
+    """A station, whose ROS clients have missions for the robot."""
+
+    def __init__(self, loss, kind=Station):
+        super().__init__(loss)
+        self.station, self.radio = kind(), self.world.transport()
+        self.station.open(self.world.ros_node("station"), self.radio)
+        self.world.run_for(10)
+
+    def wait(self, condition):
+        """Lets time pass until a condition holds, but not for longer than a minute."""
+        for _ in range(600):
+            if condition():
+                return
+            self.world.run_for(0.1)
+
+    def send(self, *xs):
+        """Sends a goal until the robot drives."""
+        former = len(self.driven)
+        client = Client(self, xs)
+        self.wait(lambda: client.result or len(self.driven) > former)
+        return client
+
+    @property
+    def state(self):
+        """The state of the mission that the robot has."""
+        (driver,) = self.robot.list_drivers
+        return driver._mission and int(driver._mission.state)
 
 
 def whole(scene):
@@ -188,11 +251,109 @@ def refused(scene):
     return [scene.ask()]
 
 
+def sent_whole(scene):
+    client = scene.send(1.0, 2.0, 3.0)
+    for number in (1, 2):
+        scene.reach(number)
+        scene.wait(lambda at=number: client.feedback[-1:] == [3 - at])
+    scene.end()
+    scene.wait(lambda: client.result)
+    again = scene.send(4.0)
+    scene.end()
+    scene.wait(lambda: again.result)
+    return [client.feedback, client.result, scene.state, again.result]
+
+
+def sent_cancelled(scene):
+    client = scene.send(1.0, 2.0)
+    scene.world.run_for(3)
+    client.handle.cancel()
+    scene.wait(lambda: client.result)
+    scene.world.run_for(10)
+    told = [client.result, scene.goal is None, scene.state]
+    following = scene.send(3.0)
+    return [*told, scene.state, following.result]
+
+
+def sent_cancelled_early(scene):
+    """The goal ends while the mission is on its way, or RunMission is."""
+    ends = []
+    for hundredths in range(0, 160, 10):
+        before, client = len(scene.driven), Client(scene, [1.0, 2.0])
+        scene.world.run_for(hundredths / 100)
+        client.handle.cancel()
+        scene.wait(lambda told=client: told.result)
+        scene.world.run_for(10)
+        begun = len(scene.driven) > before
+        ends.append([client.result[0], begun, scene.goal is None, scene.state])
+    return ends
+
+
+def sent_cancelled_far_away(scene):
+    """The radio is away when the client cancels, and is back before control is lost."""
+    client = scene.send(1.0, 2.0)
+    scene.world.run_for(3)
+    scene.radio.cut()
+    client.handle.cancel()
+    scene.world.run_for(3)
+    told = [client.result, scene.goal is None]
+    scene.radio.restore()
+    scene.world.run_for(10)
+    return [*told, scene.goal is None, scene.state]
+
+
+def sent_replaced(scene):
+    first, second = scene.send(1.0, 2.0), scene.send(5.0)
+    scene.end()
+    scene.wait(lambda: second.result)
+    return [first.result, second.result, scene.state]
+
+
+def sent_failed(scene):
+    client = scene.send(1.0, 2.0)
+    scene.world.run_for(3)
+    scene.end(Outcome.ABORTED)
+    scene.wait(lambda: client.result)
+    return [client.result, scene.state]
+
+
+def sent_robot_gone(scene):
+    client = scene.send(1.0, 2.0)
+    scene.world.run_for(3)
+    scene.way.cut()
+    scene.world.run_for(20)
+    told = [client.result, scene.goal is None, scene.state]
+    scene.way.restore()
+    scene.world.run_for(20)
+    return [*told, scene.goal is None, scene.state]
+
+
+def sent_station_ends(scene):
+    scene.send(1.0, 2.0)
+    scene.world.run_for(3)
+    scene.station.close()
+    scene.world.run_for(1)
+    return [scene.goal is None, scene.state]
+
+
+def sent_refused(scene):
+    """The robot has a mission of its operator already."""
+    (driver,) = scene.robot.list_drivers
+    mission = SpoolMission.MissionInfo(7, SpoolMission.SourceID(1, 1, 200))
+    driver._spool(SpoolMission(mission, list(PLAN)), OPERATOR)
+    client = scene.send(1.0)
+    return [client.result, scene.state, driver._mission.number]
+
+
 def main():
-    """Plays the scene of the command line."""
+    """Plays the scene of the command line, after `pausing_` with the station that pauses."""
     logging.disable()
-    scene = Scene(float(sys.argv[2]))
-    asked = globals()[sys.argv[1]](scene)
+    name, loss = sys.argv[1].removeprefix("pausing_"), float(sys.argv[2])
+    if not name.startswith("sent_"):
+        scene = Scene(loss)
+    else:
+        scene = Sending(loss, Station if name == sys.argv[1] else Pausing)
+    asked = globals()[name](scene)
     counted = {
         name: each
         for name, each in scene.world.counters.snapshot().items()

@@ -1,4 +1,4 @@
-"""Missions of AS6062 that a bridge has a ROS action execute, in virtual time."""
+"""Missions of AS6062 that bridges give one another, from ROS to ROS, in virtual time."""
 
 from __future__ import annotations
 
@@ -120,3 +120,76 @@ def test_what_nobody_can_execute_is_not_stored(play):
         "mission.unsupported_message": 1,
         "mission.not_there": 1,
     }
+
+
+def asked(play, scene, loss=0.0):
+    return play(scene, loss)["asked"]
+
+
+LOSSES = pytest.mark.parametrize("loss", [0.0, 0.2])
+
+
+@LOSSES
+def test_a_goal_of_a_ros_client_is_a_mission_of_a_peer(play, loss):
+    happened = play("sent_whole", loss)
+    assert happened["driven"] == [[1.0, 2.0, 3.0], [4.0]]
+    feedback, *rest = happened["asked"]
+    assert feedback in ([[3, 2, 1]] if not loss else [[3, 2, 1], [2, 1]])
+    assert rest == [["succeeded", ""], FINISHED, ["succeeded", ""]]
+
+
+@LOSSES
+@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+def test_a_goal_that_is_cancelled_leaves_what_a_person_has_decided(play, loss, scene, left):
+    happened = play(f"{scene}sent_cancelled", loss)
+    assert happened["asked"] == [["canceled", "canceled"], True, left, RUNNING, None]
+    assert happened["driven"] == [[1.0, 2.0], [3.0]]
+
+
+@LOSSES
+@pytest.mark.parametrize("scene", ["", "pausing_"])
+def test_a_mission_that_was_not_begun_never_begins(play, loss, scene):
+    for result, was_begun, stands, state in asked(play, f"{scene}sent_cancelled_early", loss):
+        assert result in ("canceled", "aborted")
+        assert stands
+        assert state in ((PAUSED, ABORTED) if scene and was_begun else (None, ABORTED))
+
+
+@LOSSES
+@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+def test_a_stop_that_was_lost_comes_again(play, loss, scene, left):
+    result, stood, stands, state = asked(play, f"{scene}sent_cancelled_far_away", loss)
+    assert (result[0], stood) == ("aborted", False)
+    assert (stands, state) == (True, left)
+
+
+@LOSSES
+def test_another_goal_takes_the_place_of_a_mission(play, loss):
+    happened = play("pausing_sent_replaced", loss)
+    first, second, state = happened["asked"]
+    assert first == ["aborted", "another goal took its place"]
+    assert (second, state) == (["succeeded", ""], FINISHED)
+    assert happened["driven"] == [[1.0, 2.0], [5.0]]
+
+
+def test_a_mission_that_its_peer_gives_up_aborts_the_goal(play):
+    result, state = asked(play, "sent_failed")
+    assert (result, state) == (["aborted", "100.1.20 ended the mission at 1 of 2"], ABORTED)
+
+
+@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+def test_a_peer_that_was_away_does_not_go_on(play, scene, left):
+    result, stood, then, stands, state = asked(play, f"{scene}sent_robot_gone")
+    assert (result[0], stood, then) == ("aborted", True, PAUSED)
+    assert (stands, state) == (True, left)
+
+
+@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+def test_a_station_that_ends_leaves_no_mission_that_runs(play, scene, left):
+    assert asked(play, f"{scene}sent_station_ends") == [True, left]
+
+
+def test_a_peer_with_the_mission_of_another_keeps_that(play):
+    result, state, number = asked(play, "sent_refused")
+    assert result == ["aborted", "100.1.20 does not take the mission"]
+    assert (state, number) == (INIT, 7)

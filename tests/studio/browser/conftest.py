@@ -50,9 +50,9 @@ def chromium():
 class Studio:
     """A running `jausml studio`."""
 
-    def __init__(self, target: Path, log: Path) -> None:
+    def __init__(self, target: Path, log: Path, *options: str) -> None:
         self.log = log
-        command = [*warm.command(), "studio", str(target), "--no-browser"]
+        command = [*warm.command(), "studio", str(target), "--no-browser", *options]
         with log.open("w") as errors:
             self.process = subprocess.Popen(
                 command,
@@ -62,6 +62,7 @@ class Studio:
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
             )
         self.address = self._address()
+        self.commanding_address = self._address() if "--operate" in options else ""
 
     def _address(self) -> str:
         said = ""

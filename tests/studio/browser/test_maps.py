@@ -101,3 +101,39 @@ def test_states_are_drawn_renamed_and_removed(open_studio, tmp_path):
     # What is of the library is only looked at.
     desk.view.select_option("service:Management")
     expect(desk.page.locator(".view-bar")).to_contain_text("read-only")
+
+
+def test_a_machine_is_stepped_and_its_path_is_a_test(open_studio, tmp_path):
+    for name in ("service.xmi", "winch.xmi"):
+        text = WINCH.with_name(name).read_text(encoding="utf-8")
+        text = text.replace("../../library/", LIBRARY_URI)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    desk = Desktop(open_studio(tmp_path / "winch.xmi"))
+    page = desk.page
+    desk.view.select_option("machine:Winch.ReceiveFSM")
+    desk.tab("Step")
+    panel = page.get_by_role("region", name="Step")
+
+    def step(name):
+        panel.get_by_role("button", name=name, exact=True).click()
+
+    def now(state):
+        expect(
+            page.get_by_label(re.compile(rf"^state {state}.*, the present state$"))
+        ).to_be_visible()
+
+    step("RequestControl of a client")
+    step("Resume of a client")
+    now("Idle")
+    panel.get_by_role("checkbox", name="paysOut").check()
+    expect(
+        panel.get_by_role("listitem").filter(has_text="SetWinchCommand of a client")
+    ).to_contain_text("→ Moving.PayingOut")
+    step("SetWinchCommand of a client")
+    now("PayingOut")
+    step("LoadLost")
+    now("Locked")
+    step("Make a test of it")
+    expect(panel.locator("pre")).to_contain_text("component.raise_load_lost()")
+    step("Back")
+    now("PayingOut")

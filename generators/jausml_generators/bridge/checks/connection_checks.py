@@ -16,6 +16,7 @@ from jausml_generators.bridge.checks.filling import (
     JausMessage,
     Scalar,
     ValueTextError,
+    has_place,
     has_value,
     is_absent,
     short_name,
@@ -53,14 +54,16 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
     yield Check(ends.name, about, tidy(lines))
     untouched = list(_untouched(ends))
     if untouched:
+        compared = [line for path in untouched for line in _as_made(ends, path)]
         yield Check(
             f"{ends.name}_leaves_ignored_members_alone",
             f"What the map ignores in {view.target_name} stays as it is made.",
-            tidy([*begin, *untouched]),
+            tidy([*begin, *ends.defaults(untouched), *compared]),
         )
 
 
 def _untouched(ends: Ends) -> Iterator[str]:
+    """The ignored paths at which something stands that can be compared."""
     for assignment in ends.assignments:
         path = assignment.target.strip()
         if not isinstance(assignment, bridge.Ignore):
@@ -68,17 +71,22 @@ def _untouched(ends: Ends) -> Iterator[str]:
         if ends.written.overlapping(path):
             continue
         try:
-            place = ends.target.place(path)
+            is_there = ends.is_made(path) and not _is_alternative(ends.target, path)
         except PathError:
             continue
-        if _is_there(place) and not _is_array(ends, path):
-            yield equals(place.code, ends.default(path))
+        if is_there and not _is_array(ends, path):
+            yield path
 
 
-def _is_there(place: Place) -> bool:
-    """Whether a message as it is made has an attribute, and not only its optional container."""
-    own = f"{place.code} is not None"
-    return all(condition == own for condition in place.conditions)
+def _as_made(ends: Ends, path: str) -> list[str]:
+    """The assertions that a target has at a path what one as it is made has."""
+    place = ends.target.place(path)
+    return [*has_place(place), equals(place.code, ends.default(path))]
+
+
+def _is_alternative(message: Message, path: str) -> bool:
+    """Whether a path leads to one of several values of a field, which may have another one."""
+    return isinstance(message, JausMessage) and message.field(path).index is not None
 
 
 def _is_array(ends: Ends, path: str) -> bool:
@@ -122,9 +130,8 @@ def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check
     place = ends.target.place(target)
     absent = [*ends.source.fill(sample.without(path)), *ends.translated()]
     if policy == "leave":
-        outcome = [
-            equals(ends.target.place(each).code, ends.default(each)) for each in chain.targets
-        ]
+        outcome = ends.defaults(chain.targets)
+        outcome += [line for each in chain.targets for line in _as_made(ends, each)]
         about = f"Without {path} {target} stays as it is made."
     elif policy == "useDefault" and len(chain.sources) == 1 and len(chain.targets) == 1:
         try:
@@ -245,7 +252,7 @@ def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]
 
 def _tolerance(ends: Ends, expected: bridge.VectorValue, value: Scalar) -> float:
     """The stated one, but no less than rounding on the wire; else half a step of JAUS fields."""
-    if isinstance(value, str):
+    if isinstance(value, str | bytes):
         return 0.0
     place = ends.target.place(expected.path.strip())
     half_step = 0.0 if place.kind == "integer" else place.step / 2 * _SLACK

@@ -142,12 +142,21 @@ class Ends:
     @functools.cached_property
     def written(self) -> Paths:
         """The target paths that assignments write to."""
-        return Paths(
-            target.strip()
-            for assignment in self.assignments
-            if not isinstance(assignment, bridge.Ignore)
-            for target in assignment.target.split(",")
-        )
+        return Paths(self._targets())
+
+    def _targets(self) -> Iterator[str]:
+        for assignment in self.assignments:
+            if not isinstance(assignment, bridge.Ignore):
+                yield from (each.strip() for each in assignment.target.split(","))
+
+    @functools.cached_property
+    def _made(self) -> set[object]:
+        """What stands around the target paths that assignments write to."""
+        return {each for path in self._targets() for each in self.target.around(path)}
+
+    def is_made(self, path: str) -> bool:
+        """Whether all that stands around a target path is there, since assignments make it."""
+        return self.target.around(path) <= self._made
 
     def is_alone(self, path: str) -> bool:
         """Whether one assignment at most writes to a target path, or to what is in it."""
@@ -155,7 +164,14 @@ class Ends:
 
     def default(self, path: str) -> str:
         """Returns Python for what a target as it is made has at a path."""
-        return self.target.place(path).code.replace("target", f"{self.view.target_name}()", 1)
+        made = "expected" if self.target.around(path) else f"{self.view.target_name}()"
+        return self.target.place(path).code.replace("target", made, 1)
+
+    def defaults(self, paths: Iterable[str]) -> list[str]:
+        """Returns the statements that `default` needs for paths: those that make `expected`."""
+        within = [path for path in paths if self.target.around(path)]
+        expected = self.message("expected", is_ros=self.to_ros)
+        return expected.fill(dict.fromkeys(within)) if within else []
 
     def translated(self, given: Iterable[str] = ()) -> list[str]:
         """Returns the statements that translate `source` into `target`.

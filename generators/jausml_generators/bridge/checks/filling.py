@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, TEXT
+from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
 from jausml_generators.bridge.translation.places import INTEGER_RANGES, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
@@ -37,7 +38,7 @@ _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
 # A shorter last step, such as x, says little alone.
 _SHORT = 8
 _ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""'}
-Scalar = float | int | bool | str
+Scalar = float | int | bool | str | bytes
 PRESENT = "\0present"
 """Stands for a bit field as it is made."""
 
@@ -109,6 +110,9 @@ class Place:
             return known in {"true", "1"}
         if self.kind == TEXT:
             return text
+        octets = octets_of(text) if self.kind == OCTETS else None
+        if octets is not None:
+            return octets
         raise ValueTextError(f"{self.path} takes no value in a test vector")
 
 
@@ -127,7 +131,8 @@ class JausMessage:
     def place(self, path: str) -> Place:
         """Returns the attribute at the end of a path."""
         found = self.field(path)
-        low, high = found.limits if found.kind in {REAL, INTEGER} else (-math.inf, math.inf)
+        limited = found.kind in {REAL, INTEGER, OCTETS}
+        low, high = found.limits if limited else (-math.inf, math.inf)
         return Place(
             path,
             place_text(found.value),
@@ -139,19 +144,30 @@ class JausMessage:
             tuple(map(condition_text, conditions(found.conditions))),
         )
 
+    def around(self, path: str) -> set[tuple[places.Place, Expression]]:
+        """Returns what a new message lacks on the way to a path, with elements before others."""
+        return {
+            (each, value) for place, value in self.field(path).containers for each in _up_to(place)
+        }
+
     def _step(self, path: str) -> float:
         found = message_place(self.element).follow(path)
         return found.attribute().step or 0.0 if isinstance(found, JausPlace) else 0.0
 
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
+    def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
+        """Returns the statements that make the message with some values.
+
+        Args:
+            values: The values by path; None for what stays as it is made, where it stands.
+        """
         lines = [f"{self.name} = {self.message.class_name}()"]
         made: set[places.Place] = set()
         for path, value in values.items():
             field = self.field(path)
             for place, container in field.containers:
                 lines += _made(place, container, made)
-            lines.append(self.set(field, value))
+            if value is not None:
+                lines.append(self.set(field, value))
         return lines
 
     def set(self, field: JausField, value: Scalar) -> str:
@@ -159,7 +175,8 @@ class JausMessage:
         place = place_text(field.place)
         if value is PRESENT:
             return store(place, f"{field.class_name}()")
-        number = float(value) if field.is_float and not isinstance(value, str) else value
+        is_number = not isinstance(value, str | bytes)
+        number = float(value) if field.is_float and is_number else value
         code = value if isinstance(value, Code) else python_literal(number)
         if field.index is None:
             return store(place, code)
@@ -184,8 +201,17 @@ class RosMessage:
         limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
         return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
 
-    def fill(self, values: Mapping[str, Scalar]) -> list[str]:
-        """Returns the statements that make the message with some values."""
+    def around(self, path: str) -> set[places.Place]:
+        """Returns the elements of sequences on the way to a path, and those before them."""
+        elements = self.field(path).elements
+        return {each for end, _ in elements for each in _up_to(end.place.at(end.than))}
+
+    def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
+        """Returns the statements that make the message with some values.
+
+        Args:
+            values: The values by path; None for what stays as it is made, where it stands.
+        """
         lines = [f"{self.name} = {self.type_name(self.type)}()"]
         sizes: dict[str, int] = {}
         for path in values:
@@ -197,7 +223,8 @@ class RosMessage:
                 if prefix not in made:
                     made.add(prefix)
                     lines.append(self._elements(prefix, sizes[prefix]))
-            lines.append(self.set(path, value))
+            if value is not None:
+                lines.append(self.set(path, value))
         return lines
 
     def set(self, path: str, value: Scalar) -> str:
@@ -205,7 +232,7 @@ class RosMessage:
         found = self.field(path)
         if isinstance(value, Code):
             return store(place_text(found.place), value)
-        is_real = ros_kind(found) == REAL and not isinstance(value, str)
+        is_real = ros_kind(found) == REAL and not isinstance(value, str | bytes)
         return store(place_text(found.place), python_literal(float(value) if is_real else value))
 
     def _sequences(self, path: str) -> list[tuple[str, int]]:
@@ -231,17 +258,26 @@ class RosMessage:
         return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
 
 
+def _up_to(place: places.Place) -> list[places.Place]:
+    """A place, and those of the elements before it where it is an element itself."""
+    last = place.steps[-1]
+    if isinstance(last, str):
+        return [place]
+    held = replace(place, steps=place.steps[:-1])
+    return [held.at(index) for index in range(last + 1)]
+
+
 def _made(place: places.Place, value: Expression, made: set[places.Place]) -> list[str]:
     """The statements that make a container or an element that is not there yet."""
     if place in made:
         return []
     made.add(place)
-    text, last = expression_text(value), place.steps[-1]
-    if isinstance(last, str):
+    text = expression_text(value)
+    if isinstance(place.steps[-1], str):
         return [store(place_text(place), text)]
-    held = replace(place, steps=place.steps[:-1])
-    missing = [held.at(index) for index in range(last) if held.at(index) not in made]
+    missing = [each for each in _up_to(place)[:-1] if each not in made]
     made.update(missing)
+    held = replace(place, steps=place.steps[:-1])
     return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)
 
 
@@ -259,6 +295,8 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
     if isinstance(value, str):
         code = value if isinstance(value, Code) else python_string(value)
         return [*lines, equals(place.code, code)]
+    if isinstance(value, bytes):
+        return [*lines, equals(f"bytes({place.code})", python_literal(value))]
     if place.kind == BOOLEAN:
         return [*lines, holds(place.code if value else f"not {place.code}")]
     if place.kind == INTEGER and float(value).is_integer() and tolerance < 0.5:
@@ -271,13 +309,29 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
 
 
 def is_absent(place: Place) -> list[str]:
-    """Returns the assertion that an optional attribute is left out."""
-    return [holds(f"{place.code} is None")]
+    """Returns the assertion that an optional attribute is left out, or what it stands in."""
+    around = _around(place)
+    if not around:
+        return [holds(f"{place.code} is None")]
+    return [holds(f"not ({' and '.join([*around, _own(place)])})")]
 
 
 def is_there(place: Place) -> list[str]:
     """Returns the assertions that an attribute is there."""
     return [holds(each) for each in place.conditions]
+
+
+def has_place(place: Place) -> list[str]:
+    """Returns the assertions that what an attribute stands in is there, be it left out or not."""
+    return [holds(each) for each in _around(place)]
+
+
+def _around(place: Place) -> list[str]:
+    return [each for each in place.conditions if each != _own(place)]
+
+
+def _own(place: Place) -> str:
+    return f"{place.code} is not None"
 
 
 Message: TypeAlias = JausMessage | RosMessage

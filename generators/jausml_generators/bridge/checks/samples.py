@@ -29,6 +29,7 @@ from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
     INTEGER,
+    OCTETS,
     QUATERNION,
     REAL,
     TEXT,
@@ -57,6 +58,7 @@ _DIGITS = 12
 _KINDS = {"FieldAssignment", "ConstantAssignment", "ClockAssignment", "Ignore"}
 # Values to try where the first choice leads out of the range of a target.
 # Zero comes last: it hides signs and factors.
+_MOST_OCTETS = 32
 _OTHERS = (1.0, *range(2, 100), 0.5, *(10.0**-power for power in range(1, 13)))
 
 
@@ -127,7 +129,7 @@ class _Sampler:
                 self._sample.values[f"{path}.{name}"] = part
         elif place.kind == BITS:
             self._sample.values[path] = PRESENT
-        elif place.is_number or place.kind == BOOLEAN:
+        elif place.is_number or place.kind in {BOOLEAN, OCTETS}:
             tried = (each for each in self._candidates(place) if self._fits(place, each))
             value = next(tried, None)
             if value is None:
@@ -145,6 +147,9 @@ class _Sampler:
         if place.kind == BOOLEAN:
             yield from (True, False)
             return
+        if place.kind == OCTETS:
+            yield from (bytes(range(1, count)) for count in range(2, _MOST_OCTETS))
+            return
         number = len(self._sample.values) + 1
         low, high = place.limits
         if place.kind == INTEGER:
@@ -158,6 +163,10 @@ class _Sampler:
 
     def _fits(self, place: Place, value: Scalar) -> bool:
         """Whether a source may have a value, and all that is made of it alone has a place."""
+        if isinstance(value, bytes):
+            takers = [chain.targets[0] for chain in self._ends.reading(place.path)]
+            limits = [place.limits, *(self._ends.target.place(each).limits for each in takers)]
+            return all(fewest <= len(value) <= most for fewest, most in limits)
         if place.is_number and not place.can_hold(float(value)):
             return False
         for chain in self._ends.reading(place.path):
@@ -180,7 +189,7 @@ class _Sampler:
         if result is None:
             return False
         target = self._ends.target.place(chain.targets[0])
-        if isinstance(result, str) or target.kind == BOOLEAN:
+        if isinstance(result, str | bytes) or target.kind == BOOLEAN:
             return True
         return target.can_hold(result) or (self._ends.to_ros and math.isnan(result))
 
@@ -199,11 +208,11 @@ class _Sampler:
         if not self._is_judged(chain):
             self._expect_parts(chain, values)
             return
-        if len(values) == 1 and not chain.steps and isinstance(values[0], str):
+        if len(values) == 1 and not chain.steps and isinstance(values[0], str | bytes):
             if values[0] != PRESENT:
                 self._note(chain.targets[0], values[0])
             return
-        if any(value is None or isinstance(value, str) for value in values):
+        if any(value is None or isinstance(value, str | bytes) for value in values):
             if chain.steps:
                 raise _NoSampleError
             return
@@ -240,7 +249,7 @@ class _Sampler:
         whole = {QUATERNION: _ORIENTATION, TIME: _INSTANT}.get(self._ends.source.place(path).kind)
         if whole is not None:
             return whole
-        if value is None or isinstance(value, str):
+        if value is None or isinstance(value, str | bytes):
             raise _NoSampleError
         return float(value)
 

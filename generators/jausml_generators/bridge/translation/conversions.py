@@ -13,8 +13,10 @@ from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
     INTEGER,
+    OCTETS,
     QUATERNION,
     REAL,
+    TEXT,
     TIME,
     Authored,
     Cast,
@@ -57,6 +59,8 @@ _RESULTS = {
     "geometry_msgs/Quaternion": QUATERNION,
     "builtin_interfaces/Time": TIME,
     "TimeStamp": BITS,
+    "text": TEXT,
+    "octets": OCTETS,
 }
 
 

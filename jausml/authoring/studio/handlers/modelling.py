@@ -21,6 +21,7 @@ from jausml.authoring.studio.views.spots import (
     JAUS_END,
     ROS_END,
     element_of,
+    element_shown,
     end_of,
     map_named,
     map_of,
@@ -36,7 +37,6 @@ from jausml.views.diagrams.views.context import Context
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.metamodel.classes.ecore import EObject
 
 Direction = Literal["to_ros", "to_jaus"]
 
@@ -93,7 +93,7 @@ def _connect(context: StudioContext, file: str, view: str, source: Port, target:
     if used is not None:
         first = end_of(scope, used, source.node, source.port)
         return assign(scope, used, first, end_of(scope, used, target.node, target.port))
-    shown = _shown(scope, view)
+    shown = element_shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
         return lead(scope, shown, source.node, target.node)
     if isinstance(shown, jaus.Service):
@@ -112,7 +112,7 @@ def _ends(context: StudioContext, file: str, view: str, node: str, port: str = "
         box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
         members = partners(scope, used, start)
         return {"ends": [_end(box, each.path, why, each.path) for each, why in members]}
-    shown = _shown(scope, view)
+    shown = element_shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
         return {"ends": list(_states(scope, view, node))}
     if isinstance(shown, jaus.Service):
@@ -137,16 +137,9 @@ def _states(scope: Scope, view: str, start: str) -> Iterator[dict[str, str]]:
         yield _end(each.id, each.title, again)
 
 
-def _shown(scope: Scope, view: str) -> EObject | None:
-    """Returns the service or machine that a view shows, None for another view."""
-    if view.partition(":")[0] not in ("service", "machine"):
-        return None
-    return scope.find(graph_of(scope.model, view, root=scope.root).element)
-
-
 def _unlink(context: StudioContext, file: str, view: str, line: str) -> Options:
     scope = context.scope_of(file)
-    if isinstance(_shown(scope, view), jaus.Service):
+    if isinstance(element_shown(scope, view), jaus.Service):
         return cut(scope, line)
     return Options(refusal="this line follows from what it joins: delete one of its ends")
 

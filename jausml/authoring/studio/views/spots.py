@@ -12,6 +12,7 @@ from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import refs
 from jausml.language.text.reading.document import TextDocument
+from jausml.views.diagrams.views import graph_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -87,6 +88,13 @@ def map_shown(scope: Scope, view: str) -> bridge.AttributeMap:
     if used is None:
         raise AnswerError(f"{view} is no view of a map")
     return used
+
+
+def element_shown(scope: Scope, view: str) -> EObject | None:
+    """Returns the service or machine that a view shows, None for another view."""
+    if view.partition(":")[0] not in ("service", "machine"):
+        return None
+    return scope.find(graph_of(scope.model, view, root=scope.root).element)
 
 
 def map_named(scope: Scope, name: str) -> bridge.AttributeMap:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.attributes.guards import LONGEST, alternatives, parse_guard
 from jausml.language.exporters.jsidl.elements import element, explained
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import (
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
 
+_MESSAGE = "msg"
 _SENDER = "transportData"
 _SENT_WITH = "Receive.Body.ReceiveRec"
 _OF_SENDER = ("isControllingClient", "isIDStored")
 _CONDITION = re.compile(r"([A-Za-z_][\w.]*)(\s*\([^()|&!]*\))?")
+_NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 def behaviour(service: jaus.Service) -> Element:
@@ -112,23 +115,38 @@ class _Writer:
 
     def _transition(self, transition: jaus.Transition, path: str) -> Element:
         message, event = transition.message, event_name(transition.event)
-        parts: list[Element] = []
         name = None
         if message is not None:
             name = self._of_transport("Receive")
-            parts.append(element("parameter", type=message.name, value="msg"))
-            parts.append(element("parameter", type=_SENT_WITH, value=_SENDER))
         elif event:
             name = _qualified(
                 event, self._service, lambda s: any(e.name == event for e in s.events)
             )
+        carried = self._parameters(transition)
+        parts = [element("parameter", type=type_, value=each) for each, type_ in carried.items()]
         if transition.guard:
-            called = _called(transition.guard, has_message=message is not None)
-            parts.append(element("guard", condition=called))
+            of_message = next(iter(carried)) if message is not None else None
+            parts.append(element("guard", condition=_called(transition.guard, of_message)))
         parts.append(self._kind(transition, path))
         parts += [self._action(a, has_sender=message is not None) for a in transition.actions]
         made = element("transition" if name else "default_transition", parts, name=name)
         return explained(made, transition)
+
+    def _parameters(self, transition: jaus.Transition) -> dict[str, str]:
+        """Returns the types of the parameters of a transition by their names.
+
+        The first name that guard and actions use is the message, `msg` without one; names for
+        what an event carries are those of the event, and its body in lower case.
+        """
+        names = [each for each in _names(transition) if each != _SENDER]
+        if transition.message is not None:
+            first = names[0] if names and _MESSAGE not in names else _MESSAGE
+            return {first: str(transition.message.name), _SENDER: _SENT_WITH}
+        event = event_name(transition.event)
+        events = (e for s in lineage(self._service) for e in s.events if e.name == event)
+        body = next((str(e.body.name) for e in events if e.body is not None), "")
+        of_body = {body[:1].lower() + body[1:]: f"{event}.Body.{body}"}
+        return {each: of_body.get(each, event) for each in names} if event else {}
 
     def _kind(self, transition: jaus.Transition, path: str) -> Element:
         """Returns the kind of a transition with the state that it enters, by its whole path."""
@@ -171,16 +189,34 @@ def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
     return [sent, _SENDER] if has_sender else [sent]
 
 
-def _called(guard: str, *, has_message: bool) -> str:
-    """Returns a guard whose conditions have arguments, as those of AS5684 have."""
+def _names(transition: jaus.Transition) -> list[str]:
+    """Returns the names among the arguments of the guard and the actions of a transition."""
+    conditions = _CONDITION.finditer(transition.guard or "")
+    given = [each for match in conditions for each in (match[2] or "").strip(" ()").split(",")]
+    given += [each for action in transition.actions for each in action.arguments]
+    return [each.strip() for each in given if _NAME.fullmatch(each.strip())]
+
+
+def _called(guard: str, message: str | None) -> str:
+    """Returns a guard whose conditions have arguments, as those of AS5684 have.
+
+    The generator of the JAUS Tool Set reads no parentheses around conditions: there are none,
+    unless the guard would become too long.
+    """
 
     def with_arguments(match: re.Match[str]) -> str:
         name, arguments = match.groups()
-        asked = _SENDER if name in _OF_SENDER else "msg"
-        given = f"({asked})" if has_message else "()"
+        asked = _SENDER if name in _OF_SENDER else message
+        given = f"({asked})" if message else "()"
         return f"{name}{arguments or given}"
 
-    return _CONDITION.sub(with_arguments, guard)
+    parsed = parse_guard(guard)
+    found = (parsed and alternatives(parsed)) or []
+    flat = " || ".join(
+        " && ".join(each.written if holds else f"!{each.written}" for each, holds in alternative)
+        for alternative in found
+    )
+    return _CONDITION.sub(with_arguments, flat if 0 < len(flat) <= LONGEST else guard)
 
 
 def reference_name(service: jaus.Service) -> str:

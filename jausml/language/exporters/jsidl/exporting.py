@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.language.attributes.guards import parse_guard
+from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
 from jausml.language.exporters.jsidl.elements import FieldWriter, document, element, text_element
 from jausml.language.importers.jsidl import Source, import_sources
@@ -118,9 +118,15 @@ def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Mach
                 each.target,
             )
             leads_to = (whole.resolve(path, target) or target) if target else ""
-            guard = repr(parse_guard(each.guard))
+            guard = _meaning(each.guard)
             _note(found, where, each, kind=kind, target=leads_to, guard=guard)
             _note_actions(found, where, each.actions, has_sender=each.message is not None)
+
+
+def _meaning(text: str | None) -> str:
+    """Returns what is the same for two guards that hold in the same cases as an export has it."""
+    guard = parse_guard(text)
+    return repr((guard and alternatives(guard)) or guard)
 
 
 def _note_actions(

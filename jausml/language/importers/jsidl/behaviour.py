@@ -214,6 +214,12 @@ class BehaviourBuilder:
             at = NodePlace(place.document, parameters[0])
             text = f"what the event {show(name)} carries is not handed to guards and actions"
             self._findings.report("JML626", at, text)
+        for each in parameters:
+            value, type_name = folded(each.get("value")), folded(each.get("type"))
+            if type_name not in (name, f"{name}.Body.{value[:1].upper()}{value[1:]}"):
+                at = NodePlace(place.document, each).at("type")
+                text = f"{show(value)} is taken for the event, not for {show(type_name)}"
+                self._findings.report("JML624", at, text)
         return {"event": name}
 
     def _is_broken(self, name: str) -> bool:

@@ -113,6 +113,17 @@ class Progress(EEnumLiteral):
         "distance",
     ]
 
+class MissionEnd(EEnumLiteral):
+    """What becomes of the mission of a JAUS peer when the goal of a ROS client ends before it:
+    the client cancels it, another goal takes its place, control ends, the bridge leaves Ready,
+    or the bridge itself ends."""
+
+    name: Literal[
+        "open",
+        "abort",
+        "pause",
+    ]
+
 class ConversionKind(EEnumLiteral):
     """Named value conversions.
 
@@ -156,6 +167,8 @@ class ConversionKind(EEnumLiteral):
         "user",
         "orientation_if_known",
         "limit",
+        "pixels_to_pnm",
+        "pnm_to_pixels",
     ]
 
 class NamedElement(EObject):
@@ -382,7 +395,8 @@ class VectorValue(EObject):
     """Path of the attribute; elements of lists are named by index."""
 
     value: str
-    """The value: a number, true, false, text, or absent for an optional field that is left out."""
+    """The value: a number, true, false, text, octets as pairs of hexadecimal digits, or absent
+    for an optional field that is left out."""
 
     tolerance: float
     """Largest difference of a number that is expected; 0 means half a step of the JAUS fields on
@@ -776,7 +790,7 @@ class RosActionConnection(DecisionOwner):
     on one side, a list and its driver on the JAUS side."""
 
     direction: Direction
-    """Who gives the list.
+    """Who gives the list, or the mission.
 
     With jausToRos a JAUS component gives it to the bridge, which is the list driver and has the ROS
     action done. With rosToJaus a ROS client sends a goal to the action that the bridge serves, and
@@ -790,7 +804,8 @@ class RosActionConnection(DecisionOwner):
     """The type of the ROS action."""
 
     driver: jaus.Service
-    """The list driver: a JAUS service that executes a list, such as LocalWaypointListDriver.
+    """The list driver: a JAUS service that executes a list, such as LocalWaypointListDriver, or a
+    mission, as MissionSpooler does.
 
     The bridge provides it, or a peer does.
     """
@@ -814,6 +829,10 @@ class RosActionConnection(DecisionOwner):
     speed: float
     """Metres per second that ExecuteList asks for, with rosToJaus; above 0, but for drivers
     whose ExecuteList has none."""
+
+    onEnd: MissionEnd
+    """What becomes of a mission whose goal ends before it; with rosToJaus and a mission spooler
+    a person decides it."""
 
     peers: abc.Sequence[jaus.Component]
     """JAUS components at the other end.

@@ -9,6 +9,7 @@ from jausml.language.semantics.conversions import (
     grids,
     numbers,
     orientations,
+    pictures,
     times,
 )
 from jausml.language.semantics.conversions.conversion import (
@@ -42,7 +43,7 @@ __all__ = [
     "conversions_between",
 ]
 
-_MODULES = (numbers, orientations, times, grids, authored)
+_MODULES = (numbers, orientations, times, grids, pictures, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
     each.name: each()
     for module in _MODULES

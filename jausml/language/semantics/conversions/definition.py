@@ -45,6 +45,7 @@ class NoArithmetic(Enum):
     """What a conversion does that has no arithmetic of its own."""
 
     ORDER = "gives the elements of a list in another order"
+    PICTURE = "reads or writes the octets of a picture"
     TABLE = "finds the value in a table of the map"
     AUTHORED = "computes an expression of the map"
     USER = "calls a method that the user writes"

@@ -109,12 +109,27 @@ def guard_of_receivers(
     if service is None or not needs_control(message, service):
         return "ANY"
     # A command that a service keeps in Standby moves what listens to a topic at once.
-    provided = [provided_services(each) for each in receivers if each is not None]
-    if search is not None:
-        # What is found mostly is as components are that name nothing.
-        provided = [[*searched_services(search), *standard_services()]]
+    provided = _provided_by(receivers, search)
     is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
     return "READY" if is_for_ready else "CONTROLLED"
+
+
+def guard_of_executors(peers: Iterable[jaus.Component], search: jaus.PeerSearch | None) -> Guard:
+    """Returns in which state peers execute lists or missions: in Ready, where they have states.
+
+    A mission spooler inherits no Management, but its component may have it for others.
+    """
+    has_states = all(_has(_MANAGEMENT, each) for each in _provided_by(peers, search))
+    return "READY" if has_states else "CONTROLLED"
+
+
+def _provided_by(
+    receivers: Iterable[jaus.Component | None], search: jaus.PeerSearch | None
+) -> list[list[jaus.Service]]:
+    if search is not None:
+        # What is found mostly is as components are that name nothing.
+        return [[*searched_services(search), *standard_services()]]
+    return [provided_services(each) for each in receivers if each is not None]
 
 
 def _has(urn: str, services: Iterable[jaus.Service]) -> bool:

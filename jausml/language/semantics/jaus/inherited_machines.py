@@ -88,8 +88,12 @@ def core_machine(service: jaus.Service | None) -> CoreMachine:
 
 
 def core_events() -> frozenset[str]:
-    """Returns the names of the internal events of the core services."""
-    return frozenset(str(e.name) for each in newest_services().values() for e in each.events)
+    """Returns the names of the internal events of the core services.
+
+    Those of Transport carry messages, which a machine takes and sends as messages.
+    """
+    of_core = (each for urn, each in newest_services().items() if urn != f"{CORE}Transport")
+    return frozenset(str(e.name) for each in of_core for e in each.events)
 
 
 @cache

@@ -136,6 +136,14 @@ def constant_fault(text: str, attribute: Attribute, names: Mapping[str, str] | N
     return f"cannot be {attribute.name}"
 
 
+def octets_of(text: str) -> bytes | None:
+    """Returns the octets that pairs of hexadecimal digits stand for; None for another text."""
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        return None
+
+
 def is_integer(text: str) -> bool:
     """Tells whether a text is an integer in decimal digits, without leading zeros."""
     return _INTEGER.fullmatch(text) is not None

@@ -44,6 +44,7 @@ class State(IntEnum):
     RUNNING = 1
     PAUSED = 3
     ABORTED = 5
+    BLOCKED = 6
     FINISHED = 7
 
 

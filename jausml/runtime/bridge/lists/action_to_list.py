@@ -1,7 +1,8 @@
-"""Connection of a ROS action with a JAUS list driver: the goal is the list of a peer."""
+"""Connection of a ROS action with a JAUS list driver or mission spooler of a peer."""
 
 from __future__ import annotations
 
+import random
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -11,7 +12,10 @@ from ..connections.controlled_peers import ControlledPeers, RepeatedStops
 from ..connections.transcoding import ros_decoder, uses_ros_classes
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
-from .list_run import ListConnection, ListRun
+from ..ends.mission_driver import MissionMessages
+from .list_connection import ListConnection
+from .list_run import ListRun
+from .mission_run import MissionRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,6 +27,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
     from ..reports.states import Standing, StopReason
+    from .run import Run
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -36,7 +41,7 @@ _UIDS = 60000
 
 
 class ActionToList(ListConnection[SourceT, TargetT]):
-    """Has the goals of a ROS action executed by the list driver of a JAUS peer.
+    """Has the goals of a ROS action executed by the list driver or spooler of a JAUS peer.
 
     A goal that comes while another one is executed takes its place, as it does at the servers of
     Nav2; the other one is aborted.
@@ -56,7 +61,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         peers: Sequence[JausAddress] | PeerSearch,
         speed: float = 0.0,
         speed_of: Callable[[Any], float] | None = None,
-        control: bool = True,
+        control: Guard = Guard.READY,
+        pauses: bool = False,
         timeout: float = 1.0,
     ) -> None:
         """Prepares the connection.
@@ -64,21 +70,24 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         Args:
             translate: Makes the message that an element of the list holds of an element of a goal.
             speed_of: Returns the speed for a goal of rclpy, if it is another one for each.
+            pauses: Whether a mission whose goal ends before it stays, paused; else it is aborted.
             timeout: Seconds in which the peer must answer.
         """
         super().__init__(name, translate, action=action)
         self.speed = speed
         self.timeout = timeout
         self._messages = driver
-        self._peers = ControlledPeers(peers, Guard.READY if control else Guard.ANY)
+        self._peers = ControlledPeers(peers, control)
+        self._pauses = pauses
         self._speed_of = speed_of
         self._stops = RepeatedStops(self._peers, self._goes_on, self._stop_again)
-        self._runs: dict[JausAddress, ListRun] = {}  # the last one of each peer
-        self._run: ListRun | None = None
+        self._runs: dict[JausAddress, Run] = {}  # the last one of each peer
+        self._run: Run | None = None
         self._goal: ServedGoal | None = None
         self._next: tuple[JausAddress, list[bytes], float] | None = None  # what was accepted
         self._count = 0
-        self._first = 1
+        # A spooler may have a mission of an earlier life of the bridge.
+        self._first = random.randint(1, _UIDS) if self._has_missions else 1
         self._result = "none yet"
 
     # ------------------------------------------------------------------ as a connection
@@ -100,6 +109,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             leave=self._leave,
             changed=self._control_changed,
         )
+        if self._has_missions:
+            ends.component.on_message(self._messages.report, self._heard)
         ends.ros.serve_action(self._action, self)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
@@ -134,7 +145,9 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     @property
     def when_lost(self) -> str:
         """What happens when the bridge may not command."""
-        return "the list is stopped and the goal aborted"
+        if not self._has_missions:
+            return "the list is stopped and the goal aborted"
+        return f"the mission is {'paused' if self._pauses else 'aborted'}, as its goal is"
 
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
@@ -159,6 +172,10 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     # ------------------------------------------------------------------ peers
 
+    @property
+    def _has_missions(self) -> bool:
+        return isinstance(self._messages, MissionMessages)
+
     def _leave(self, peer: JausAddress) -> None:
         if self._run is not None and self._run.peer == peer:
             self._run.leave(Outcome.ABORTED, f"{peer} is gone")
@@ -168,6 +185,12 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         if run is not None and run.peer == peer and not self._peers.obeys(peer):
             run.leave(Outcome.ABORTED, f"{peer} does not obey: {self._peers.reason(peer)}")
         self._stops.changed(peer)
+
+    def _heard(self, report: Any, sender: JausAddress) -> None:
+        """Takes what a spooler tells unasked."""
+        run = self._runs.get(sender)
+        if run is not None:
+            run.heard(report)
 
     def _goes_on(self, peer: JausAddress) -> bool:
         run = self._runs.get(peer)
@@ -208,22 +231,23 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._make_way(peer)
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
-        run = ListRun(
-            self._ends.component,
-            peer,
-            self._messages,
-            self,
-            self.timeout,
-            self._stops,
-            self._runs.get(peer),
-        )
-        self._runs = {at: each for at, each in self._runs.items() if each.may_go_on} | {peer: run}
+        run = self._run_at(peer)
+        self._runs = {at: each for at, each in self._runs.items() if each.remains} | {peer: run}
         self._run = run
         first = self._first
         self._first = (first + len(payloads)) % _UIDS or 1
         if self._first < first:
             first, self._first = 1, 1 + len(payloads)
         run.start(payloads, first, speed)
+
+    def _run_at(self, peer: JausAddress) -> Run:
+        component, messages, former = self._ends.component, self._messages, self._runs.get(peer)
+        timeout, stops = self.timeout, self._stops
+        if not isinstance(messages, MissionMessages):
+            return ListRun(component, peer, messages, self, timeout, stops, former)
+        return MissionRun(
+            component, peer, messages, self, timeout, stops, former, pauses=self._pauses
+        )
 
     def _make_way(self, peer: JausAddress) -> None:
         """Ends the goal that is executed; its list is replaced, or stopped at another peer."""
@@ -259,12 +283,12 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     # ------------------------------------------------------------------ RunWatcher
 
-    def reached(self, run: ListRun, index: int) -> None:
+    def reached(self, run: Run, index: int) -> None:
         """Tells the client which element is active."""
         if run is self._run and self._goal is not None:
             self._goal.progress(self._action.counting.number(index, self._count))
 
-    def ended(self, run: ListRun, outcome: Outcome, reason: str) -> None:
+    def ended(self, run: Run, outcome: Outcome, reason: str) -> None:
         """Gives the client the result."""
         if run is not self._run or self._goal is None:
             return

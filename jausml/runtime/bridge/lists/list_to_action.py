@@ -15,7 +15,7 @@ from ..connections.transcoding import ros_encoder
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.list_driver import ListAnswers
-from .list_run import ListConnection
+from .list_connection import ListConnection
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

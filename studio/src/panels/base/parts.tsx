@@ -54,8 +54,15 @@ export function Help({ subject, children }: { subject: string; children: string 
   );
 }
 
+interface CopyableProps {
+  label: string;
+  text: string;
+  /** What is copied where that is another text than the one that is shown. */
+  copied?: string;
+}
+
 /** A text to be copied, and the button that does it. */
-export function Copyable({ label, text }: { label: string; text: string }) {
+export function Copyable({ label, text, copied = text }: CopyableProps) {
   const [isCopied, setCopied] = useState(false);
   useEffect(() => {
     if (!isCopied) return;
@@ -68,7 +75,7 @@ export function Copyable({ label, text }: { label: string; text: string }) {
       <button
         type="button"
         aria-label={`Copy ${label}`}
-        onClick={() => navigator.clipboard.writeText(text).then(() => setCopied(true))}
+        onClick={() => navigator.clipboard.writeText(copied).then(() => setCopied(true))}
       >
         {isCopied ? "Copied" : "Copy"}
       </button>

@@ -47,7 +47,7 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
     """The driver of an action connection executes lists with the message of its map.
 
     It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
-    ReportActiveElement. A mission spooler executes its mission in the same way, towards ROS.
+    ReportActiveElement. A mission spooler executes its mission in the same way.
 
     Bad: `driver="LocalWaypointDriver"`, which drives to one waypoint; or LocalWaypointListDriver
     with the map of SetGlobalWaypoint
@@ -59,9 +59,6 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
         message = f"'{each.driver.name}' executes no lists"
         hint = "name a service that inherits ListManager and takes ExecuteList"
         yield Finding(each, message, "driver", hint)
-    elif messages.spooler and not _to_ros(each):
-        hint = "name a list driver: actions of ROS do not spool missions"
-        yield Finding(each, "missions go to ROS alone", "driver", hint)
     elif not takes(each.driver, each.element.message):
         note = Note(each.element, f"map '{each.element.name}'")
         message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
@@ -212,6 +209,38 @@ def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterat
         message = f"speed {each.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
         hint = "state the speed at which peers execute lists"
         yield Finding(each, message, "speed", hint)
+
+
+@rule(
+    "JML499",
+    Severity.ERROR,
+    "mission whose end nobody has decided",
+    is_decision=True,
+    each=bridge.RosActionConnection,
+    needs=(*_ENDS, "onEnd"),
+)
+def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+    """A mission that a ROS client gives to a JAUS peer has an `onEnd`, and nothing else has.
+
+    The goal may end before the mission: the client cancels it, another goal comes, control is lost,
+    or the bridge ends. The vehicle stands in any case. A mission that was aborted is gone; one that
+    was paused stays, and goes on when somebody resumes it. Which of them is safe, a person says. A
+    list leaves nothing behind, and a bridge that executes missions itself keeps them paused.
+
+    Bad: `direction="rosToJaus" driver="MissionSpooler"` without `onEnd`
+
+    Good: the same with `onEnd="abort"`
+    """
+    messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
+    if messages is None:
+        return
+    is_open = each.onEnd.name == "open"
+    if not messages.spooler or _to_ros(each):
+        if not is_open:
+            yield Finding(each, f"'{each.name}' gives no mission to a peer", "onEnd")
+    elif is_open:
+        message = f"nobody has decided what a goal of '{each.name}' leaves that ends too early"
+        yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
 
 
 @rule(

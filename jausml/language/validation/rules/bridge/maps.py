@@ -12,11 +12,13 @@ from jausml.language.semantics.conversions import conversions_between
 from jausml.language.semantics.paths.attributes import (
     LIST,
     NUMBERS,
+    OCTETS,
     TIME,
     TIME_STAMP,
     Attribute,
     PathFault,
     constant_fault,
+    octets_of,
 )
 from jausml.language.semantics.paths.scopes import DIRECTED, PathScope, directions_of, outer_scope
 from jausml.language.validation.rule import Finding, rule
@@ -203,8 +205,8 @@ def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
     The given values belong to the source, the expected ones to the target. `absent` is for optional
-    fields of a JAUS message. The map has assignments for the direction, and a tolerance is a finite
-    number that is not negative.
+    fields of a JAUS message. Octets are pairs of hexadecimal digits. The map has assignments for
+    the direction, and a tolerance is a finite number that is not negative.
 
     Bad: `<expected path="pose.orientation" value="0.7071"/>`
 
@@ -255,6 +257,8 @@ def _value_findings(
 
 def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
     if text != _ABSENT:
+        if attribute.kind == OCTETS:
+            return "" if octets_of(text) is not None else "is not pairs of hexadecimal digits"
         return constant_fault(text, attribute)
     if not is_jaus:
         return "is for JAUS fields: all fields of a ROS message are there"

@@ -1,0 +1,108 @@
+"""Requests that step a machine by hand. They hold no state: the page has the path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
+from jausml.authoring.studio.rpc import Method
+from jausml.authoring.studio.views.spots import element_shown
+from jausml.language.attributes.guards import GuardError
+from jausml.language.metamodel.classes import jaus
+from jausml.model_checking.stepped_test import stepped_test
+from jausml.model_checking.stepping import (
+    Chosen,
+    SteppingError,
+    choices,
+    stepped_machine,
+    walked,
+)
+from jausml.views.diagrams.views.context import Context
+
+if TYPE_CHECKING:
+    from jausml.language.model import Model
+    from jausml.model_checking.stepping import Choice, SteppedMachine
+
+_MOST_STEPS = 1000
+
+
+def methods(context: StudioContext) -> Mapping[str, Method]:
+    """Returns the methods by name."""
+    return {
+        "step": Method(partial(_step, context)),
+        "step.test": Method(partial(_test, context)),
+    }
+
+
+def _step(
+    context: StudioContext,
+    file: str,
+    view: str,
+    path: tuple[Chosen, ...],
+    said: Mapping[str, bool],
+) -> dict[str, Any]:
+    """Returns where a path leads, and what can happen there when conditions say something."""
+    model, machine = _machine(context, file, view, path)
+    ids = Context(model, view, ())
+    product = machine.product
+    try:
+        taken, fault = walked(product, path), ""
+    except SteppingError as error:
+        taken, fault = [], str(error)
+    except GuardError as error:
+        raise AnswerError(f"a guard cannot be read: {error}") from error
+    state = taken[-1].after if taken else product.initial()
+    return {
+        "component": product.component,
+        "tick": machine.tick,
+        "beside": list(machine.beside),
+        "conditions": product.own_conditions(),
+        "initial": product.initial().path,
+        "taken": [_as_json(ids, each) for each in taken],
+        "fault": fault,
+        "state": state.path,
+        "status": state.core.status,
+        "controller": state.core.controller,
+        "choices": [_as_json(ids, each) for each in choices(product, state, said)],
+    }
+
+
+def _as_json(ids: Context, choice: Choice) -> dict[str, str]:
+    transition = choice.transition
+    return {
+        "kind": choice.kind,
+        "actor": choice.actor,
+        "what": choice.what,
+        "state": choice.after.path,
+        "transition": "" if transition is None else ids.id_of(transition),
+        "why_not": choice.why_not,
+    }
+
+
+def _test(context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]) -> dict[str, str]:
+    """Returns a path as a test module."""
+    if context.verdicts.of(file).report.has_errors:
+        raise AnswerError("the model has errors: mend them before a test is made")
+    model, machine = _machine(context, file, view, path)
+    try:
+        return {"test": stepped_test(model, machine, path)}
+    except SteppingError as error:
+        raise AnswerError(str(error)) from error
+
+
+def _machine(
+    context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]
+) -> tuple[Model, SteppedMachine]:
+    if len(path) > _MOST_STEPS:
+        raise AnswerError(f"a path has {_MOST_STEPS} steps at most")
+    scope = context.scope_of(file)
+    element = element_shown(scope, view)
+    machine = None
+    if isinstance(element, jaus.StateMachine):
+        machine = stepped_machine(scope.model, element)
+    if machine is None:
+        raise AnswerError(f"{view} is no view of a machine of a service")
+    return scope.model, machine

@@ -1,0 +1,93 @@
+"""Forms of messages: the fields of a definition with units, ranges and choices, and no values."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.language import wire
+from jausml.live.messages.values import symbol
+
+if TYPE_CHECKING:
+    from jausml.live.messages import MessageEntry
+
+
+def form_of(entry: MessageEntry) -> list[dict[str, Any]]:
+    """Returns the fields of a message, from the outermost inwards."""
+    return [_field(each) for each in entry.record.members]
+
+
+def _field(field: wire.Field) -> dict[str, Any]:
+    return {
+        "name": field.name,
+        "documentation": field.documentation,
+        "optional": field.is_optional,
+        **_kind(field.kind),
+    }
+
+
+def _kind(kind: wire.Kind) -> dict[str, Any]:
+    match kind:
+        case wire.Integer() | wire.Real() | wire.Scaled():
+            return {"kind": "number", **_number(kind)}
+        case wire.BitField():
+            members = [
+                {"name": each.name, "documentation": each.documentation, "optional": False,
+                 "kind": "number", **_integer(each.legal, "")}
+                for each in kind.groups
+            ]  # fmt: skip
+            return {"kind": "group", "members": members}
+        case wire.Record():
+            return {"kind": "group", "members": [_field(each) for each in kind.members]}
+        case wire.List():
+            ends = {"least": kind.count.lower, "most": kind.count.upper}
+            return {"kind": "list", **ends, "element": _field(kind.element)}
+        case wire.Array():
+            ends = {"least": kind.length, "most": kind.length}
+            return {"kind": "list", **ends, "element": _field(kind.element)}
+        case wire.Variant():
+            return {"kind": "variant", "options": [_field(each) for each in kind.options]}
+        case _:
+            return _leaf(kind)
+
+
+def _leaf(
+    kind: wire.FixedText | wire.Text | wire.Octets | wire.FormattedOctets | wire.VariableNumber,
+) -> dict[str, Any]:
+    match kind:
+        case wire.VariableNumber():
+            alternatives = [
+                {"index": each.index, "name": each.name, **_number(each.number)}
+                for each in kind.alternatives
+            ]
+            return {"kind": "variable", "alternatives": alternatives}
+        case wire.FixedText():
+            return {"kind": "text", "least": 0, "most": kind.length}
+        case wire.Text():
+            return {"kind": "text", "least": kind.count.lower, "most": kind.count.upper}
+        case wire.Octets():
+            return {"kind": "octets", "least": kind.count.lower, "most": kind.count.upper}
+        case _:
+            formats = [{"index": each.index, "name": each.name} for each in kind.formats]
+            ends = {"least": kind.count.lower, "most": kind.count.upper}
+            return {"kind": "formatted", **ends, "formats": formats}
+
+
+def _number(kind: wire.Number) -> dict[str, Any]:
+    match kind:
+        case wire.Integer():
+            return _integer(kind.legal, kind.units)
+        case wire.Scaled():
+            ends = [[kind.lower, kind.upper]]
+            return {"integer": False, "ranges": ends, "choices": [], "units": symbol(kind.units)}
+        case _:
+            ends = [[kind.legal.lower, kind.legal.upper]]
+            return {"integer": False, "ranges": ends, "choices": [], "units": symbol(kind.units)}
+
+
+def _integer(legal: wire.LegalIntegers, units: str) -> dict[str, Any]:
+    return {
+        "integer": True,
+        "ranges": [list(each) for each in legal.ranges],
+        "choices": [{"value": each.value, "label": each.name} for each in legal.listed],
+        "units": symbol(units),
+    }

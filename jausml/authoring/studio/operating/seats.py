@@ -1,0 +1,362 @@
+"""One page of the operator unit: what it may ask, and what its being gone means."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from itertools import count
+from typing import TYPE_CHECKING, Any, Literal
+
+from jausml.authoring.studio.context import Subscribers
+from jausml.authoring.studio.operating.forms import form_of
+from jausml.authoring.studio.operating.leases import StickOverError
+from jausml.authoring.studio.operating.stops import NoStopError
+from jausml.authoring.studio.operating.unit import (
+    NotAllowedError,
+    OperatorUnit,
+)
+from jausml.authoring.studio.operating.values import TooManyError
+from jausml.authoring.studio.operating.watching import UnitError
+from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
+from jausml.live.messages import MessageError
+from jausml.live.messages.errors import CodecError
+from jausml.live.peers.network import component_address
+from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.peers.rendering import printable, shown_fields
+from jausml.live.peers.requesting import request
+from jausml.runtime import HandoffDecision
+from jausml.runtime.base.api import JausError
+from jausml.runtime.messages import Resume, Standby
+from jausml.runtime.services.definitions import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from jausml.authoring.editing.project import Project
+    from jausml.authoring.studio import rpc
+    from jausml.authoring.studio.operating.unit import Powers
+    from jausml.live.messages import MessageEntry
+    from jausml.live.peers.network import Network
+    from jausml.runtime.base.address import JausAddress
+
+LONGEST_NAME = 40
+MOST_POINTS = 2000
+LONGEST_HISTORY = 3600.0
+
+_QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
+"""What is answered in its turn, on a thread that waits for nothing else."""
+
+_DECISIONS = {
+    "grant": HandoffDecision.GRANTED,
+    "deny": HandoffDecision.DENIED,
+    "defer": HandoffDecision.WAIT,
+}
+
+
+class Operating:
+    """The operator unit and its pages."""
+
+    def __init__(self, project: Project, network: Network, powers: Powers | None) -> None:
+        """Begins with nobody (`ValueError`: a declared stop is none)."""
+        self.powers = powers
+        self.subscribers = Subscribers()
+        self._project, self._network = project, network
+        self._unit = self._made() if powers is not None else None
+        self._numbers = count(1)
+        self._lock = threading.Lock()
+
+    def start(self) -> None:
+        """Begins at once where commanding is allowed, else with the first page."""
+        if self._unit is not None:
+            self._unit.start()
+
+    def stop(self) -> None:
+        """Ends it."""
+        if self._unit is not None:
+            self._unit.stop()
+
+    def seat(self) -> Seat:
+        """Returns a place for a page."""
+        with self._lock:
+            if self._unit is None:
+                self._unit = self._made()
+            self._unit.start()
+            return Seat(self._unit, self.subscribers, next(self._numbers))
+
+    def _made(self) -> OperatorUnit:
+        told = self.subscribers.notify
+        return OperatorUnit(self._project, self._network, self.powers, told)
+
+
+class Seat:
+    """A page; `PageSocket` serves it as it serves a session."""
+
+    revision = 0
+
+    def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
+        """Begins as one that looks."""
+        self._unit = unit
+        self._subscribers = subscribers
+        self._number = number
+        self._name = f"page {number}"
+        self._may_command = False
+        looking: Mapping[str, Callable[..., object]] = {
+            "hello": self._hello,
+            "claim": self._claim,
+            "messages": self._messages,
+            "form": self._form,
+            "journal": self._journal,
+            "watch": self._watch,
+            "unwatch": self._unwatch,
+            "values": self._values,
+            "history": self._history,
+        }
+        commanding: Mapping[str, Callable[..., object]] = {
+            "renew": self._renew,
+            "take": self._take,
+            "release": self._release,
+            "resume": self._resume,
+            "standby": self._standby,
+            "send": self._send,
+            "stop": self._stop,
+            "clear": self._clear,
+            "silence": self._silence,
+            "handoff": self._handoff,
+            "decide": self._decide,
+            "stick.begin": self._begin_stick,
+            "stick.move": self._move_stick,
+            "stick.end": self._end_stick,
+        }
+        self._looking = frozenset(looking)
+        methods = {**looking, **commanding}
+        self._slow = Answering({name: Method(each) for name, each in methods.items()})
+        # Neither the lease nor the stop waits for a component that does not answer.
+        quick = {name: Method(methods[name], in_turn=True) for name in _QUICK}
+        self._quick = Answering({**quick, "stop": Method(self._stop)})
+
+    @contextmanager
+    def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
+        """Tells a listener what happens as long as the context lasts; then the page is gone."""
+        try:
+            with self._subscribers.subscribed(listener):
+                yield
+        finally:
+            # What it commanded is stopped at once; the event loop does not wait for it.
+            threading.Thread(target=self._leave, name="leaving").start()
+
+    def _leave(self) -> None:
+        self._quick.close()
+        self._slow.close()
+        self._unit.leave(self._number)
+
+    async def answer(self, request: rpc.Request) -> object:
+        """Returns the result of a request."""
+        if request.method not in self._looking and not self._may_command:
+            raise RpcError(UNAUTHORIZED, "this page may look, and not command")
+        is_quick = request.method in _QUICK or request.method == "stop"
+        try:
+            return await (self._quick if is_quick else self._slow).answer(request)
+        except NotAllowedError as error:
+            raise RpcError(UNAUTHORIZED, str(error)) from error
+        except CodecError as error:
+            raise RpcError(REFUSED, str(error), {"path": error.path}) from error
+        except (
+            JausError, MessageError, NoAnswer, NoStopError, Refused, StickOverError, TooManyError,
+            UnitError, ValueError,
+        ) as error:  # fmt: skip
+            raise RpcError(REFUSED, str(error)) from error
+
+    # ---- looking ----------------------------------------------------------------------------
+
+    def _hello(self) -> dict[str, Any]:
+        return {
+            "page": self._number,
+            "name": self._name,
+            "can_command": self._unit.powers is not None,
+            "state": self._unit.content(),
+        }
+
+    def _claim(self, right: str, name: str) -> dict[str, Any]:
+        """Takes the right to command, and how others are to call this page."""
+        powers = self._unit.powers
+        if powers is None:
+            raise NotAllowedError("this studio was started without --operate")
+        if not powers.token.fits(right):
+            self._unit.journal.note(self._name, "claimed the right to command with a wrong token")
+            raise NotAllowedError("this is not the right to command of this studio")
+        shown = printable(name.strip())[:LONGEST_NAME]
+        self._name = f"{shown} (page {self._number})" if shown else self._name
+        self._may_command = True
+        self._unit.journal.note(self._name, "has the right to command")
+        return {"name": self._name}
+
+    def _messages(self, component: str) -> dict[str, Any]:
+        """Returns the commands that a component takes and the reports that it gives."""
+        target = component_address(component)
+        operator = self._unit.operator
+        provided = operator.services(target)
+        labels = {f"{each.urn}/{each.major}.{each.minor}" for each in provided}
+        commands: dict[str, dict[str, Any]] = {}
+        reports: dict[str, str] = {}
+        for service in operator.catalogue.services.values():
+            if service.label not in labels:
+                continue
+            for each in service.lineage:
+                for entry in each.inputs:
+                    if entry.name.startswith("Query"):
+                        reports.setdefault(entry.name.removeprefix("Query"), each.name)
+                    elif entry.is_command:
+                        commands.setdefault(entry.name, self._command(target, entry, each.name))
+        return {
+            "commands": sorted(commands.values(), key=lambda each: str(each["name"])),
+            "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
+        }
+
+    def _command(self, target: JausAddress, entry: MessageEntry, service: str) -> dict[str, Any]:
+        try:
+            stop = self._unit.sticks.stop_of(target, entry)
+        except (NoStopError, MessageError) as error:
+            stick: dict[str, Any] = {"refusal": str(error)}
+        else:
+            shown = shown_fields(entry, entry.decode(entry.encode(stop.fields)))
+            stick = {"stop": shown, "timeout": stop.timeout, "source": stop.source}
+        return {
+            "name": entry.name,
+            "service": service,
+            "documentation": str(entry.definition.documentation or ""),
+            "stick": stick,
+        }
+
+    def _form(self, component: str, message: str) -> dict[str, Any]:
+        entry = self._unit.operator.find(component_address(component), message)
+        return {"message": entry.name, "fields": form_of(entry)}
+
+    def _journal(self) -> dict[str, Any]:
+        return {"entries": self._unit.journal.entries}
+
+    def _watch(self, component: str, report: str, rate: float | None = None) -> dict[str, Any]:
+        target = component_address(component)
+        unit = self._unit
+        if rate is not None and not 0 < rate <= 50:
+            raise UnitError(f"{rate:g} Hz is not above 0 and at most 50")
+        name = unit.values.watch(unit.operator, target, report, rate, self._number)
+        return {"report": name}
+
+    def _unwatch(self, component: str, report: str) -> dict[str, Any]:
+        self._unit.values.unwatch(component, report, self._number)
+        return {}
+
+    def _values(self) -> dict[str, Any]:
+        return {"values": self._unit.values.last()}
+
+    def _history(
+        self, component: str, report: str, path: str, seconds: float, points: int
+    ) -> dict[str, Any]:
+        within = min(max(seconds, 0.0), LONGEST_HISTORY)
+        most = min(max(points, 2), MOST_POINTS)
+        found = self._unit.values.history(component, report, path, within, most)
+        return {"times": [time for time, _ in found], "values": [value for _, value in found]}
+
+    # ---- commanding -------------------------------------------------------------------------
+
+    def _renew(self) -> dict[str, Any]:
+        self._unit.renew(self._number)
+        return {}
+
+    def _take(self, component: str, authority: int) -> dict[str, Any]:
+        _check_authority(authority)
+        self._unit.take(self._number, self._name, component_address(component), authority)
+        return {}
+
+    def _release(self, component: str) -> dict[str, Any]:
+        target = component_address(component)
+        return {"confirmed": self._unit.release(self._number, self._name, target)}
+
+    def _resume(self, component: str) -> dict[str, Any]:
+        return self._change(component, Resume(), Status.READY)
+
+    def _standby(self, component: str) -> dict[str, Any]:
+        return self._change(component, Standby(), Status.STANDBY)
+
+    def _change(self, component: str, message: Resume | Standby, wanted: Status) -> dict[str, Any]:
+        target = component_address(component)
+        self._unit.require_commander(self._number)
+        if not self._unit.operator.controls(target):
+            raise UnitError(f"{target} is not controlled by us")
+        self._unit.journal.note(self._name, f"{message.NAME} to {target}")
+        state = self._unit.operator.change(target, message, wanted)
+        return {"state": state.name if state is not None else ""}
+
+    def _send(self, component: str, message: str, fields: dict[str, object]) -> dict[str, Any]:
+        """Sends a command, and returns what came back."""
+        target, unit = component_address(component), self._unit
+        unit.require_commander(self._number)
+        entry = unit.operator.find(target, message)
+        given = entry.completed(fields)
+        entry.encode(given)
+        shown = shown_fields(entry, entry.decode(entry.encode(given)))
+        unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
+        try:
+            answer, found = request(unit.operator, target, entry.name, given)
+        except (NoAnswer, Refused) as error:
+            unit.journal.alarm(f"command {entry.name}", str(error))
+            raise
+        text = f"{answer.name} {printable(shown_fields(answer, found))}"
+        unit.journal.note(str(target), text)
+        return {"answer": text}
+
+    def _stop(self, components: tuple[str, ...] = ()) -> dict[str, Any]:
+        targets = [component_address(each) for each in components]
+        return {"stopped": self._unit.stop_all(self._name, targets)}
+
+    def _clear(self, component: str) -> dict[str, Any]:
+        target = component_address(component)
+        self._unit.journal.note(self._name, f"clears our emergency of {target}")
+        state = self._unit.operator.clear(target)
+        return {"state": state.name if state is not None else ""}
+
+    def _silence(self, number: int, reason: str) -> dict[str, Any]:
+        if not reason.strip():
+            raise UnitError("say why the alarm may be silent")
+        if not self._unit.journal.silence(number, self._name, printable(reason.strip())[:200]):
+            raise UnitError("this alarm sounds no more")
+        return {}
+
+    def _handoff(self, component: str, authority: int, reason: str) -> dict[str, Any]:
+        _check_authority(authority)
+        target = component_address(component)
+        self._unit.request_handoff(self._number, self._name, target, authority, reason)
+        return {}
+
+    def _decide(
+        self, component: str, number: int, decision: Literal["grant", "deny", "defer"]
+    ) -> dict[str, Any]:
+        self._unit.require_commander(self._number)
+        target = component_address(component)
+        client = self._unit.decide(target, number, _DECISIONS[decision])
+        self._unit.journal.note(self._name, f"{decision}: {client} asked for control of {target}")
+        return {"client": client}
+
+    # ---- the stick --------------------------------------------------------------------------
+
+    def _begin_stick(self, component: str, message: str) -> dict[str, Any]:
+        target = component_address(component)
+        entry = self._unit.operator.find(target, message)
+        self._unit.require_commander(self._number)
+        number, timeout = self._unit.sticks.begin(self._name, target, entry)
+        return {"stick": number, "timeout": timeout}
+
+    def _move_stick(self, stick: int, fields: dict[str, object]) -> dict[str, Any]:
+        self._unit.require_commander(self._number)
+        self._unit.sticks.move(stick, fields)
+        return {}
+
+    def _end_stick(self, stick: int) -> dict[str, Any]:
+        self._unit.require_commander(self._number)
+        self._unit.sticks.release(stick)
+        return {}
+
+
+def _check_authority(authority: int) -> None:
+    if not 0 <= authority <= 255:
+        raise UnitError(f"{authority} is not within 0 .. 255")

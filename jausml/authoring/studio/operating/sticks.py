@@ -1,0 +1,116 @@
+"""Sticks of components: one is held at a time, and its stop is sent until it has arrived."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.studio.operating.leases import Stick
+from jausml.authoring.studio.operating.watching import UnitError
+
+if TYPE_CHECKING:
+    from jausml.authoring.studio.operating.journal import Journal
+    from jausml.authoring.studio.operating.stops import DeclaredStop, Stops
+    from jausml.authoring.studio.operating.watching import WatchedSystem
+    from jausml.live.messages import MessageEntry
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
+
+RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
+"""Why a stick ends because a person wants it."""
+
+_TRIES = 5
+"""How often a stop is sent that nobody acknowledges, each time with its repetitions."""
+
+
+@dataclass(frozen=True)
+class HeldStick:
+    """The stick that is held."""
+
+    number: int
+    target: JausAddress
+    entry: MessageEntry
+    stick: Stick
+
+
+class Sticks:
+    """The stick that is held, if any; any thread may ask."""
+
+    def __init__(self, system: WatchedSystem, journal: Journal, stops: Stops) -> None:
+        """Holds none."""
+        self.held: HeldStick | None = None
+        self._system, self._journal, self._stops = system, journal, stops
+        self._count = 0
+        self._latest: dict[JausAddress, int] = {}
+        self._lock = Lock()
+
+    def stop_of(self, target: JausAddress, entry: MessageEntry) -> DeclaredStop:
+        """Returns the declared stop of a command (`NoStopError`: there is none)."""
+        return self._stops.of(str(target), entry)
+
+    def begin(self, name: str, target: JausAddress, entry: MessageEntry) -> tuple[int, float]:
+        """Begins to send a command; returns its number, and how long a word of it holds."""
+        operator, stop = self._system.operator, self.stop_of(target, entry)
+        if not operator.controls(target):
+            raise UnitError(f"{target} is not controlled by us")
+        stopping = operator.message(entry, stop.fields)
+        with self._lock:
+            if self.held is not None:
+                raise UnitError(f"the stick of {self.held.target} is held")
+            self._count += 1
+            number = self._latest[target] = self._count
+            stick = Stick(
+                stop.timeout,
+                lambda message: operator.send(target, message),
+                lambda: self._deliver(number, target, stopping),
+                lambda why: self._ended(number, target, entry.name, why),
+            )
+            self.held = HeldStick(number, target, entry, stick)
+        self._journal.note(name, f"holds the stick: {entry.name} to {target}")
+        return number, stop.timeout
+
+    def move(self, number: int, fields: dict[str, Any]) -> None:
+        """Sends what a stick says now."""
+        held = self._held(number)
+        held.stick.move(self._system.operator.message(held.entry, fields))
+
+    def release(self, number: int) -> None:
+        """Takes that its hand lets go."""
+        self._held(number).stick.end(RELEASED)
+
+    def end(self, why: str, target: JausAddress | None = None) -> None:
+        """Ends the stick, of a component or of any."""
+        held = self.held
+        if held is not None and target in (None, held.target):
+            held.stick.end(why)
+
+    def _held(self, number: int) -> HeldStick:
+        held = self.held
+        if held is None or held.number != number:
+            raise UnitError("the stick is released, and its stop was sent")
+        return held
+
+    def _ended(self, number: int, target: JausAddress, name: str, why: str) -> None:
+        with self._lock:
+            if self.held is not None and self.held.number == number:
+                self.held = None
+        self._journal.note("unit", f"sent the stop of {name} to {target}: {why}")
+        if why not in (RELEASED, STOPPED, GIVEN_UP):
+            self._journal.alarm(f"stick of {target}", f"stopped: {why}")
+
+    def _deliver(self, number: int, target: JausAddress, message: Message, tries: int = 1) -> None:
+        """Sends a stop until it is acknowledged, or a newer stick of the component is held."""
+        operator = self._system.running
+        if operator is None:
+            return
+
+        def arrived(is_acknowledged: bool) -> None:  # noqa: FBT001
+            if is_acknowledged or self._latest[target] != number:
+                return
+            if tries < _TRIES:
+                self._deliver(number, target, message, tries + 1)
+            else:
+                self._journal.alarm(f"stick of {target}", "the stop was never acknowledged")
+
+        operator.deliver(target, message, arrived)

@@ -1,0 +1,352 @@
+"""The operator unit: one JAUS component that commands for one page at a time, and watches for all.
+
+It is the client of `jausml ocu`; here stands who may use it, and what ends it.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from threading import Lock, RLock, Thread
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.studio.operating.journal import Journal
+from jausml.authoring.studio.operating.leases import Lease
+from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Sticks
+from jausml.authoring.studio.operating.stops import Stops, told_stop
+from jausml.authoring.studio.operating.values import Values
+from jausml.authoring.studio.operating.watching import UnitError, WatchedSystem
+from jausml.authoring.studio.security import Token
+from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.systems.state import state_as_json
+from jausml.runtime import HandoffDecision
+from jausml.runtime.messages import Standby
+from jausml.runtime.services.definitions import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.authoring.editing.project import Project
+    from jausml.live.peers.holding import Hold
+    from jausml.live.peers.network import Network
+    from jausml.live.peers.operator import Operator
+    from jausml.live.systems.state import SystemState
+    from jausml.runtime.base.address import JausAddress
+
+LONGEST = 1.0
+"""Seconds after which a state is told that has not changed."""
+
+
+class NotAllowedError(Exception):
+    """A page has no right to command."""
+
+
+@dataclass(frozen=True)
+class Powers:
+    """What whoever started the studio allows.
+
+    Attributes:
+        stop: What the stop of everything is, one of `stops.WORDS`.
+        lease: Seconds that the page which commands may be silent before it happens.
+        stops: Stops of single commands, as `told_stop` takes them.
+        token: The right to command, which pages that may look do not have.
+    """
+
+    stop: str
+    lease: float
+    stops: tuple[str, ...] = ()
+    token: Token = field(default_factory=Token)
+
+
+@dataclass(frozen=True)
+class Commander:
+    """The page that commands."""
+
+    page: int
+    name: str
+    lease: Lease
+
+
+class OperatorUnit:
+    """The unit, from `start` to `stop`. Its methods may be called by any thread."""
+
+    def __init__(
+        self,
+        project: Project,
+        network: Network,
+        powers: Powers | None,
+        told: Callable[[str, object], None],
+    ) -> None:
+        """Sends nothing before `start`.
+
+        Args:
+            powers: What is allowed; None for a unit that watches only.
+            told: Takes what all pages are to be told: a notification and its parameters.
+
+        Raises:
+            ValueError: A stop among the powers is none.
+        """
+        self.powers = powers
+        self.values = Values()
+        self.journal = Journal(told)
+        self._told = told
+        self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
+        stops = powers.stops if powers is not None else ()
+        told_stops = [told_stop(each, self._system.catalogue) for each in stops]
+        declared = Stops(self._system.model, told_stops)
+        self.sticks = Sticks(self._system, self.journal, declared)
+        self._told_last: tuple[float, dict[str, Any]] | None = None
+        self._commander: Commander | None = None
+        self._turn = RLock()
+        self._state = Lock()
+
+    # ---- life -------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begins, once; what cannot be heard is told as part of the state."""
+        self._system.start()
+
+    def stop(self) -> None:
+        """Ends it: a stick is stopped, control released."""
+        self._system.stop()
+
+    def _leave_all(self) -> None:
+        commander = self._commander
+        if commander is not None:
+            self._lose(commander, "the studio ends")
+
+    @property
+    def operator(self) -> Operator:
+        """Who asks and commands (`UnitError`: there is no network, or not yet)."""
+        return self._system.operator
+
+    # ---- what all see -----------------------------------------------------------------------
+
+    def content(self, state: SystemState | None = None) -> dict[str, Any]:
+        """Returns what all pages are told."""
+        told = state_as_json(self._system.state() if state is None else state)
+        operator, commander, stick = self._system.running, self._commander, self.sticks.held
+        holds = operator.holds if operator is not None else ()
+        waiting = operator.handoffs.waiting if operator is not None else ()
+        return {
+            "own": str(operator.own) if operator is not None else "",
+            "fault": self._system.fault,
+            "stop": self.powers.stop if self.powers is not None else None,
+            "lease": self.powers.lease if self.powers is not None else None,
+            "commander": commander and {"page": commander.page, "name": commander.name},
+            "stick": stick and {"component": str(stick.target), "message": stick.entry.name},
+            "holds": [_hold(each) for each in holds],
+            "requests": [
+                {"component": str(each.target), "number": each.number, "client": str(each.client),
+                 "authority": each.authority, "explanation": each.explanation}
+                for each in waiting
+                if operator is not None and operator.controls(each.target)
+            ],
+            "components": [_without_age(each) for each in told["components"]],
+            "connections": [
+                {name: each[name] for name in ("bridge", "connection", "level", "reason")}
+                for each in told["connections"]
+            ],
+            "alarms": self.journal.alarms,
+        }  # fmt: skip
+
+    def _tell(self, state: SystemState) -> None:
+        """Tells the state if it has changed, or was not told for a while."""
+        content, now = self.content(state), time.monotonic()
+        last = self._told_last
+        if last is None or content != last[1] or now - last[0] >= LONGEST:
+            self._told_last = now, content
+            self._told("operate.state", content)
+
+    # ---- commanding -------------------------------------------------------------------------
+
+    def take(self, page: int, name: str, target: JausAddress, authority: int) -> None:
+        """Takes control of a component for a page, which commands from then on."""
+        with self._turn:
+            self._begin(page, name)
+            self._try_holding(
+                page,
+                target,
+                lambda: self.operator.control(
+                    target, authority, lambda news: self._changed(target, news)
+                ),
+            )
+        self.journal.note(name, f"took control of {target} with authority {authority}")
+
+    def request_handoff(
+        self, page: int, name: str, target: JausAddress, authority: int, reason: str
+    ) -> None:
+        """Asks whoever controls a component for control, and waits for the decision."""
+        self._begin(page, name)
+        self.journal.note(name, f"asks for control of {target}: {reason!a}")
+        self._try_holding(
+            page,
+            target,
+            lambda: self.operator.request_handoff(
+                target, authority, reason, lambda news: self._changed(target, news)
+            ),
+        )
+        self.journal.note(name, f"was given control of {target}")
+
+    def _begin(self, page: int, name: str) -> None:
+        powers = self.powers
+        if powers is None:
+            raise NotAllowedError("this studio was started without --operate")
+        self.operator  # noqa: B018 - it must be there
+        with self._state:
+            if self._commander is None:
+                lease = Lease(powers.lease, lambda: self._silent(page))
+                self._commander = Commander(page, name, lease)
+        self.require_commander(page)
+
+    def _try_holding(self, page: int, target: JausAddress, work: Callable[[], Hold]) -> None:
+        try:
+            work()
+        except BaseException as error:
+            self.journal.note("unit", f"control of {target} was not given: {error}")
+            self._end_commander_without_holds()
+            raise
+        commander = self._commander
+        if commander is None or commander.page != page:
+            self.operator.release(target)
+            raise UnitError("the page was lost meanwhile")
+
+    def require_commander(self, page: int) -> None:
+        """Sees to it that a page commands."""
+        commander = self._commander
+        if commander is None:
+            raise UnitError("nobody commands; take control first")
+        if commander.page != page:
+            raise UnitError(f"{commander.name} commands (page {commander.page})")
+
+    def renew(self, page: int) -> None:
+        """Renews the lease of the page that commands."""
+        self.require_commander(page)
+        commander = self._commander
+        if commander is None or not commander.lease.renew():
+            raise UnitError("the page was silent too long, and commands no more")
+
+    def release(self, page: int, name: str, target: JausAddress) -> bool:
+        """Releases control of a component; tells whether the component confirms it."""
+        self.require_commander(page)
+        with self._turn:
+            self.sticks.end(GIVEN_UP, target)
+            is_confirmed = self.operator.release(target)
+            self._end_commander_without_holds()
+        told = "" if is_confirmed else ", which does not confirm it"
+        self.journal.note(name, f"released {target}{told}")
+        return is_confirmed
+
+    def _end_commander_without_holds(self) -> None:
+        with self._state:
+            commander = self._commander
+            if commander is not None and not (self._system.running and self._system.running.holds):
+                commander.lease.end()
+                self._commander = None
+
+    def decide(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
+        """Tells a component what a person decided of a request; returns who had asked."""
+        with self._turn:
+            if decision is HandoffDecision.GRANTED:
+                self.sticks.end(GIVEN_UP, target)
+            client = self.operator.decide_handoff(target, number, decision)
+            self._end_commander_without_holds()
+        return client
+
+    def _changed(self, target: JausAddress, news: str) -> None:
+        """Takes what became of control; on the loop's thread, which must not wait for a stick."""
+        self.journal.alarm(f"component {target}", news)
+        operator = self._system.running
+        if operator is not None and not operator.controls(target):
+            Thread(target=self.sticks.end, args=(f"{target} {news}", target)).start()
+
+    # ---- stops ------------------------------------------------------------------------------
+
+    def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
+        """Stops components, and all that are controlled, by the word of who started the studio.
+
+        Each is told at once; then it is waited for what they say.
+        """
+        if self.powers is None:
+            raise NotAllowedError("this studio was started without --operate")
+        operator = self.operator
+        self.sticks.end(STOPPED)
+        stopped = list(dict.fromkeys((*(each.target for each in operator.holds), *targets)))
+        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
+        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
+        outcomes = {str(each): "" for each in stopped}
+        threads = [
+            Thread(target=self._stop_one, args=(operator, each, outcomes)) for each in stopped
+        ]
+        for each in threads:
+            each.start()
+        for each in threads:
+            each.join()
+        for target, outcome in outcomes.items():
+            self.journal.note("unit", f"after STOP, {target}: {outcome}")
+        return [{"component": target, "outcome": told} for target, told in outcomes.items()]
+
+    def _stop_one(self, operator: Operator, target: JausAddress, outcomes: dict[str, str]) -> None:
+        try:
+            if self.powers is not None and self.powers.stop == "emergency":
+                state = operator.emergency(target)
+            elif operator.controls(target):
+                for hold in operator.holds:
+                    if hold.target == target:
+                        hold.expect_standby()
+                # With acknowledgement, and before all that waits; then it is asked for its state.
+                operator.deliver(target, Standby(), lambda _: None)
+                state = operator.change(target, Standby(), Status.STANDBY)
+            else:
+                raise Refused(
+                    "it is not controlled by us, and obeys Standby of its controller alone"
+                )
+        except (NoAnswer, Refused) as error:
+            outcomes[str(target)] = str(error)
+            self.journal.alarm(f"component {target}", f"the stop is not confirmed: {error}")
+            return
+        outcomes[str(target)] = state.name if state is not None else "its state is not told"
+        if state is None:
+            self.journal.alarm(f"component {target}", "the stop is not confirmed")
+
+    def _silent(self, page: int) -> None:
+        commander = self._commander
+        if commander is not None and commander.page == page:
+            self._lose(commander, f"said nothing for {commander.lease.seconds:g} s")
+
+    def leave(self, page: int) -> None:
+        """Takes that a page is gone: if it commanded, all stops."""
+        self.values.leave(page)
+        commander = self._commander
+        if commander is not None and commander.page == page:
+            self._lose(commander, "is gone")
+
+    def _lose(self, commander: Commander, why: str) -> None:
+        """Stops and releases all that a page commanded which is lost, once."""
+        with self._state:
+            if self._commander is not commander:
+                return
+            self._commander = None
+            commander.lease.end()
+        operator = self._system.running
+        if operator is None:
+            return
+        self.sticks.end(f"its page {why}")
+        self.journal.alarm(f"page {commander.name}", f"it commanded, and {why}")
+        self.stop_all("unit", ())
+        with self._turn:
+            for each in operator.holds:
+                operator.release(each.target)
+                self.journal.note("unit", f"released {each.target}")
+
+
+def _hold(hold: Hold) -> dict[str, Any]:
+    session = hold.session
+    state = session.state.name if session is not None else ""
+    return {"component": str(hold.target), "state": state, "held": hold.is_held}
+
+
+def _without_age(component: dict[str, Any]) -> dict[str, Any]:
+    """Returns a component without what changes all the time."""
+    left_out = ("told", "round_trip_ms")
+    return {name: each for name, each in component.items() if name not in left_out}

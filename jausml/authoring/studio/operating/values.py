@@ -1,0 +1,181 @@
+"""Reports that pages watch: their last values, and the history of each number."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from jausml.language import wire
+from jausml.live.messages.entries import parts
+from jausml.live.peers.rendering import field_texts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.live.messages import MessageEntry
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime import EventSubscription
+    from jausml.runtime.base.address import JausAddress
+
+MOST_WATCHED = 32
+MOST_FIELDS = 64
+"""Numbers of one report whose history is kept."""
+
+MOST_KEPT = 20_000
+"""Values of a number that are kept: 10 minutes of 30 Hz and more."""
+
+RATE = ""
+"""Path of the rate at which a report comes."""
+
+Point = tuple[float, float]
+"""A time in seconds since 1970, and a value."""
+
+
+class TooManyError(Exception):
+    """There is no room for another report."""
+
+
+@dataclass
+class Watched:
+    """A report of a component that is watched."""
+
+    component: str
+    report: str
+    subscription: EventSubscription | None = None
+    pages: set[int] = field(default_factory=set)
+    told: float = 0.0
+    count: int = 0
+    texts: list[tuple[str, str]] = field(default_factory=list)
+    history: dict[str, deque[Point]] = field(default_factory=dict)
+
+
+class Values:
+    """The reports that pages watch; any thread may ask."""
+
+    def __init__(self) -> None:
+        """Watches nothing."""
+        self._watched: dict[tuple[str, str], Watched] = {}
+        self._lock = Lock()
+
+    def watch(
+        self, operator: Operator, target: JausAddress, name: str, rate: float | None, page: int
+    ) -> str:
+        """Subscribes to a report for a page, once for all of them; returns its name."""
+        _, report = operator.exchange(target, name)
+        key = str(target), report.name
+        with self._lock:
+            if key not in self._watched and len(self._watched) >= MOST_WATCHED:
+                raise TooManyError(f"{MOST_WATCHED} reports are watched; watch one of them no more")
+            known = self._watched.setdefault(key, Watched(*key))
+            is_first = not known.pages
+            known.pages.add(page)
+        if is_first:
+            try:
+                subscription = operator.watch(
+                    target, report.name, rate, lambda entry, fields: self._take(key, entry, fields)
+                )
+            except BaseException:
+                with self._lock:
+                    self._watched.pop(key, None)
+                raise
+            known.subscription = subscription
+            if not known.pages:  # it left meanwhile
+                subscription.cancel()
+        return report.name
+
+    def unwatch(self, component: str, report: str, page: int) -> None:
+        """Watches a report no more for a page; the last one ends it."""
+        with self._lock:
+            known = self._watched.get((component, report))
+            if known is None:
+                return
+            known.pages.discard(page)
+            if known.pages:
+                return
+            del self._watched[component, report]
+        if known.subscription is not None:
+            known.subscription.cancel()
+
+    def leave(self, page: int) -> None:
+        """Ends all that a page watches."""
+        with self._lock:
+            keys = [key for key, each in self._watched.items() if page in each.pages]
+        for component, report in keys:
+            self.unwatch(component, report, page)
+
+    def last(self) -> list[dict[str, Any]]:
+        """Returns the last values of each report."""
+        now = time.time()
+        with self._lock:
+            return [
+                {
+                    "component": each.component,
+                    "report": each.report,
+                    "age": round(now - each.told, 2) if each.told else None,
+                    "count": each.count,
+                    "fields": [list(pair) for pair in each.texts],
+                    "numbers": [path for path in each.history if path != RATE],
+                }
+                for each in self._watched.values()
+            ]
+
+    def history(
+        self, component: str, report: str, path: str, seconds: float, most: int
+    ) -> list[Point]:
+        """Returns the values of a number in the last seconds, decimated to so many points."""
+        begin = time.time() - seconds
+        with self._lock:
+            known = self._watched.get((component, report))
+            kept = known.history.get(path, ()) if known is not None else ()
+            points = [each for each in kept if each[0] >= begin]
+        return decimated(points, most)
+
+    def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
+        now = time.time()
+        texts = list(field_texts(entry.record, fields))
+        found = dict(_numbers(entry.record, fields))
+        with self._lock:
+            known = self._watched.get(key)
+            if known is None:
+                return
+            if known.told and now > known.told:
+                found[RATE] = 1 / (now - known.told)
+            known.told, known.texts = now, texts
+            known.count += 1
+            for path, value in found.items():
+                if path in known.history or len(known.history) < MOST_FIELDS:
+                    kept = known.history.setdefault(path, deque(maxlen=MOST_KEPT))
+                    kept.append((now, value))
+
+
+def _numbers(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, float]]:
+    """Yields the numbers of a report by the paths that `field_texts` gives them."""
+    match kind:
+        case wire.VariableNumber():
+            yield path, float(value["value"])
+        case wire.Integer() | wire.Scaled() | wire.Real():
+            yield path, float(int(value) if isinstance(kind, wire.Integer) else value)
+        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
+            outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
+            for name, inner, part in parts(kind, value):
+                step = "" if outermost and isinstance(inner, wire.Record) else name
+                dot = "." if path and step and not step.startswith("[") else ""
+                yield from _numbers(inner, part, f"{path}{dot}{step}")
+        case _:
+            return
+
+
+def decimated(points: Sequence[Point], most: int) -> list[Point]:
+    """Returns at most so many points, with the least and the greatest of each piece."""
+    if len(points) <= most:
+        return list(points)
+    pieces = max(1, most // 2)
+    found: list[Point] = []
+    for index in range(pieces):
+        piece = points[index * len(points) // pieces : (index + 1) * len(points) // pieces]
+        ends = {min(piece, key=lambda each: each[1]), max(piece, key=lambda each: each[1])}
+        found.extend(sorted(ends))
+    return found

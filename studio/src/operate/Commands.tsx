@@ -1,0 +1,125 @@
+import { useEffect, useState } from "react";
+import { messageOf } from "../actions";
+import { Fault, Quiet } from "../panels/base/parts";
+import { FieldsForm } from "./FieldsForm";
+import { type Draft, type Faults, readGroup } from "./fields";
+import type { Command, Field } from "./protocol";
+import { StickPad } from "./StickPad";
+import { ask, commands, tell, tried, unit, useUnit } from "./unit";
+
+/** The commands of the chosen component, each as a form of its definition. */
+export function Commands() {
+  const component = useUnit((unit) => unit.chosen);
+  const [offered, setOffered] = useState<Command[] | null>(null);
+  const [fault, setFault] = useState("");
+  const [chosen, setChosen] = useState("");
+  const [turn, setTurn] = useState(0);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another turn asks again
+  useEffect(() => {
+    let isWanted = true;
+    setFault("");
+    ask("messages", { component }).then(
+      (found) => isWanted && setOffered(found.commands),
+      (error: unknown) => isWanted && setFault(messageOf(error)),
+    );
+    return () => {
+      isWanted = false;
+    };
+  }, [component, turn]);
+  const command = offered?.find((each) => each.name === chosen);
+  return (
+    <section aria-label="Commands">
+      <h2>Commands of {component}</h2>
+      <Fault>{fault}</Fault>
+      {offered?.length === 0 && <Quiet>It says of no service that it provides it.</Quiet>}
+      {(fault || offered?.length === 0) && (
+        <button type="button" onClick={() => setTurn(turn + 1)}>
+          Ask again
+        </button>
+      )}
+      {offered && offered.length > 0 && (
+        <label>
+          Command
+          <select
+            aria-label="Command"
+            value={chosen}
+            onChange={(event) => setChosen(event.currentTarget.value)}
+          >
+            <option value="">choose…</option>
+            {offered.map((each) => (
+              <option key={each.name} value={each.name}>
+                {each.name} ({each.service})
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      {command && <CommandForm key={command.name} command={command} component={component} />}
+    </section>
+  );
+}
+
+function CommandForm({ command, component }: { command: Command; component: string }) {
+  const [fields, setFields] = useState<Field[] | null>(null);
+  const [draft, setDraft] = useState<Draft>({});
+  const [isTried, setTried] = useState(false);
+  const [answer, setAnswer] = useState("");
+  const isOurs = useUnit(commands);
+  const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
+  useEffect(() => {
+    let isWanted = true;
+    tried("form", { component, message: command.name }).then(
+      (found) => isWanted && found && setFields(found.fields),
+    );
+    return () => {
+      isWanted = false;
+    };
+  }, [component, command.name]);
+  if (fields === null) return null;
+  const faults: Faults = new Map();
+  const value = readGroup(fields, draft, "", faults);
+
+  async function send() {
+    setTried(true);
+    setAnswer("");
+    if (faults.size > 0) {
+      tell(`${command.name} is not sent: ${faults.size} field(s) are wrong.`, true);
+      return;
+    }
+    const done = await tried("send", { component, message: command.name, fields: value });
+    if (done) setAnswer(done.answer);
+    else if (unit().said.isError) setAnswer("");
+  }
+
+  return (
+    <form
+      className="command"
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        void send();
+      }}
+    >
+      {command.documentation && <p className="quiet">{command.documentation}</p>}
+      <FieldsForm
+        fields={fields}
+        draft={draft}
+        faults={faults}
+        isTried={isTried}
+        onDraft={setDraft}
+      />
+      <button type="submit" className="primary" disabled={!isOurs}>
+        Send {command.name}
+      </button>
+      {!isOurs && <span className="quiet"> Take control of a component first.</span>}
+      {answer && <output className="answer">{answer}</output>}
+      <StickPad
+        command={command}
+        component={component}
+        fields={fields}
+        draft={draft}
+        isAllowed={isOurs && isHeld === true}
+      />
+    </form>
+  );
+}

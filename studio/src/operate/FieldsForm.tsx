@@ -1,0 +1,313 @@
+import { useId } from "react";
+import { Help } from "../panels/base/parts";
+import {
+  asThere,
+  type Draft,
+  type Faults,
+  isThere,
+  itemsOf,
+  membersOf,
+  pathOf,
+  rangesOf,
+  textOf,
+} from "./fields";
+import type { Field, NumberKind } from "./protocol";
+
+interface Shared {
+  faults: Faults;
+  /** Whether it was tried to send it: what is not typed yet is no fault before. */
+  isTried: boolean;
+}
+
+interface FormProps extends Shared {
+  fields: Field[];
+  draft: Draft;
+  path?: string;
+  onDraft(draft: Draft): void;
+}
+
+/** The fields of a message or of a group in it. */
+export function FieldsForm({ fields, draft, path = "", onDraft, ...shared }: FormProps) {
+  const members = membersOf(draft);
+  return (
+    <div className="fields">
+      {fields.map((each) => (
+        <FieldInput
+          key={each.name}
+          field={each}
+          draft={members[each.name]}
+          path={pathOf(path, each.name)}
+          onDraft={(inner) => onDraft({ ...members, [each.name]: inner })}
+          {...shared}
+        />
+      ))}
+    </div>
+  );
+}
+
+interface Props extends Shared {
+  field: Field;
+  draft: Draft | undefined;
+  path: string;
+  onDraft(draft: Draft): void;
+}
+
+function FieldInput(props: Props) {
+  const { field, draft, path, onDraft, ...shared } = props;
+  const { faults, isTried } = shared;
+  switch (field.kind) {
+    case "group":
+      return (
+        <fieldset>
+          <legend>
+            {field.name} <Help subject={field.name}>{field.documentation}</Help>
+          </legend>
+          {field.optional && (
+            <label>
+              <input
+                type="checkbox"
+                checked={isThere(field, draft)}
+                onChange={(event) => onDraft(asThere(draft, event.currentTarget.checked))}
+              />
+              send it
+            </label>
+          )}
+          {isThere(field, draft) && (
+            <FieldsForm
+              fields={field.members}
+              draft={draft ?? {}}
+              path={path}
+              onDraft={onDraft}
+              {...shared}
+            />
+          )}
+        </fieldset>
+      );
+    case "list":
+      return <ListInput {...props} field={field} />;
+    case "variant":
+      return <VariantInput {...props} field={field} />;
+    case "variable": {
+      const members = membersOf(draft);
+      const chosen = field.alternatives.find(
+        (each) => String(each.index) === textOf(members.index),
+      );
+      return (
+        <fieldset>
+          <legend>{field.name}</legend>
+          <select
+            aria-label={`Type of ${field.name}`}
+            value={textOf(members.index)}
+            onChange={(event) => onDraft({ ...members, index: event.currentTarget.value })}
+          >
+            <option value="">choose…</option>
+            {field.alternatives.map((each) => (
+              <option key={each.index} value={each.index}>
+                {each.name} {each.units}
+              </option>
+            ))}
+          </select>
+          {chosen && (
+            <Typed
+              label={field.name}
+              hint={rangesOf(chosen)}
+              fault={faultOf(path, members.value, faults, isTried)}
+              text={textOf(members.value)}
+              onText={(value) => onDraft({ ...members, value })}
+            />
+          )}
+        </fieldset>
+      );
+    }
+    case "formatted": {
+      const members = membersOf(draft);
+      return (
+        <fieldset>
+          <legend>{field.name}</legend>
+          <select
+            aria-label={`Format of ${field.name}`}
+            value={textOf(members.format)}
+            onChange={(event) => onDraft({ ...members, format: event.currentTarget.value })}
+          >
+            <option value="">choose…</option>
+            {field.formats.map((each) => (
+              <option key={each.index} value={each.index}>
+                {each.name}
+              </option>
+            ))}
+          </select>
+          <Typed
+            label={`${field.name}, hexadecimal`}
+            hint={`${field.least} to ${field.most} bytes`}
+            fault={faultOf(path, members.hex, faults, isTried)}
+            text={textOf(members.hex)}
+            onText={(hex) => onDraft({ ...members, hex })}
+          />
+        </fieldset>
+      );
+    }
+    case "number":
+      return (
+        <Typed
+          label={labelOf(field)}
+          help={field.documentation}
+          hint={rangesOf(field)}
+          choices={field}
+          fault={faultOf(path, draft, faults, isTried)}
+          text={textOf(draft)}
+          onText={onDraft}
+        />
+      );
+    default:
+      return (
+        <Typed
+          label={labelOf(field)}
+          help={field.documentation}
+          hint={`${field.least} to ${field.most} ${field.kind === "text" ? "characters" : "bytes, hexadecimal"}`}
+          fault={faultOf(path, draft, faults, isTried)}
+          text={textOf(draft)}
+          onText={onDraft}
+        />
+      );
+  }
+}
+
+const labelOf = ({ name, optional }: Field): string => (optional ? `${name} (optional)` : name);
+
+/** Why a field is wrong, once something stands in it or it was tried to send it. */
+function faultOf(path: string, draft: Draft | undefined, faults: Faults, isTried: boolean): string {
+  return isTried || textOf(draft) !== "" ? (faults.get(path) ?? "") : "";
+}
+
+interface TypedProps {
+  label: string;
+  help?: string;
+  hint: string;
+  choices?: NumberKind;
+  fault: string;
+  text: string;
+  onText(text: string): void;
+}
+
+/** A field that is typed, or chosen among names where all that is legal has one. */
+function Typed({ label, help, hint, choices, fault, text, onText }: TypedProps) {
+  const id = useId();
+  const known = choices?.choices ?? [];
+  const isClosed =
+    known.length > 0 &&
+    (choices?.ranges ?? []).reduce((sum, [low, high]) => sum + high - low + 1, 0) <= known.length;
+  return (
+    <div className="typed">
+      <label htmlFor={id}>{label}</label> <Help subject={label}>{help ?? ""}</Help>
+      {isClosed ? (
+        <select id={id} value={text} onChange={(event) => onText(event.currentTarget.value)}>
+          <option value="">choose…</option>
+          {known.map((each) => (
+            <option key={each.value} value={each.value}>
+              {each.label} ({each.value})
+            </option>
+          ))}
+        </select>
+      ) : (
+        <input
+          id={id}
+          value={text}
+          autoComplete="off"
+          spellCheck={false}
+          aria-invalid={fault !== ""}
+          aria-describedby={`${id}-hint ${id}-fault`}
+          onChange={(event) => onText(event.currentTarget.value)}
+        />
+      )}{" "}
+      <small id={`${id}-hint`} className="quiet">
+        {hint}
+      </small>
+      <span id={`${id}-fault`} className="field-fault">
+        {fault && `✖ ${fault}`}
+      </span>
+    </div>
+  );
+}
+
+function ListInput({
+  field,
+  draft,
+  path,
+  onDraft,
+  ...shared
+}: Props & { field: Field & { kind: "list" } }) {
+  const items = itemsOf(draft);
+  const fault = shared.isTried ? shared.faults.get(path) : "";
+  return (
+    <fieldset>
+      <legend>
+        {field.name} ({items.length} of {field.least} to {field.most})
+      </legend>
+      {items.map((each, index) => (
+        // biome-ignore lint/suspicious/noArrayIndexKey: elements have no other name
+        <div key={index} className="element">
+          <FieldInput
+            field={{ ...field.element, name: `${field.element.name} ${index + 1}` }}
+            draft={each}
+            path={`${path}[${index}]`}
+            onDraft={(inner) => onDraft(items.with(index, inner))}
+            {...shared}
+          />
+          <button
+            type="button"
+            aria-label={`Remove ${field.element.name} ${index + 1}`}
+            onClick={() => onDraft(items.toSpliced(index, 1))}
+          >
+            ×
+          </button>
+        </div>
+      ))}
+      <button
+        type="button"
+        disabled={items.length >= field.most}
+        onClick={() => onDraft([...items, field.element.kind === "list" ? [] : {}])}
+      >
+        Add {field.element.name}
+      </button>
+      <span className="field-fault">{fault && `✖ ${fault}`}</span>
+    </fieldset>
+  );
+}
+
+function VariantInput({
+  field,
+  draft,
+  path,
+  onDraft,
+  ...shared
+}: Props & { field: Field & { kind: "variant" } }) {
+  const members = membersOf(draft);
+  const tag = textOf(members._tag);
+  const option = tag === "" ? undefined : field.options[Number(tag)];
+  return (
+    <fieldset>
+      <legend>{field.name}</legend>
+      <select
+        aria-label={`Option of ${field.name}`}
+        value={tag}
+        onChange={(event) => onDraft({ _tag: event.currentTarget.value })}
+      >
+        <option value="">choose…</option>
+        {field.options.map((each, index) => (
+          <option key={each.name} value={index}>
+            {each.name}
+          </option>
+        ))}
+      </select>
+      {option && (
+        <FieldInput
+          field={option}
+          draft={members.value}
+          path={pathOf(path, option.name)}
+          onDraft={(value) => onDraft({ ...members, value })}
+          {...shared}
+        />
+      )}
+    </fieldset>
+  );
+}

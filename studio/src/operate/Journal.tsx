@@ -1,0 +1,24 @@
+import { useUnit } from "./unit";
+
+const MOST_SHOWN = 100;
+
+/** What was commanded, by whom, and what came of it; the latest first. */
+export function Journal() {
+  const journal = useUnit((unit) => unit.journal);
+  return (
+    <section className="journal" aria-label="Journal">
+      <h2>Journal</h2>
+      <ol>
+        {journal
+          .slice(-MOST_SHOWN)
+          .reverse()
+          .map((each) => (
+            <li key={each.number}>
+              <time>{new Date(each.time * 1000).toLocaleTimeString()}</time>{" "}
+              <strong>{each.who}</strong> {each.text}
+            </li>
+          ))}
+      </ol>
+    </section>
+  );
+}

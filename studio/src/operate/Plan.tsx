@@ -1,0 +1,101 @@
+import { useEffect, useState } from "react";
+import { around, barOf, FRAMES, type Frame, paired } from "./plan";
+import type { Values } from "./protocol";
+import { ask } from "./unit";
+
+const LOOK_MS = 1000;
+const SECONDS = 120;
+const POINTS = 2000;
+const LEAST_M = 10;
+
+interface Track {
+  component: string;
+  values: [number, number][];
+}
+
+/** Where the components are whose poses are watched, and where they were. */
+export function Plan({ values }: { values: Values[] }) {
+  return FRAMES.map((frame) => {
+    const components = values
+      .filter((each) => each.report === frame.report)
+      .map((each) => each.component);
+    if (components.length === 0) return null;
+    return <FramePlan key={frame.report} frame={frame} components={components} />;
+  });
+}
+
+function FramePlan({ frame, components }: { frame: Frame; components: string[] }) {
+  const [tracks, setTracks] = useState<Track[]>([]);
+  const names = components.join(" ");
+  useEffect(() => {
+    let isWanted = true;
+    async function look() {
+      const found = await Promise.all(names.split(" ").map((each) => trackOf(frame, each)));
+      if (isWanted) setTracks(found.filter((each) => each.values.length > 0));
+    }
+    const again = () => void look().catch(() => undefined);
+    again();
+    const timer = setInterval(again, LOOK_MS);
+    return () => {
+      isWanted = false;
+      clearInterval(timer);
+    };
+  }, [frame, names]);
+  const origin = tracks[0]?.values[0];
+  if (!origin) return null;
+  const placed = tracks.map(({ component, values }) => ({
+    component,
+    points: values.map(([first, second]) => frame.pointOf(first, second, origin)),
+  }));
+  const [left, top, size] = around(
+    placed.flatMap((each) => each.points),
+    LEAST_M,
+  );
+  const bar = barOf(size);
+  return (
+    <figure className="plan" aria-label={`Plan of ${frame.report}`}>
+      <figcaption>
+        {frame.title}; the bar is {bar} m
+      </figcaption>
+      <svg viewBox={`${left} ${top} ${size} ${size}`} role="img" aria-label={textOf(placed)}>
+        <path
+          className="bar"
+          strokeWidth={size / 100}
+          d={`M${left + size / 20} ${top + size * 0.95}h${bar}`}
+        />
+        {placed.map(({ component, points }) => {
+          const last = points.at(-1);
+          return (
+            <g key={component}>
+              <polyline
+                strokeWidth={size / 200}
+                points={points.map((each) => `${each.right},${-each.up}`).join(" ")}
+              />
+              <circle cx={last?.right} cy={-(last?.up ?? 0)} r={size / 60} />
+              <text x={(last?.right ?? 0) + size / 40} y={-(last?.up ?? 0)} fontSize={size / 25}>
+                {component}
+              </text>
+            </g>
+          );
+        })}
+      </svg>
+    </figure>
+  );
+}
+
+async function trackOf({ report, paths }: Frame, component: string): Promise<Track> {
+  const asked = { component, report, seconds: SECONDS, points: POINTS };
+  const [first, second] = await Promise.all(
+    paths.map((path) => ask("history", { ...asked, path })),
+  );
+  return { component, values: first && second ? paired(first, second) : [] };
+}
+
+/** The same in words. */
+function textOf(placed: { component: string; points: { up: number; right: number }[] }[]): string {
+  const texts = placed.map(({ component, points }) => {
+    const last = points.at(-1);
+    return `${component}: ${last?.up.toFixed(1)} m up, ${last?.right.toFixed(1)} m right`;
+  });
+  return texts.join("; ");
+}

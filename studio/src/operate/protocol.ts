@@ -1,0 +1,143 @@
+// What the socket of the operator unit takes and tells.
+
+/** An integer that has a meaning. */
+export interface Choice {
+  value: number;
+  label: string;
+}
+
+export interface NumberKind {
+  integer: boolean;
+  /** Smallest and largest legal value of each range. */
+  ranges: [number, number][];
+  choices: Choice[];
+  units: string;
+}
+
+/** A field of a message; what it may hold follows from its kind. */
+export type Field = { name: string; documentation: string; optional: boolean } & (
+  | ({ kind: "number" } & NumberKind)
+  | { kind: "group"; members: Field[] }
+  | { kind: "list"; least: number; most: number; element: Field }
+  | { kind: "variant"; options: Field[] }
+  | { kind: "variable"; alternatives: ({ index: number; name: string } & NumberKind)[] }
+  | { kind: "text"; least: number; most: number }
+  | { kind: "octets"; least: number; most: number }
+  | { kind: "formatted"; least: number; most: number; formats: { index: number; name: string }[] }
+);
+
+export interface Command {
+  name: string;
+  service: string;
+  documentation: string;
+  /** Its declared stop, or why a stick cannot send it. */
+  stick: { stop: string; timeout: number; source: string } | { refusal: string };
+}
+
+export interface Component {
+  id: string;
+  name: string;
+  level: string;
+  reason: string;
+  state: string | null;
+  controller: string | null;
+  authority: number | null;
+}
+
+export interface Alarm {
+  number: number;
+  /** Seconds since 1970. */
+  time: number;
+  subject: string;
+  text: string;
+  /** By whom and why; empty while it sounds. */
+  silenced: string;
+}
+
+export interface JournalEntry {
+  number: number;
+  time: number;
+  who: string;
+  text: string;
+}
+
+export interface HandoffRequest {
+  component: string;
+  number: number;
+  client: string;
+  authority: number;
+  explanation: string;
+}
+
+export interface UnitState {
+  own: string;
+  fault: string;
+  /** What Stop does; null where nobody may command. */
+  stop: "standby" | "emergency" | null;
+  /** Seconds that the page which commands may be silent. */
+  lease: number | null;
+  commander: { page: number; name: string } | null;
+  stick: { component: string; message: string } | null;
+  holds: { component: string; state: string; held: boolean }[];
+  requests: HandoffRequest[];
+  components: Component[];
+  connections: { bridge: string; connection: string; level: string; reason: string }[];
+  alarms: Alarm[];
+}
+
+export interface Values {
+  component: string;
+  report: string;
+  /** Seconds since the last report, null before the first one. */
+  age: number | null;
+  count: number;
+  /** Paths and texts. */
+  fields: [string, string][];
+  /** Paths of numbers, of which there is a history. */
+  numbers: string[];
+}
+
+type Of = { component: string };
+
+/** Requests: parameters and result by method. */
+export interface OperateMethods {
+  claim: [{ right: string; name: string }, { name: string }];
+  messages: [Of, { commands: Command[]; reports: { name: string; service: string }[] }];
+  form: [Of & { message: string }, { message: string; fields: Field[] }];
+  journal: [Record<string, never>, { entries: JournalEntry[] }];
+  watch: [Of & { report: string; rate: number | null }, { report: string }];
+  unwatch: [Of & { report: string }, unknown];
+  values: [Record<string, never>, { values: Values[] }];
+  history: [
+    Of & { report: string; path: string; seconds: number; points: number },
+    { times: number[]; values: number[] },
+  ];
+  renew: [Record<string, never>, unknown];
+  take: [Of & { authority: number }, unknown];
+  release: [Of, { confirmed: boolean }];
+  resume: [Of, { state: string }];
+  standby: [Of, { state: string }];
+  send: [Of & { message: string; fields: object }, { answer: string }];
+  stop: [{ components: string[] }, { stopped: { component: string; outcome: string }[] }];
+  clear: [Of, { state: string }];
+  silence: [{ number: number; reason: string }, unknown];
+  handoff: [Of & { authority: number; reason: string }, unknown];
+  decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, { client: string }];
+  "stick.begin": [Of & { message: string }, { stick: number; timeout: number }];
+  "stick.move": [{ stick: number; fields: object }, unknown];
+  "stick.end": [{ stick: number }, unknown];
+}
+
+export type OperateMethod = keyof OperateMethods;
+
+export interface OperateHello {
+  page: number;
+  name: string;
+  can_command: boolean;
+  state: UnitState;
+}
+
+export interface OperateNotifications {
+  "operate.state": UnitState;
+  "operate.journal": { entry: JournalEntry };
+}

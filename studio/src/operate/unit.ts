@@ -1,0 +1,220 @@
+// The page's end of the operator unit: its socket, what it knows, and the lease that it renews.
+
+import { create } from "zustand";
+import { messageOf } from "../actions";
+import {
+  Connection,
+  type Link,
+  type Listener,
+  RIGHT_KEY,
+  socketAddress,
+  TOKEN_KEY,
+} from "../connection";
+import type {
+  JournalEntry,
+  OperateHello,
+  OperateMethod,
+  OperateMethods,
+  OperateNotifications,
+  UnitState,
+  Values,
+} from "./protocol";
+
+const MOST_ENTRIES = 500;
+const NAME_KEY = "jausml-operator";
+/** Renewals in one lease: some may come late. */
+const RENEWALS = 4;
+const SHORTEST_MS = 50;
+
+export interface Unit {
+  link: Link;
+  refusal: string;
+  page: number;
+  /** How others see this page. */
+  name: string;
+  canCommand: boolean;
+  mayCommand: boolean;
+  /** Why the right was refused. */
+  noRight: string;
+  state: UnitState | null;
+  journal: JournalEntry[];
+  values: Values[];
+  /** The component that is chosen. */
+  chosen: string;
+  /** What went wrong last, and what went well. */
+  said: { text: string; isError: boolean };
+}
+
+export const useUnit = create<Unit>(() => ({
+  link: "opening",
+  refusal: "",
+  page: 0,
+  name: "",
+  canCommand: false,
+  mayCommand: false,
+  noRight: "",
+  state: null,
+  journal: [],
+  values: [],
+  chosen: "",
+  said: { text: "", isError: false },
+}));
+
+export const unit = (): Unit => useUnit.getState();
+const put = useUnit.setState;
+export const choose = (chosen: string): void => put({ chosen });
+export const tell = (text: string, isError = false): void => put({ said: { text, isError } });
+
+/** Who asks the server; a test gives another one. */
+export interface UnitCaller {
+  call(method: string, params: unknown): Promise<unknown>;
+}
+
+let caller: UnitCaller | null = null;
+
+export function setCaller(other: UnitCaller): void {
+  caller = other;
+}
+
+/** Asks the unit. */
+export function ask<M extends OperateMethod>(
+  method: M,
+  params: OperateMethods[M][0],
+): Promise<OperateMethods[M][1]> {
+  if (!caller) return Promise.reject(new Error("There is no connection to the operator unit."));
+  return caller.call(method, params) as Promise<OperateMethods[M][1]>;
+}
+
+/** Asks, and tells what went wrong; undefined then. */
+export async function tried<M extends OperateMethod>(
+  method: M,
+  params: OperateMethods[M][0],
+): Promise<OperateMethods[M][1] | undefined> {
+  try {
+    return await ask(method, params);
+  } catch (error) {
+    tell(messageOf(error), true);
+    return undefined;
+  }
+}
+
+/** Opens the socket, once for the page. */
+export function open(): void {
+  if (caller) return;
+  const token = sessionStorage.getItem(TOKEN_KEY) ?? "";
+  const connection = new Connection(
+    socketAddress(window.location, "/operate"),
+    token,
+    LISTENER as Listener,
+  );
+  // The methods of this socket are others than those of the models.
+  setCaller(connection as unknown as UnitCaller);
+  connection.open();
+}
+
+const LISTENER = {
+  onLink(link: Link, hello: unknown, refusal: string) {
+    put({ link, refusal });
+    if (link !== "open") put({ mayCommand: false });
+    if (hello) void begin(hello as OperateHello);
+  },
+  onNotification<N extends keyof OperateNotifications>(name: N, params: OperateNotifications[N]) {
+    if (name === "operate.state") take(params as UnitState);
+    if (name === "operate.journal") {
+      const { entry } = params as OperateNotifications["operate.journal"];
+      put((before) => ({ journal: [...before.journal, entry].slice(-MOST_ENTRIES) }));
+    }
+  },
+};
+
+export function take(state: UnitState): void {
+  put({ state });
+  pace();
+}
+
+async function begin(hello: OperateHello): Promise<void> {
+  put({ page: hello.page, name: hello.name, canCommand: hello.can_command });
+  take(hello.state);
+  const right = sessionStorage.getItem(RIGHT_KEY);
+  if (right !== null && hello.can_command) await claim(right, ownName());
+  const found = await tried("journal", {});
+  if (found) put({ journal: found.entries.slice(-MOST_ENTRIES) });
+}
+
+export const ownName = (): string => localStorage.getItem(NAME_KEY) ?? "";
+
+/** Says how others are to call this page. */
+export async function rename(name: string): Promise<void> {
+  localStorage.setItem(NAME_KEY, name);
+  const right = sessionStorage.getItem(RIGHT_KEY);
+  if (right !== null) await claim(right, name);
+}
+
+async function claim(right: string, name: string): Promise<void> {
+  try {
+    const found = await ask("claim", { right, name });
+    put({ mayCommand: true, name: found.name, noRight: "" });
+  } catch (error) {
+    put({ mayCommand: false, noRight: messageOf(error) });
+  }
+}
+
+// ---- the lease -----------------------------------------------------------------------------------
+
+let timer: ReturnType<typeof setInterval> | undefined;
+let pacedBy = 0;
+let isTaking = false;
+
+/** Whether this page commands. */
+export const commands = ({ state, page }: Unit): boolean => state?.commander?.page === page;
+
+/** Renews the lease while this page commands, and as long as somebody can see it. */
+function pace(): void {
+  const seconds = unit().state?.lease ?? 0;
+  const wanted = seconds > 0 && (commands(unit()) || isTaking) ? seconds : 0;
+  if (wanted === pacedBy) return;
+  pacedBy = wanted;
+  clearInterval(timer);
+  if (wanted === 0) return;
+  renew();
+  timer = setInterval(renew, Math.max(SHORTEST_MS, (1000 * wanted) / RENEWALS));
+}
+
+function renew(): void {
+  // Who does not see the page does not command: the server stops what it controls.
+  if (document.hidden) return;
+  ask("renew", {}).catch(() => undefined);
+}
+
+/** Takes control, or asks for it; the lease is renewed from the first moment on. */
+export async function taking(work: Promise<unknown>): Promise<void> {
+  isTaking = true;
+  pace();
+  try {
+    await work;
+    tell("Control was given.");
+  } catch (error) {
+    tell(messageOf(error), true);
+  } finally {
+    isTaking = false;
+    pace();
+  }
+}
+
+// ---- the stop ------------------------------------------------------------------------------------
+
+/** Stops all that is controlled; what is chosen too, where the stop needs no control. */
+export async function stop(): Promise<void> {
+  const { state, chosen } = unit();
+  const holds = state?.holds.map((each) => each.component) ?? [];
+  const isForAll = state?.stop === "emergency" || holds.length === 0;
+  const components = chosen && isForAll ? [chosen] : [];
+  if (components.length === 0 && holds.length === 0) {
+    tell("Nothing is controlled, and no component is chosen.", true);
+    return;
+  }
+  const done = await tried("stop", { components });
+  if (!done) return;
+  const told = done.stopped.map((each) => `${each.component}: ${each.outcome}`).join("; ");
+  tell(`Stopped. ${told}`);
+}

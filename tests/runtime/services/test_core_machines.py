@@ -1,0 +1,361 @@
+"""The core services do what their machines say (AS5710A): each transition is played.
+
+The library has the states of these machines alone, as models refine them; the runtime has their
+behaviour. core_machines.txt says the behaviour; where the definitions of others are there, it is
+held against them, and always against the runtime. What the runtime does otherwise is `OTHERWISE`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+
+from jausml.language.attributes.guards import alternatives, parse_guard
+from jausml.language.importers.jsidl import import_jsidl
+from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
+from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
+from jausml.runtime.component.modelled import CORE_STATES
+from jausml.runtime.messages import (
+    CancelEvent,
+    CreateCommandEvent,
+    CreateEvent,
+    QueryIdentification,
+    QueryStatus,
+    RequestControl,
+    SetAuthority,
+    SetEmergency,
+    Shutdown,
+    UpdateEvent,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    register_services,
+)
+
+from .state_tables import Row, Stage, after, controlled, ready
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+OF_OTHERS = Path(__file__).parents[4] / "shared" / "jsidl" / "urn.jaus.jss.core-v1.1"
+SERVICES = ("AccessControl", "Discovery", "Events", "Liveness", "Management")
+
+
+class Transition(NamedTuple):
+    """A line of the table."""
+
+    service: str
+    state: str
+    trigger: str
+    guard: str
+    target: str
+    sent: str
+
+    @property
+    def path(self) -> str:
+        """The state from the outermost one."""
+        inside = self.state.removesuffix(" *").strip("-")
+        return f"{READY}.{inside}" if inside else READY
+
+    def holds_in(self, leaf: str) -> bool:
+        """Tells whether it holds in an innermost state, as no inner state has the trigger."""
+        inner = (
+            each
+            for each in TABLE
+            if each.trigger == self.trigger and len(each.path) > len(self.path)
+        )
+        return lies_in(leaf, self.path) and not any(lies_in(leaf, each.path) for each in inner)
+
+
+READY = "Receiving.Ready"
+LINES = Path(__file__).with_name("core_machines.txt").read_text(encoding="utf-8").splitlines()
+TABLE = [Transition(*line.split(" | ")) for line in LINES if not line.startswith("#")]
+
+
+def lies_in(path: str, outer: str) -> bool:
+    return path == outer or path.startswith(f"{outer}.")
+
+
+# -- the table and the definitions of others ------------------------------------------------------
+
+
+def of_others() -> Iterator[Transition]:
+    """Yields the transitions of the definitions of the JAUS Tool Set."""
+    result = import_jsidl(sorted(OF_OTHERS.rglob("*.xml")))
+    services = [each for root in result.sets for each in root.services if each.name in SERVICES]
+    for service in services:
+        (machine,) = (each for each in service.machines if each.name == "ReceiveFSM")
+        for path, state in states_of(machine):
+            inside = path.removeprefix(READY).strip(".") or "-"
+            for name, of_state in ((inside, state.transitions), (f"{inside} *", state.defaults)):
+                for each in of_state:
+                    yield transition(service.name, name, each)
+
+
+def transition(service, state, element) -> Transition:
+    sent = []
+    for action in element.actions:
+        quoted = [each.strip("'") for each in action.arguments if each.startswith("'")]
+        if quoted or action.name.startswith("send"):
+            sent.append(" ".join(quoted) or action.name.removeprefix("send"))
+    guard = (element.guard or "-").replace("(msg)", "").replace("(transportData)", "")
+    target = (element.target or "-").removeprefix(f"{READY}.")
+    return Transition(
+        service,
+        state,
+        element.message.name if element.message is not None else element.event,
+        guard.replace("()", ""),
+        "before" if element.kind.name == "pop" else target,
+        ", ".join(sent) or "-",
+    )
+
+
+@pytest.mark.skipif(not OF_OTHERS.exists(), reason="definitions of other tools are absent")
+def test_the_table_is_that_of_the_definitions_of_others():
+    assert list(of_others()) == TABLE
+
+
+def test_states_and_messages_of_the_table_are_those_of_the_library():
+    states = core_machine(None).states
+    for each in TABLE:
+        assert each.path in states
+        assert each.target in ("-", "before") or f"{READY}.{each.target}" in states
+    assert {CORE_STATES[each] for each in SITUATIONS} == {*core_machine(None).leaves} - {INIT}
+
+
+# -- the runtime ----------------------------------------------------------------------------------
+
+
+class Robot(JausComponent):
+    """Has a command that takes time."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.under_way = []
+        self.handle(SlowCommand, self.on_slow)
+
+    def on_slow(self, _message, _sender):
+        self.under_way.append(Completion())
+        return self.under_way[-1]
+
+
+class SlowCommand(SetAuthority):
+    """A command of the user that takes time."""
+
+    CODE = 0x1F00
+    NAME = "SlowCommand"
+
+
+def fails(stage):
+    stage.component.fail("a motor is broken")
+
+
+INIT = f"{READY}.NotControlled.NotAvailable.Init"
+STANDBY = "NotControlled.Available.Standby"
+FAILURE = "NotControlled.NotAvailable.Failure"
+EMERGENCY = ("bystander", SetEmergency())
+SITUATIONS = {
+    (Status.STANDBY, False): (),
+    (Status.FAILURE, False): (fails,),
+    (Status.SHUTDOWN, False): (*ready(), ("client", Shutdown())),
+    (Status.EMERGENCY, False): (EMERGENCY,),
+    (Status.STANDBY, True): controlled(),
+    (Status.READY, True): ready(),
+    (Status.EMERGENCY, True): (*ready(), EMERGENCY),
+}
+"""What leads to each innermost state but Init, which a component passes through at its start."""
+
+
+STATUS = QueryStatus().encode()
+
+
+def create(query=STATUS, rate=0.0):
+    return CreateEvent(
+        request_id=7,
+        event_type=0 if rate else 1,
+        requested_periodic_rate=rate,
+        query_message=query,
+    )
+
+
+def update(event, query=STATUS):
+    return UpdateEvent(
+        request_id=8,
+        event_type=1,
+        requested_periodic_rate=0.0,
+        event_id=event,
+        query_message=query,
+    )
+
+
+def command(payload):
+    return CreateCommandEvent(request_id=5, maximum_allowed_duration=1, command_message=payload)
+
+
+SLOW = SlowCommand(authority_code=1).encode()
+UNKNOWN = b"\xff\x2f"
+EXISTING = {
+    "CommandExpired": command(SLOW),
+    "CommandCompleted": command(SLOW),
+    "CreateCommandEvent": command(SLOW),
+    "EventOccurred": create(rate=1.0),
+}
+"""What exists already when a trigger comes; for the others of Events one on every change."""
+
+OCCASIONS = {
+    "Timedout": after(4.1),
+    "Failure": fails,
+    "EventOccurred": after(1.05),
+    "Timeout": after(130.0, steps=40),
+    "CommandExpired": after(2.0),
+    "CommandCompleted": lambda stage: stage.component.under_way[-1].succeed(),
+}
+"""How internal events come about."""
+
+
+def asked(trigger, says):
+    """Returns the message of a trigger that fulfils conditions."""
+    exists, supported = says.get("eventExists"), says.get("isSupported", True)
+    query = STATUS if supported else UNKNOWN
+    supported = says.get("isCommandSupported", True)
+    authority = 5 if says.get("isDefaultAuthorityGreater") else 60
+    if not says.get("isCurrentAuthorityLess", True):
+        authority = 40
+    made = {
+        "RequestControl": lambda: RequestControl(authority_code=authority),
+        "SetAuthority": lambda: SetAuthority(authority_code=40),
+        "CreateEvent": lambda: create(query),
+        "UpdateEvent": lambda: update(0 if exists else 99, query),
+        "CancelEvent": lambda: CancelEvent(request_id=9, event_id=0 if exists else 99),
+        "CreateCommandEvent": lambda: command(SLOW if supported else UNKNOWN),
+        "QueryIdentification": lambda: QueryIdentification(query_type=4),
+        "QueryServices": query_all_services,
+        "QueryServiceList": query_all_service_lists,
+        "RegisterServices": lambda: register_services((ServiceIdentity("urn:x:Y", 1, 0),)),
+        "QueryConfiguration": lambda: messages.QueryConfiguration(query_type=2),
+    }
+    return made.get(trigger, getattr(messages, trigger, None))()
+
+
+def sender(each, leaf, says):
+    """Returns who sends a message so that the conditions on it hold."""
+    if "isControllingClient" in says:
+        return "client" if says["isControllingClient"] else "rival"
+    if "isIDStored" in says:
+        return "bystander"
+    is_kept = ".Controlled." in leaf and each.trigger != "RequestControl"
+    return "client" if is_kept else "rival"
+
+
+def named(message):
+    """Returns what a message is called in the table."""
+    code = getattr(message, "response_code", None)
+    is_control = type(message).__name__ in ("ConfirmControl", "RejectControl")
+    words = [type(message).__name__]
+    if is_control:
+        words.append(type(message).ResponseCode(code).name)
+    return " ".join(words)
+
+
+def outcome(world, each, situation, says):
+    """Plays a transition; returns the innermost state afterwards, and what was sent."""
+    settings = {
+        "default_authority": 10,
+        "control_timeout": 4 if each.trigger == "Timedout" else 0,
+        "control_survives_emergency": True,
+        "discovery_scope": Scope.SYSTEM if each.service == "Discovery" else Scope.COMPONENT,
+    }
+    stage = Stage(world, Row("", settings=settings), kind=Robot)
+    for step in SITUATIONS[situation]:
+        stage.do(step)
+    leaf = CORE_STATES[situation]
+    assert CORE_STATES[stage.component.status, stage.component.controller is not None] == leaf
+    who = sender(each, leaf, says)
+    if says.get("eventExists") or each.trigger in ("CommandExpired", "Timeout"):
+        stage.do((who, EXISTING.get(each.trigger, create())))
+    stage.heard()
+    stage.do(OCCASIONS.get(each.trigger) or (who, asked(each.trigger, says)))
+    sent = [named(message) for heard in stage.heard().values() for message in heard]
+    return CORE_STATES[stage.component.status, stage.component.controller is not None], sent
+
+
+EMERGENCY_ENDS = "in Standby somebody has to resume it: to stand still is what is safe"
+FAILURE_STAYS = "what is broken must not work again when the emergency is cleared"
+OF_IOP = "the IOP's definitions of v1.1: Shutdown in Ready alone, with code 1"
+STRANGER = "the IOP's definitions of v1.1: there is no control to be released"
+PASSES = "Init is passed through: the hook of the user has run when Reset is done"
+
+OTHERWISE = {
+    ("ReleaseControl", "NotControlled.NotAvailable.Failure"): ("-", "NOT_AVAILABLE", STRANGER),
+    ("ReleaseControl", "NotControlled.NotAvailable.Shutdown"): ("-", "NOT_AVAILABLE", STRANGER),
+    ("ReleaseControl", "NotControlled.NotAvailable.Emergency"): ("-", "NOT_AVAILABLE", STRANGER),
+    ("Shutdown", "Controlled.Available.Standby"): ("-", "", OF_IOP),
+    ("Shutdown", "Controlled.Available.Ready"): (
+        "NotControlled.NotAvailable.Shutdown",
+        "NOT_AVAILABLE",
+        OF_IOP,
+    ),
+    ("Reset", "Controlled.Available.Standby"): (STANDBY, "CONTROL_RELEASED", PASSES),
+    ("Reset", "Controlled.Available.Ready"): (STANDBY, "CONTROL_RELEASED", PASSES),
+    ("ClearEmergency", "Controlled.NotAvailable.Emergency"): (
+        "Controlled.Available.Standby",
+        "",
+        EMERGENCY_ENDS,
+    ),
+    ("Failure", "NotControlled.NotAvailable.Emergency"): (FAILURE, "", FAILURE_STAYS),
+    ("Failure", "Controlled.NotAvailable.Emergency"): (FAILURE, "CONTROL_RELEASED", FAILURE_STAYS),
+}
+"""What the runtime does otherwise, by trigger and state: what is entered, the code of the
+RejectControl that is sent, and why."""
+
+UNPLAYED = {
+    "EventError": "no occasion: nothing but its client, its timeout and Reset ends an event",
+    "Initialized": "Init is passed through before anybody is heard; each row begins behind it",
+}
+
+
+def expected(each, situation):
+    """Returns the state that is entered, and the names of what is sent."""
+    leaf = CORE_STATES[situation].removeprefix(f"{READY}.")
+    if (each.trigger, leaf) in OTHERWISE:
+        target, code, _ = OTHERWISE[each.trigger, leaf]
+        return leaf if target == "-" else target, [f"RejectControl {code}"] if code else []
+    before = STANDBY if leaf.startswith("NotControlled") else "Controlled.Available.Ready"
+    target = {"-": leaf, "before": before}.get(each.target, each.target)
+    return target, [] if each.sent == "-" else each.sent.split(", ")
+
+
+def played() -> Iterator[object]:
+    """Yields each transition in each innermost state in which it holds, in each way to it."""
+    for each in TABLE:
+        guard = parse_guard(each.guard.strip("-"))
+        for situation in SITUATIONS if each.trigger not in UNPLAYED else ():
+            leaf = CORE_STATES[situation]
+            for number, alternative in enumerate(alternatives(guard) if guard else [()]):
+                says = {condition.name: holds for condition, holds in alternative}
+                name = f"{each.trigger} {each.guard} {number} in {leaf}"
+                if each.holds_in(leaf):
+                    yield pytest.param(each, situation, says, id=name)
+
+
+@pytest.mark.parametrize(("each", "situation", "says"), [*played()])
+def test_the_runtime_does_what_the_machines_say(world, each, situation, says):
+    target, sent = expected(each, situation)
+    entered, heard = outcome(world, each, situation, says)
+    # The first report of an event, or a further one, is what EventOccurred says.
+    further = ["Event"] * heard.count("Event") if "Event" not in sent else []
+    assert lies_in(entered, f"{READY}.{target}")
+    assert sorted(heard) == sorted(sent + further)
+
+
+def test_each_explanation_is_needed():
+    """Of what the runtime does otherwise all is a difference from the table."""
+    for (trigger, leaf), (target, code, _) in OTHERWISE.items():
+        (each,) = (e for e in TABLE if e.trigger == trigger and e.holds_in(f"{READY}.{leaf}"))
+        sent = [] if not code else [f"RejectControl {code}"]
+        said = [] if each.sent == "-" else each.sent.split(", ")
+        assert (each.target, said) != (target, sent)
+    assert {each.trigger for each in TABLE} >= {*UNPLAYED}

@@ -1,0 +1,470 @@
+"""Who may command by a page, and what stops when nobody does, with a real component."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from ports import free_port
+from simulated_vehicle import VEHICLE, Vehicle, until
+from studio_client import LONGEST, RefusedError, begun, serving
+from websockets.exceptions import InvalidStatus
+
+from jausml.live.recording.mcap_files import McapRecording
+from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
+from jausml.runtime.services.definitions import CORE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from studio_client import Page, Server
+
+    from jausml.runtime.transports.transport import Transport
+
+pytestmark = [pytest.mark.ports, pytest.mark.live]
+
+REFUSED, UNAUTHORIZED = -32000, -32001
+LEASE, TIMEOUT = 2.0, 0.6
+STOP = f"SetWrenchEffort {TIMEOUT} PropulsiveLinearEffortX=0"
+COMMANDS: dict[str, dict[str, Any]] = {
+    "renew": {},
+    "take": {"component": VEHICLE, "authority": 205},
+    "release": {"component": VEHICLE},
+    "resume": {"component": VEHICLE},
+    "standby": {"component": VEHICLE},
+    "send": {"component": VEHICLE, "message": "SetWrenchEffort", "fields": {}},
+    "stop": {},
+    "clear": {"component": VEHICLE},
+    "silence": {"number": 1, "reason": "seen"},
+    "handoff": {"component": VEHICLE, "authority": 205, "reason": ""},
+    "decide": {"component": VEHICLE, "number": 0, "decision": "grant"},
+    "stick.begin": {"component": VEHICLE, "message": "SetWrenchEffort"},
+    "stick.move": {"stick": 1, "fields": {}},
+    "stick.end": {"stick": 1},
+}
+
+
+@pytest.fixture(scope="module")
+def port() -> int:
+    return free_port()
+
+
+@pytest.fixture
+def vehicle(port: int) -> Iterator[Vehicle]:
+    with Vehicle(port) as vehicle:
+        yield vehicle
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory, built: Path, port: int) -> Iterator[Server]:
+    folder = tmp_path_factory.mktemp("project")
+    options = ("--operate", "standby", "--lease", str(LEASE), "--stop", STOP)
+    with serving(folder, built, *options, "--jaus-port", str(port)) as server:
+        yield server
+
+
+@pytest.fixture
+def commanding(server: Server) -> Iterator[Page]:
+    with server.page("/operate") as page:
+        page.ask("claim", right=server.right, name="anna")
+        yield page
+
+
+@pytest.fixture
+def holding(commanding: Page, vehicle: Vehicle) -> Page:  # noqa: ARG001 - it is there
+    """A page that controls the vehicle, which is Ready."""
+    take(commanding)
+    assert commanding.ask("resume", component=VEHICLE)["state"] == "READY"
+    return commanding
+
+
+def take(page: Page, component: str = VEHICLE) -> None:
+    """Takes control; whoever commanded in the test before is released meanwhile."""
+
+    def taken() -> bool:
+        try:
+            page.ask("take", component=component, authority=205)
+        except RefusedError:
+            return False
+        return True
+
+    until(taken)
+
+
+def nobody_commands(server: Server) -> bool:
+    with server.page("/operate") as page:
+        return page.project["state"]["commander"] is None
+
+
+# ---- the right -----------------------------------------------------------------------------------
+
+
+def test_each_command_is_refused_without_the_right(server: Server) -> None:
+    with server.page("/operate") as page:
+        for method, params in COMMANDS.items():
+            with pytest.raises(RefusedError) as refused:
+                page.ask(method, **params)
+            assert refused.value.code == UNAUTHORIZED, method
+        assert page.project["can_command"]
+
+
+def test_what_commands_is_not_known_to_the_socket_of_the_models(server: Server) -> None:
+    with server.page() as page:
+        for method in ("take", "stop", "stick.begin", "claim"):
+            with pytest.raises(RefusedError, match="no method"):
+                page.ask(method, **COMMANDS.get(method, {}))
+
+
+@pytest.mark.parametrize("right", ["", "wrong"])
+def test_another_right_is_none(server: Server, right: str) -> None:
+    with server.page("/operate") as page:
+        for claimed in (right, server.token):
+            with pytest.raises(RefusedError) as refused:
+                page.ask("claim", right=claimed, name="")
+            assert refused.value.code == UNAUTHORIZED
+        with pytest.raises(RefusedError) as refused:
+            page.ask("take", component=VEHICLE, authority=205)
+        assert refused.value.code == UNAUTHORIZED
+
+
+def test_the_right_does_not_open_a_socket(server: Server) -> None:
+    assert server.right not in ("", server.token)
+    with server.connect("/operate") as socket:
+        socket.send(
+            f'{{"jsonrpc":"2.0","id":1,"method":"hello","params":{{"token":"{server.right}"}}}}'
+        )
+        assert '"error"' in str(socket.recv(20))
+
+
+@pytest.mark.parametrize("origin", [None, "null", "http://attacker.example", "http://localhost:1"])
+def test_a_page_of_another_site_commands_nothing(server: Server, origin: str | None) -> None:
+    with pytest.raises(InvalidStatus) as refused, server.connect("/operate", origin=origin):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+def test_a_studio_without_the_word_commands_nothing(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--jaus-port", str(port))
+    with serving(folder, built, *options) as server, server.page("/operate") as page:
+        assert not page.project["can_command"]
+        for right in ("", server.token):
+            with pytest.raises(RefusedError) as refused:
+                page.ask("claim", right=right, name="")
+            assert refused.value.code == UNAUTHORIZED
+        with pytest.raises(RefusedError) as refused:
+            page.ask("take", component=VEHICLE, authority=205)
+        assert refused.value.code == UNAUTHORIZED
+        # It watches all the same.
+        watch(page)
+    assert vehicle.efforts == []
+
+
+def watch(page: Page) -> None:
+    def watched() -> bool:
+        try:
+            page.ask("watch", component=VEHICLE, report="VelocityState", rate=10)
+        except RefusedError:
+            return False
+        return True
+
+    until(watched)
+    until(lambda: page.ask("values")["values"][0]["count"] > 2)
+
+
+# ---- one commands --------------------------------------------------------------------------------
+
+
+def test_a_command_comes_to_the_vehicle_and_its_answer_back(
+    holding: Page, vehicle: Vehicle
+) -> None:
+    fields = {"PropulsiveLinearEffortX": 20.0}
+    answer = holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
+    assert "ReportWrenchEffort" in answer["answer"]
+    assert vehicle.last == 20.0
+    texts = [each["text"] for each in holding.ask("journal")["entries"]]
+    assert any("SetWrenchEffort to 100.1.10: PropulsiveLinearEffortX=20" in each for each in texts)
+
+
+def test_a_value_out_of_range_is_refused_at_its_field(holding: Page, vehicle: Vehicle) -> None:
+    fields = {"PropulsiveLinearEffortX": 200.0}
+    with pytest.raises(RefusedError, match=r"-100.0 \.\. 100.0") as refused:
+        holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
+    assert refused.value.data["path"].endswith("PropulsiveLinearEffortX")
+    assert vehicle.efforts == []
+
+
+def test_a_second_page_does_not_command_and_sees_who_does(server: Server, holding: Page) -> None:
+    with server.page("/operate") as second:
+        second.ask("claim", right=server.right, name="berta")
+        state = second.await_told("operate.state", lambda told: told["commander"])
+        assert state["commander"]["name"].startswith("anna")
+        for method in ("take", "release", "resume", "send", "stick.begin"):
+            with pytest.raises(RefusedError, match="anna") as refused:
+                second.ask(method, **COMMANDS[method])
+            assert refused.value.code == REFUSED
+        # Everybody with the right may stop.
+        assert second.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+    assert holding.ask("renew") == {}
+
+
+def test_stop_brings_what_is_controlled_to_standby(holding: Page, vehicle: Vehicle) -> None:
+    assert holding.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+    assert vehicle.status == "STANDBY"
+
+
+def test_control_is_released(holding: Page, server: Server) -> None:
+    holding.ask("release", component=VEHICLE)
+    assert nobody_commands(server)
+    with pytest.raises(RefusedError, match="nobody commands"):
+        holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields={})
+
+
+# ---- leases --------------------------------------------------------------------------------------
+
+
+def held(page: Page) -> int:
+    number: int = page.ask("stick.begin", component=VEHICLE, message="SetWrenchEffort")["stick"]
+    return number
+
+
+def move(page: Page, number: int, effort: float) -> None:
+    page.ask("stick.move", stick=number, fields={"PropulsiveLinearEffortX": effort})
+
+
+def texts_of(told: list[dict[str, Any]]) -> list[str]:
+    return [each["text"] for each in told]
+
+
+def test_a_stick_that_is_released_stops(holding: Page, vehicle: Vehicle) -> None:
+    number = held(holding)
+    move(holding, number, 30.0)
+    until(lambda: vehicle.last == 30.0)
+    holding.ask("stick.end", stick=number)
+    until(lambda: vehicle.last == 0.0)
+    with pytest.raises(RefusedError, match="its stop was sent"):
+        move(holding, number, 30.0)
+    assert vehicle.last == 0.0
+
+
+def test_a_stick_that_is_not_renewed_stops_in_time_and_says_nothing_more(
+    holding: Page, vehicle: Vehicle
+) -> None:
+    number = held(holding)
+    for effort in (10.0, 20.0, 30.0):
+        move(holding, number, effort)
+    until(lambda: vehicle.last == 0.0)
+    times = {effort: moment for moment, effort in vehicle.efforts}
+    # Not sooner either: a stick that lives shorter than is said could not be held.
+    assert times[0.0] - times[30.0] >= TIMEOUT - 0.1
+    with pytest.raises(RefusedError, match="its stop was sent"):
+        move(holding, number, 40.0)
+    said = "stopped: the page said nothing for 0.6 s"
+    holding.await_told(
+        "operate.state", lambda told: said in [each["text"] for each in told["alarms"]]
+    )
+
+
+def test_a_page_that_is_gone_stops_and_releases(
+    server: Server, holding: Page, vehicle: Vehicle
+) -> None:
+    number = held(holding)
+    move(holding, number, 30.0)
+    holding.socket.close()
+    until(lambda: vehicle.last == 0.0)
+    until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
+    until(lambda: nobody_commands(server))
+
+
+def test_a_page_that_does_not_renew_commands_no_more(
+    server: Server, holding: Page, vehicle: Vehicle
+) -> None:
+    fields = {"PropulsiveLinearEffortX": 20.0}
+    holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
+    until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
+    with pytest.raises(RefusedError, match="nobody commands"):
+        holding.ask("renew")
+    with server.page("/operate") as page:
+        texts = [each["text"] for each in page.project["state"]["alarms"]]
+    assert "it commanded, and said nothing for 2 s" in texts
+
+
+def test_a_page_that_renews_goes_on(holding: Page, vehicle: Vehicle) -> None:
+    end = time.monotonic() + 1.5 * LEASE
+    while time.monotonic() < end:
+        holding.ask("renew")
+        time.sleep(LEASE / 8)
+    assert vehicle.status == "READY"
+
+
+def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Page) -> None:
+    with pytest.raises(RefusedError, match="no stop of SetAccelerationLimit"):
+        holding.ask("stick.begin", component=VEHICLE, message="SetAccelerationLimit")
+    commands = {
+        each["name"]: each for each in holding.ask("messages", component=VEHICLE)["commands"]
+    }
+    assert commands["SetWrenchEffort"]["stick"]["timeout"] == TIMEOUT
+    assert "no stop of" in commands["Standby"]["stick"]["refusal"]
+
+
+def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
+    move(holding, held(holding), 30.0)
+    told = holding.await_told("operate.state", lambda told: told["alarms"])
+    number = next(each["number"] for each in told["alarms"] if not each["silenced"])
+    with pytest.raises(RefusedError, match="say why"):
+        holding.ask("silence", number=number, reason=" ")
+    holding.ask("silence", number=number, reason="a test")
+    texts = [each["text"] for each in holding.ask("journal")["entries"]]
+    assert any("because 'a test'" in each for each in texts)
+
+
+def test_a_studio_that_ends_stops_and_releases(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--operate", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
+    with serving(folder, built, *options) as server, server.page("/operate") as page:
+        page.ask("claim", right=server.right, name="")
+        take(page)
+        page.ask("resume", component=VEHICLE)
+        move(page, held(page), 30.0)
+        until(lambda: vehicle.last == 30.0)
+    assert vehicle.last == 0.0
+    assert (vehicle.status, vehicle.controller) == ("STANDBY", None)
+
+
+# ---- what a person has said at the start ---------------------------------------------------------
+
+
+def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--operate", "emergency", "--lease", "5", "--jaus-port", str(port))
+    with serving(folder, built, *options) as server, server.page("/operate") as page:
+        page.ask("claim", right=server.right, name="")
+        stopped = page.ask("stop", components=[VEHICLE])["stopped"]
+        assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
+        assert vehicle.status == "EMERGENCY"
+        assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--operate", "standby"), "belong together"),
+        (("--lease", "2"), "belong together"),
+        (("--stop", STOP), "--stop is for --operate"),
+        (("--operate", "standby", "--lease", "2", "--stop", "SetWrenchEffort 1 X=0"), "--stop:"),
+    ],
+)
+def test_half_of_a_decision_is_none(
+    folder: Path, built: Path, options: tuple[str, ...], said: str
+) -> None:
+    process = begun(folder, built, *options)
+    _, told = process.communicate(timeout=LONGEST)
+    assert process.returncode == 2
+    assert said in told
+
+
+# ---- others --------------------------------------------------------------------------------------
+
+
+class Asking(JausComponent):
+    """Another operator unit, which asks for control."""
+
+    def __init__(self, transport: Transport) -> None:
+        services = (ServiceIdentity("urn:jaus:jss:iop:HandoffController", 1, 1),)
+        settings = ComponentSettings(register_services=False)
+        address = JausAddress(60, 1, 1)
+        super().__init__(transport, address, name="other", services=services, settings=settings)
+        self.answers: list[HandoffAnswer] = []
+
+    def ask_for(self, target: str) -> None:
+        self.request_handoff(
+            JausAddress.parse(target),
+            authority=210,
+            explanation="my shift begins",
+            on_answer=self.answers.append,
+        )
+
+
+@pytest.fixture
+def handing_over(port: int) -> Iterator[tuple[JausComponent, Asking]]:
+    """A component that lets its controller hand it over, and who wants it."""
+    with running_transport(TransportSettings(port=port)) as transport:
+        names = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+        services = (
+            *(ServiceIdentity(CORE + each, 1, 1) for each in names),
+            ServiceIdentity("urn:jaus:jss:iop:EnhancedAccessControl", 1, 1),
+        )
+        target = JausComponent(transport, JausAddress.parse(SHARED), name="t", services=services)
+        other = Asking(transport)
+        target.start()
+        other.start()
+        yield target, other
+        other.stop()
+        target.stop()
+
+
+SHARED = "100.1.20"
+
+
+@pytest.mark.parametrize(("decision", "answer"), [("deny", "DENIED"), ("grant", "GRANTED")])
+def test_a_request_for_control_waits_for_a_person(
+    server: Server,
+    commanding: Page,
+    handing_over: tuple[JausComponent, Asking],
+    decision: str,
+    answer: str,
+) -> None:
+    target, other = handing_over
+    take(commanding, SHARED)
+    other.ask_for(SHARED)
+    told = commanding.await_told("operate.state", lambda told: told["requests"])
+    [request] = told["requests"]
+    assert (request["client"], request["explanation"]) == ("60.1.1", "my shift begins")
+    with server.page("/operate") as looking:
+        asked = {"component": SHARED, "number": request["number"], "decision": decision}
+        with pytest.raises(RefusedError) as refused:
+            looking.ask("decide", **asked)
+        assert refused.value.code == UNAUTHORIZED
+        looking.ask("claim", right=server.right, name="")
+        with pytest.raises(RefusedError, match="anna"):
+            looking.ask("decide", **asked)
+    assert HandoffAnswer.GRANTED not in other.answers
+    commanding.ask("decide", **asked)
+    until(lambda: other.answers and other.answers[-1].name == answer)
+    if decision == "grant":
+        until(lambda: nobody_commands(server))
+    else:
+        assert str(target.controller).startswith("65000.")
+
+
+def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    path, log = tmp_path / "run.mcap", tmp_path / "run.log"
+    line = [sys.executable, "-m", "jausml", "record", "--output", str(path), "--port", str(port)]
+    with log.open("w") as stream:
+        process = subprocess.Popen(line, stderr=stream)
+    try:
+        while "record" not in log.read_text(encoding="utf-8"):
+            holding.ask("renew")
+            time.sleep(LEASE / 10)
+        if "multicast" in log.read_text(encoding="utf-8"):
+            pytest.skip("no capture here: CAP_NET_RAW is missing")
+        fields = {"PropulsiveLinearEffortX": 12.0}
+        holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.wait(timeout=LONGEST)
+    topics = {channel.topic for _, channel, _ in McapRecording(str(path)).messages()}
+    own = holding.project["state"]["own"]
+    assert f"/jaus/{own}/SetWrenchEffort" in topics

@@ -1,0 +1,68 @@
+"""Workspaces that tests share are those of their documents, targets and state of the project."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+import workspaces
+
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml_generators.jaus_component.target import TARGET as COMPONENT
+from jausml_generators.runtime.target import TARGET as RUNTIME
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from jausml.language.model import Model
+
+GUARDS = ("tests/support/workspaces.py",)
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Another folder for workspaces than that of the suite."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    workspaces._place.cache_clear()
+    yield
+    workspaces._place.cache_clear()
+
+
+def model(folder: Path, address: str = "1.1.1") -> Model:
+    path = folder / "small.ros2jaus"
+    path.write_text(f"component small {{ address: {address} }}\n", encoding="utf-8")
+    return read_models([path], notations=NOTATIONS).model
+
+
+def test_the_same_is_generated_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = workspaces.kept(model(tmp_path), [RUNTIME])
+    assert workspaces.packages_of(found) == [str(found / "jausml_runtime")]
+    monkeypatch.setattr(workspaces, "render", None)
+    assert workspaces.kept(model(tmp_path), [RUNTIME]) == found
+
+
+def test_what_is_another_one_is_generated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    small = model(tmp_path)
+    found = [
+        workspaces.kept(small, [RUNTIME]),
+        workspaces.kept(small, [RUNTIME, COMPONENT]),
+        workspaces.kept(small, [RUNTIME], compiled=True),
+        workspaces.kept(model(tmp_path, "1.1.2"), [RUNTIME]),
+    ]
+    monkeypatch.setattr(workspaces, "tool", lambda: ["a changed template"])
+    workspaces._place.cache_clear()
+    found.append(workspaces.kept(small, [RUNTIME]))
+    assert len(set(found)) == len(found)
+
+
+def test_what_is_not_whole_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object) -> None:
+        raise RuntimeError("planted")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(workspaces, "render", failing)
+        with pytest.raises(RuntimeError, match="planted"):
+            workspaces.kept(model(tmp_path), [RUNTIME])
+    assert workspaces.packages_of(workspaces.kept(model(tmp_path), [RUNTIME]))
