@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.units import UnitError, conversion_between, parse_unit
 from jausml.language.metamodel.filling import contents, is_set, unset
+from jausml.language.semantics.paths.scopes import attribute_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -133,13 +134,13 @@ def other_member(site: Site) -> Iterator[Any]:
     find = scope.find_source if is_source else scope.find_target
     before, dot, name = site.value.rpartition(".")
     owner = find(before or ".")
-    own = scope.followed.attribute(find(site.value))
+    own = attribute_at(find(site.value))
     names = [str(each.name) for each in _members(owner)]
     if name not in names:
         return
     at = names.index(name)
     for each in names[at + 1 :] + names[:at]:
-        other = scope.followed.attribute(find(f"{before}{dot}{each}"))
+        other = attribute_at(find(f"{before}{dot}{each}"))
         if _is_alike(own, other):
             yield f"{before}{dot}{each}"
             return

@@ -14,7 +14,7 @@ from jausml.generation import GenerationError, load_targets, render, select
 from jausml.language.model import Severity
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
-from jausml.language.semantics.paths.scopes import directions
+from jausml.language.semantics.paths.scopes import directed, directions_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
@@ -64,7 +64,10 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
     """Returns what operators can do to the elements of a model, without those of the library."""
     subject = Subject(model, [])
     placed: dict[Any, Placed[Any]] = {
-        each.assignment: each for one in directions(subject) for each in one.assignments
+        each.assignment: each
+        for owner in directed(subject)
+        for one in directions_of(subject, owner)
+        for each in one.assignments
     }
     operators = [each for each in OPERATORS if not names or each.name in names]
     found = []

@@ -9,8 +9,8 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Severity, library_root, read_models
-from jausml.language.semantics.jaus.machines import behaviours
-from jausml.language.semantics.subject import Subject
+from jausml.language.semantics.jaus.machines import behaviours_of
+from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.engine import RuleError, check, check_project
 from jausml.language.validation.rule import Finding, rule
 
@@ -170,4 +170,6 @@ def test_validation_gives_elements_no_empty_values(tmp_path):
 
 def test_machines_are_put_together_once_for_all_rules():
     subject = Subject(read_models([library_root() / "jaus" / "core-1.1.xmi"]).model)
-    assert behaviours(subject) is behaviours(subject)
+    with remembering():
+        for each in subject.instances(jaus.Service):
+            assert behaviours_of(subject, each) is behaviours_of(subject, each)

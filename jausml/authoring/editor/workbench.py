@@ -24,14 +24,16 @@ from jausml.language.text.reading.parsing import Parsed, joined, parse, parse_se
 from jausml.language.text.tree import Import, Span, Text
 from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
+from jausml.language.validation.judge import Judge
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.model import Model
     from jausml.language.text.tree import SyntaxTree
+    from jausml.language.validation.rule import Report
 
 ElementT = TypeVar("ElementT", bound="EObject")
 
@@ -93,7 +95,9 @@ class Workbench:
     _models: dict[Path, Model] = field(default_factory=dict)
     _beside: dict[Path, Model] = field(default_factory=dict)
     _read: dict[Path, Models] = field(default_factory=dict)
+    _judges: dict[Path, Judge] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
+    _judging: threading.Lock = field(default_factory=threading.Lock)
 
     def text(self, path: Path) -> str:
         """Returns the text of a file, as the editor has it or as it is stored; empty if neither."""
@@ -128,7 +132,9 @@ class Workbench:
         self._models[path] = result.model
         self._read_beside(path, contents)
         shown = result.model.documents[0].display
-        return [each for each in checked(result) if each.location.path == shown]
+        with self._judging:
+            found = checked(result, self._judges.setdefault(path, Judge()).report)
+        return [each for each in found if each.location.path == shown]
 
     def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
         """Reads the other files of the project of a text, which a text can name by an import."""
@@ -147,6 +153,7 @@ class Workbench:
         self.texts.pop(path, None)
         self._models.pop(path, None)
         self._beside.pop(path, None)
+        self._judges.pop(path, None)
 
     def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
         """Returns the elements of a class that a text can name: its own, then the library's.
@@ -219,10 +226,12 @@ def imported_file(item: Import, path: Path) -> Path | None:
     return (library_root() / uri.removeprefix(LIBRARY_URI)).resolve()
 
 
-def checked(result: ReadResult) -> Sequence[Diagnostic]:
+def checked(
+    result: ReadResult, judged: Callable[[ReadResult], Report] = check
+) -> Sequence[Diagnostic]:
     """Returns what is found in a model that was read of texts."""
     try:
-        return check(result).diagnostics
+        return judged(result).diagnostics
     except RuleError:
         # A rule that fails on a text half written says nothing about it.
         return result.diagnostics

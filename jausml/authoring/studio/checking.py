@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.language.validation.engine import RuleError, check
+from jausml.language.validation.engine import RuleError
+from jausml.language.validation.judge import Judge
 from jausml.language.validation.rule import Report
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class Verdicts:
         self._project = project
         self._verdicts: dict[str, Verdict] = {}
         self._judging: dict[str, threading.Lock] = {}
+        self._judges: dict[str, Judge] = {}
         self._lock = threading.Lock()
 
     @property
@@ -65,27 +67,28 @@ class Verdicts:
         """Returns the verdict on a file as it is now; who asks meanwhile gets the same."""
         with self._lock:
             judging = self._judging.setdefault(file, threading.Lock())
+            judge = self._judges.setdefault(file, Judge())
         with judging:
             verdict = self._verdicts.get(file)
             if verdict is None or verdict.revision != self._project.revision:
-                verdict = self._verdicts[file] = self._judged(file)
+                verdict = self._verdicts[file] = self._judged(file, judge)
             return verdict
 
-    def _judged(self, file: str) -> Verdict:
+    def _judged(self, file: str, judge: Judge) -> Verdict:
         started = time.perf_counter()
         revision = self._project.revision
         result, freshness = self._project.read(file)
-        report, fault = _checked(result, freshness)
+        report, fault = _checked(result, freshness, judge)
         elapsed = 1000 * (time.perf_counter() - started)
         return Verdict(file, revision, elapsed, result, freshness, report, fault)
 
 
-def _checked(result: ReadResult, freshness: Freshness) -> tuple[Report, str]:
+def _checked(result: ReadResult, freshness: Freshness, judge: Judge) -> tuple[Report, str]:
     if not freshness.is_current:
         # What was read is of the past: about that there is no verdict.
         return Report(result.model, (), freshness.faults), freshness.why
     try:
-        return check(result), ""
+        return judge.report(result), ""
     except RuleError as error:
         # What was read is told all the same: an editor holds models that are half written.
         return Report(result.model, (), tuple(result.diagnostics)), str(error)

@@ -11,9 +11,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.reactive import Engine
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 ElementT = TypeVar("ElementT", bound="EObject")
 Fact = TypeVar("Fact")
+OwnerT = TypeVar("OwnerT")
+FoundT = TypeVar("FoundT")
 
 _Unread = frozenset[str] | None
 """The features of an element that were not read; None where it may be any of them."""
@@ -47,7 +50,6 @@ class Subject:
         self._count = 0
         self._unread: dict[EObject, _Unread] = {}
         self._damaged: set[EObject] = set()
-        self._facts: dict[Any, Any] = {}
         errors: dict[str, dict[str, _Unread]] = defaultdict(dict)
         for each in diagnostics:
             if each.severity is Severity.ERROR and each.fragment and each.unread != frozenset():
@@ -81,6 +83,15 @@ class Subject:
             self._damaged.add(around)
             around = around.eContainer()
 
+    def take_faults(self, other: Subject, copies: Mapping[EObject, EObject]) -> None:
+        """Takes what was not read from another subject, whose elements have copies here."""
+        self._unread = {copies.get(each, each): of for each, of in other._unread.items()}
+        self._damaged = {copies.get(each, each) for each in other._damaged}
+
+    def elements(self) -> list[EObject]:
+        """Returns all elements that are judged, be they read well or not."""
+        return [element for of_class in self._by_class.values() for _, element in of_class]
+
     def instances(self, kind: type[ElementT], needs: Iterable[str] | None = None) -> list[ElementT]:
         """Returns the sound elements of a class and of the classes that specialise it.
 
@@ -100,11 +111,13 @@ class Subject:
         names = frozenset(needs)
         return [element for _, element in found if self.is_read(element, names)]
 
-    def once(self, find: Callable[[Subject], Fact]) -> Fact:
-        """Returns facts that several rules need, which are found when first asked for."""
-        if find not in self._facts:
-            self._facts[find] = find(self)
-        found: Fact = self._facts[find]
+    def once(self, find: Callable[..., Fact], *about: Hashable) -> Fact:
+        """Returns a fact that several rules need, remembered while there is `remembering`.
+
+        `find`: takes the subject, and what the fact is about.
+        """
+        engine = _ENGINE.get()
+        found: Fact = find(self, *about) if engine is None else engine.ask((find, self, *about))
         return found
 
     def is_read(self, element: EObject, needs: Iterable[str] | None = None) -> bool:
@@ -159,17 +172,20 @@ def _joined(first: _Unread, second: _Unread) -> _Unread:
     return None if first is None or second is None else first | second
 
 
-_MEMORY: ContextVar[dict[Any, dict[Any, Any]] | None] = ContextVar("memory", default=None)
+_ENGINE: ContextVar[Engine | None] = ContextVar("engine", default=None)
 
 
 @contextmanager
-def remembering() -> Iterator[None]:
-    """Has what is asked within it remembered until its end, in this thread alone."""
-    token = _MEMORY.set({})
+def remembering(engine: Engine | None = None) -> Iterator[None]:
+    """Has what is asked within it remembered until its end, in this thread alone.
+
+    `engine`: remembers it, and may know more from before; by default one that ends with it.
+    """
+    token = _ENGINE.set(Engine(is_noting=False) if engine is None else engine)
     try:
         yield
     finally:
-        _MEMORY.reset(token)
+        _ENGINE.reset(token)
 
 
 def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], AnswerT]:
@@ -177,15 +193,30 @@ def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], Answ
 
     @wraps(function)
     def answer(asked: AskedT) -> AnswerT:
-        memory = _MEMORY.get()
-        if memory is None:
+        engine = _ENGINE.get()
+        if engine is None:
             return function(asked)
-        answers = memory.get(function)
-        if answers is None:
-            answers = memory[function] = {}
-        if asked not in answers:
-            answers[asked] = function(asked)
-        found: AnswerT = answers[asked]
+        found: AnswerT = engine.ask((function, asked))
         return found
 
     return answer
+
+
+class RememberedProperty(Generic[OwnerT, FoundT]):
+    """A property that is worked out once.
+
+    The object itself remembers it, unless it is noted what answers read: then they do.
+    """
+
+    def __init__(self, find: Callable[[OwnerT], FoundT]) -> None:
+        self._find = find
+        self.__doc__ = find.__doc__
+
+    def __get__(self, owner: OwnerT, kind: type[OwnerT]) -> FoundT:
+        engine = _ENGINE.get()
+        found: FoundT
+        if engine is not None and engine.is_noting:
+            found = engine.ask((self._find, owner))
+        else:
+            found = owner.__dict__[self._find.__name__] = self._find(owner)
+        return found

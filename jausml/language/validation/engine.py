@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -18,9 +19,12 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Iterator, Sequence
 
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model import ReadResult
+    from jausml.language.model.model import Model
     from jausml.language.project import Reading
-    from jausml.language.validation.rule import Finding, Rule
+    from jausml.language.validation.rule import Finding, Part, Rule
 
 
 class RuleError(Exception):
@@ -33,36 +37,83 @@ class RuleError(Exception):
 
 def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
     """Checks a model that was read."""
-    findings = list(result.diagnostics)
     rules = all_rules() if rules is None else rules
     with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
+        found = [each for rule in rules for each in found_in_whole(subject, rule)]
+        judging = Judging(rules, result.model.metamodels)
+        for element in subject.elements():
+            found += found_at(subject, element, judging.of(element))
+        return reported(result, rules, read_well(subject, found))
+
+
+class Judging:
+    """Which rules judge elements of a class."""
+
+    def __init__(self, rules: Iterable[Rule], metamodels: Metamodels) -> None:
+        self._parts: dict[EClass, list[tuple[Rule, Part]]] = defaultdict(list)
         for rule in rules:
-            findings += _run(rule, subject)
-        names = {each.id for each in rules}
-        sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
-        standing, aside = settled(result.model, sorted_findings, names)
-    files = tuple(document.display for document in result.model.documents if document.given)
-    return Report(result.model, files, tuple(standing), tuple(aside))
+            for part in rule.parts:
+                classes = {
+                    table.eclass
+                    for kind in part.each
+                    for table in metamodels.class_of(kind).subtypes
+                }
+                for each in classes:
+                    self._parts[each].append((rule, part))
+
+    def of(self, element: EObject) -> Sequence[tuple[Rule, Part]]:
+        """Returns the rules that judge an element, and by which part."""
+        return self._parts.get(element.eClass, ())
 
 
-def _run(rule: Rule, subject: Subject) -> list[Diagnostic]:
+def found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
+    """Returns what the parts of a rule find that look at the model as a whole."""
     try:
-        return list(_diagnostics(rule, subject))
+        return [
+            (rule, each) for part in rule.parts if not part.each for each in part.check(subject)
+        ]
     except Exception as error:
         raise RuleError(rule, error) from error
 
 
-def _diagnostics(rule: Rule, subject: Subject) -> Iterator[Diagnostic]:
-    for finding in rule.check(subject):
-        # A finding about an element as a whole needs all of it.
+def found_at(
+    subject: Subject, element: EObject, parts: Iterable[tuple[Rule, Part]]
+) -> list[tuple[Rule, Finding]]:
+    """Returns what rules find that judge an element by itself."""
+    found: list[tuple[Rule, Finding]] = []
+    for rule, part in parts:
+        try:
+            if subject.is_read(element, part.needs):
+                found += [(rule, each) for each in part.findings(subject, element)]
+        except Exception as error:
+            raise RuleError(rule, error) from error
+    return found
+
+
+def read_well(
+    subject: Subject, found: Iterable[tuple[Rule, Finding]]
+) -> Iterator[tuple[Rule, Finding]]:
+    """Yields what was found in features that were read; in an element as a whole, in all of it."""
+    for rule, finding in found:
         at = None if finding.feature is None else (finding.feature,)
         if subject.is_read(finding.element, at):
-            yield _diagnostic(rule, finding, subject)
+            yield rule, finding
 
 
-def _diagnostic(rule: Rule, finding: Finding, subject: Subject) -> Diagnostic:
-    model = subject.model
+def reported(
+    result: ReadResult, rules: Iterable[Rule], found: Iterable[tuple[Rule, Finding]]
+) -> Report:
+    """Returns a report on a model that was read, of all that rules have found in it."""
+    findings = list(result.diagnostics)
+    findings += (_diagnostic(rule, finding, result.model) for rule, finding in found)
+    sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
+    standing, aside = settled(result.model, sorted_findings, {each.id for each in rules})
+    files = tuple(document.display for document in result.model.documents if document.given)
+    return Report(result.model, files, tuple(standing), tuple(aside))
+
+
+def _diagnostic(rule: Rule, finding: Finding, model: Model) -> Diagnostic:
     return Diagnostic(
         rule=rule.id,
         severity=finding.severity or rule.severity,

@@ -6,17 +6,20 @@ import inspect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
+    from typing import TypeAlias
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Location, RuleInfo
     from jausml.language.model.model import Model
     from jausml.language.semantics.subject import Subject
+
+    Kinds: TypeAlias = type[EObject] | tuple[type[EObject], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,40 +51,119 @@ class Finding:
     position: int = 0
 
 
-RuleFunction = Callable[["Subject"], Iterator[Finding]]
-"""Looks at all elements that a rule is about and yields what is wrong with them."""
+RuleFunction = Callable[..., Iterator[Finding]]
+"""Takes the subject, and the element that it judges where it judges each by itself; yields what is
+wrong."""
 
 
 @dataclass(frozen=True, slots=True)
+class Part:
+    """A function of a rule.
+
+    Attributes:
+        each: The classes of which it judges each element by itself; empty where it looks at the
+            model as a whole.
+        needs: The features that it cannot do without (see `Subject.instances`).
+        given: Which elements it judges, of those that were read; all by default.
+    """
+
+    check: RuleFunction
+    each: tuple[type[EObject], ...] = ()
+    needs: frozenset[str] | None = None
+    given: Callable[[Subject, Any], bool] | None = None
+
+    def findings(self, subject: Subject, element: EObject) -> Iterable[Finding]:
+        """Returns what is wrong with an element of its classes that was read."""
+        if self.given is None or self.given(subject, element):
+            return self.check(subject, element)
+        return ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Rule:
     """A rule with a stable id.
 
     Attributes:
         id: `JML` and three digits; an id is never used again for something else.
+        parts: Its functions. The first one has its documentation.
         is_decision: Whether it asks for a decision of a person, since no tool knows the vehicle.
+        is_outward: Whether it looks at more than the model.
     """
 
     id: str
     severity: Severity
     title: str
-    check: RuleFunction
+    parts: list[Part]
     is_decision: bool = False
+    is_outward: bool = False
 
     @property
     def documentation(self) -> str:
         """What the rule demands and why, with a bad and a good example."""
-        return inspect.getdoc(self.check) or ""
+        return inspect.getdoc(self.parts[0].check) or ""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether a function of it looks at the model as a whole, and not at each element."""
+        return any(not each.each for each in self.parts)
+
+    def findings(self, subject: Subject) -> Iterator[Finding]:
+        """Yields what is wrong with a model."""
+        for part in self.parts:
+            if not part.each:
+                yield from part.check(subject)
+            for kind in part.each:
+                for element in subject.instances(kind, part.needs):
+                    yield from part.findings(subject, element)
+
+    def also(
+        self,
+        each: Kinds,
+        needs: Iterable[str] | None = None,
+        given: Callable[[Subject, Any], bool] | None = None,
+    ) -> Callable[[RuleFunction], RuleFunction]:
+        """Makes a function one more of the rule, for elements of other classes."""
+
+        def add(check: RuleFunction) -> RuleFunction:
+            self.parts.append(_part(check, each, needs, given))
+            return check
+
+        return add
 
 
 def rule(
-    rule_id: str, severity: Severity, title: str, *, is_decision: bool = False
+    rule_id: str,
+    severity: Severity,
+    title: str,
+    *,
+    is_decision: bool = False,
+    is_outward: bool = False,
+    each: Kinds = (),
+    needs: Iterable[str] | None = None,
+    given: Callable[[Subject, Any], bool] | None = None,
 ) -> Callable[[RuleFunction], Rule]:
-    """Makes a rule of a function, whose docstring is the documentation page of the rule."""
+    """Makes a rule of a function, whose docstring is the documentation page of the rule.
+
+    With `each` the function takes the subject and one element of these classes, and judges it by
+    what it reads of that and of others: only where that changes, it is judged again. Without, it
+    takes the subject, and judges the model anew whenever anything changes that it reads.
+    """
 
     def make(check: RuleFunction) -> Rule:
-        return Rule(rule_id, severity, title, check, is_decision)
+        part = _part(check, each, needs, given)
+        return Rule(rule_id, severity, title, [part], is_decision, is_outward)
 
     return make
+
+
+def _part(
+    check: RuleFunction,
+    each: Kinds,
+    needs: Iterable[str] | None,
+    given: Callable[[Subject, Any], bool] | None,
+) -> Part:
+    kinds = each if isinstance(each, tuple) else (each,)
+    return Part(check, kinds, None if needs is None else frozenset(needs), given)
 
 
 class Ground(Enum):

@@ -23,7 +23,7 @@ from jausml.language.semantics.paths.attributes import compared, table_entries
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
-from jausml.language.semantics.subject import Subject
+from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:
@@ -226,7 +226,8 @@ def fresh_map(
 def findings(metamodels: Metamodels, made: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
     """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out."""
     subject = Subject(made_model(metamodels, made.eContainer() or made))
-    said = [(rule, each) for rule in all_rules() for each in rule.check(subject)]
+    with remembering():
+        said = [(rule, each) for rule in all_rules() for each in rule.findings(subject)]
     return sorted((each for each in said if _severity(each) != "info"), key=_gravity)
 
 
@@ -240,13 +241,14 @@ def _judged(
     """Returns what rules say of elements that were made of assignments."""
     subject = Subject(made_model(metamodels, library))
     found: dict[EObject, list[tuple[Rule, Finding]]] = {each: [] for each in made}
-    for rule in all_rules():
-        for finding in rule.check(subject) if rule.id in rules else ():
-            element: EObject | None = finding.element
-            while element is not None and element not in found:
-                element = element.eContainer()
-            if element is not None:
-                found[element].append((rule, finding))
+    with remembering():
+        for rule in all_rules():
+            for finding in rule.findings(subject) if rule.id in rules else ():
+                element: EObject | None = finding.element
+                while element is not None and element not in found:
+                    element = element.eContainer()
+                if element is not None:
+                    found[element].append((rule, finding))
     return [
         Judged(each, tuple(sorted(found[own], key=_gravity)))
         for each, own in zip(assignments, made, strict=True)

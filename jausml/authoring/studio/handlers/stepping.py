@@ -82,9 +82,7 @@ def _as_json(ids: Context, choice: Choice) -> dict[str, str]:
     }
 
 
-def _test(
-    context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]
-) -> dict[str, str]:
+def _test(context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]) -> dict[str, str]:
     """Returns a path as a test module."""
     if context.verdicts.of(file).report.has_errors:
         raise AnswerError("the model has errors: mend them before a test is made")

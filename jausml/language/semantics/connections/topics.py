@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import code
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -71,10 +72,15 @@ def resolve_topic(name: str, namespace: str, node: str) -> str:
 def endpoints(group: Iterable[EObject]) -> Iterator[Endpoint]:
     """Yields the publishers and subscriptions of some nodes and bridges whose names are legal."""
     for owner in group:
-        if isinstance(owner, ros.Node):
-            yield from _node_endpoints(owner)
-        elif isinstance(owner, bridge.Bridge):
-            yield from _bridge_endpoints(owner)
+        if isinstance(owner, ros.Node | bridge.Bridge):
+            yield from _own_endpoints(owner)
+
+
+@remembered
+def _own_endpoints(owner: ros.Node | bridge.Bridge) -> tuple[Endpoint, ...]:
+    if isinstance(owner, ros.Node):
+        return tuple(_node_endpoints(owner))
+    return tuple(_bridge_endpoints(owner))
 
 
 def _node_endpoints(node: ros.Node) -> Iterator[Endpoint]:
@@ -146,17 +152,17 @@ def _tokens_fault(tokens: list[str]) -> str:
     return ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Flow:
     """A connection with its bridge."""
 
     connection: bridge.Connection
-    owner: bridge.Bridge
-    to_ros: bool
-    code: int
-    topics: frozenset[str]
-    peers: frozenset[jaus.Component]
-    is_open: bool
+    owner: bridge.Bridge = field(hash=False)
+    to_ros: bool = field(hash=False)
+    code: int = field(hash=False)
+    topics: frozenset[str] = field(hash=False)
+    peers: frozenset[jaus.Component] = field(hash=False)
+    is_open: bool = field(hash=False)
 
     @property
     def is_message(self) -> bool:

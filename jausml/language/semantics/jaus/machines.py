@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
@@ -19,6 +18,7 @@ from jausml.language.semantics.jaus.services import lineage
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.subject import Subject
 
 
@@ -92,32 +92,28 @@ class Behaviour:
         return found
 
 
-def behaviours(subject: Subject) -> list[Behaviour]:
-    """Returns the machines of services that could be read, those of the core services left out.
+def behaviours_of(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...]:
+    """Returns the machines of a service; none of the core services, nor of what was not read.
 
     Machines whose states lie too deep are left out too: JML506 names them.
     """
-    return subject.once(_behaviours)
+    return subject.once(_behaviours, service)
 
 
-def _behaviours(subject: Subject) -> list[Behaviour]:
-    return list(_found(subject))
-
-
-def _found(subject: Subject) -> Iterator[Behaviour]:
-    for service in subject.instances(jaus.Service):
-        if service.urn in SERVED_BY_RUNTIME or not service.machines:
-            continue
-        chain = [each for each in reversed(lineage(service)) if each.urn not in SERVED_BY_RUNTIME]
-        if not all(subject.is_intact(each) for each in chain):
-            continue
-        if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):
-            continue
-        machines = machines_of(chain)
-        for element in service.machines:
-            whole = next((each for each in machines if element in each.elements), None)
-            if whole is not None:
-                yield Behaviour(service, element, whole)
+def _behaviours(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...]:
+    if service.urn in SERVED_BY_RUNTIME or not service.machines:
+        return ()
+    chain = [each for each in reversed(lineage(service)) if each.urn not in SERVED_BY_RUNTIME]
+    if not all(subject.is_intact(each) for each in chain):
+        return ()
+    if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):
+        return ()
+    machines = machines_of(chain)
+    wholes = (
+        (element, next((each for each in machines if element in each.elements), None))
+        for element in service.machines
+    )
+    return tuple(Behaviour(service, one, whole) for one, whole in wholes if whole is not None)
 
 
 def trigger(transition: jaus.Transition) -> tuple[str, str]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeGuard, TypeVar, overload
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.subject import RememberedProperty, remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -32,30 +33,21 @@ FoundPlace = PathPlace | PathFault | None
 COUNTERS = ("index", "count")
 
 
-class Followed:
-    """Paths that were followed: those of one type are the same in each map.
+@remembered
+def _followed(way: tuple[PathPlace, str]) -> FoundPlace:
+    """Returns the place that a path leads to: those of one type are the same in each map."""
+    start, path = way
+    return start.follow(path)
 
-    It holds as long as nothing of the model changes.
-    """
 
-    def __init__(self) -> None:
-        self._places: dict[tuple[PathPlace, str], FoundPlace] = {}
-        self._found: dict[PathPlace, Attribute] = {}
+@remembered
+def _attribute(place: PathPlace) -> Attribute:
+    return place.attribute()
 
-    def place(self, start: PathPlace, path: str) -> FoundPlace:
-        """Returns the place that a path leads to."""
-        key = (start, path)
-        if key not in self._places:
-            self._places[key] = start.follow(path)
-        return self._places[key]
 
-    def attribute(self, found: FoundPlace) -> Found:
-        """Returns what an assignment finds at a place."""
-        if not isinstance(found, JausPlace | RosPlace):
-            return found
-        if found not in self._found:
-            self._found[found] = found.attribute()
-        return self._found[found]
+def attribute_at(found: FoundPlace) -> Found:
+    """Returns what an assignment finds at a place."""
+    return _attribute(found) if isinstance(found, JausPlace | RosPlace) else found
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,17 +63,16 @@ class PathScope:
     source: PathPlace
     target: PathPlace
     is_nested: bool = False
-    followed: Followed = field(default_factory=Followed, compare=False)
 
     def find_source(self, path: str) -> FoundPlace:
         """Returns the place that a source path leads to; joins and `/` are known."""
         if path.startswith("/"):
-            outer = outer_scope(self.map, to_ros=self.to_ros, followed=self.followed)
+            outer = outer_scope(self.map, to_ros=self.to_ros)
             return outer.find_source(path[1:])
         first, _, rest = path.partition(".")
         join = None if self.is_nested else self._join(first)
         if join is None:
-            return self.followed.place(self.source, path)
+            return _followed((self.source, path))
         if isinstance(join, bridge.ReportJoin):
             return message_place(join.message).follow(rest or ".") if join.message else None
         return RosPlace(type=join.type).follow(rest or ".") if join.type else None
@@ -94,7 +85,7 @@ class PathScope:
         """Returns the place that a target path leads to."""
         if path.startswith("/") and self.is_nested:
             return PathFault("the target of an element lies within the element")
-        return self.followed.place(self.target, path)
+        return _followed((self.target, path))
 
     def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
         """Returns the scope of what a list assignment nests; None when its ends are no lists."""
@@ -119,46 +110,40 @@ class Placed(Generic[AssignmentT_co]):
     assignment: AssignmentT_co
     scope: PathScope
 
-    @cached_property
+    @RememberedProperty
     def targets(self) -> list[tuple[str, Found]]:
         """The target paths and what they lead to."""
         paths = target_paths(self.assignment)
-        scope = self.scope
-        return [(path, scope.followed.attribute(scope.find_target(path))) for path in paths]
+        return [(path, attribute_at(self.scope.find_target(path))) for path in paths]
 
-    @cached_property
+    @RememberedProperty
     def sources(self) -> list[tuple[str, Found]]:
         """The source paths and what they lead to; none for constants and the like."""
-        return [(path, self._source(path)) for path in source_paths(self.assignment)]
+        return [(path, _source(self.scope, path)) for path in source_paths(self.assignment)]
 
-    @cached_property
+    @RememberedProperty
     def target_attributes(self) -> list[Attribute]:
         """What the targets are, empty unless all of them were found."""
         return _all_found(self.targets)
 
-    @cached_property
+    @RememberedProperty
     def source_attributes(self) -> list[Attribute]:
         """What the sources are, empty unless all of them were found."""
         return _all_found(self.sources)
 
-    def _source(self, path: str) -> Found:
-        found = self.scope.find_source(path)
-        if isinstance(found, PathFault) and self.scope.is_nested and path in COUNTERS:
-            return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
-        return self.scope.followed.attribute(found)
+
+def _source(scope: PathScope, path: str) -> Found:
+    found = scope.find_source(path)
+    if isinstance(found, PathFault) and scope.is_nested and path in COUNTERS:
+        return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
+    return attribute_at(found)
 
 
-def outer_scope(
-    attribute_map: bridge.AttributeMap,
-    *,
-    to_ros: bool,
-    followed: Followed | None = None,
-) -> PathScope:
+def outer_scope(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> PathScope:
     """Returns the scope of the assignments of a map."""
     ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
     source, target = ends if to_ros else reversed(ends)
-    followed = Followed() if followed is None else followed
-    return PathScope(attribute_map, to_ros, source, target, followed=followed)
+    return PathScope(attribute_map, to_ros, source, target)
 
 
 def place(
@@ -238,13 +223,15 @@ FirstT = TypeVar("FirstT", bound="bridge.Assignment")
 SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 
+def is_sound(subject: Subject, connection: bridge.Connection) -> bool:
+    """Tells whether message and type of the map of a connection were read well."""
+    used = connection.map
+    return used is not None and subject.is_intact(used.message, used.type)
+
+
 def sound_connections(subject: Subject) -> list[bridge.Connection]:
     """Returns the connections that were read well, with message and type of their maps."""
-    return [
-        each
-        for each in subject.instances(bridge.Connection)
-        if each.map is not None and subject.is_intact(each.map.message, each.map.type)
-    ]
+    return [each for each in subject.instances(bridge.Connection) if is_sound(subject, each)]
 
 
 @dataclass(frozen=True)
@@ -283,9 +270,21 @@ class Direction:
         return found
 
 
-def directions(subject: Subject) -> tuple[Direction, ...]:
-    """Returns all directions of all maps, stops and safe values, as far as both ends were read."""
-    return subject.once(_directions)
+Directed = bridge.AttributeMap | bridge.Connection
+"""Who has directions: a map its own and those of its stops, a connection that of a safe value."""
+
+DIRECTED = (bridge.AttributeMap, bridge.Connection)
+"""The same for rules."""
+
+
+def directed(subject: Subject) -> list[Directed]:
+    """Returns all that have directions, maps first."""
+    return [*subject.instances(bridge.AttributeMap), *subject.instances(bridge.Connection)]
+
+
+def directions_of(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
+    """Returns the directions of a map or a connection, as far as both ends were read."""
+    return subject.once(_directions, owner)
 
 
 def direction_of(
@@ -302,21 +301,20 @@ def direction_of(
     return _direction(subject, attribute_map, attribute_map, assignments, to_ros=to_ros)
 
 
-def _directions(subject: Subject) -> tuple[Direction, ...]:
-    found = []
-    for each in subject.instances(bridge.AttributeMap):
-        ways = (direction_of(subject, each, to_ros=to_ros) for to_ros in (True, False))
-        found += [way for way in ways if way is not None]
-        if subject.is_intact(each.message, each.type):
-            for stop, to_ros in ((each.stopRos, True), (each.stopJaus, False)):
-                if stop is not None:
-                    found.append(_direction(subject, each, stop, stop.values, to_ros=to_ros))
-    for connection in subject.instances(bridge.Connection):
-        used = connection.map
-        if used is not None and subject.is_intact(used.message, used.type):
-            to_ros = connection.direction.name == "jausToRos"
-            values = connection.safeValue
-            found.append(_direction(subject, used, connection, values, to_ros=to_ros))
+def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
+    used = owner.map if isinstance(owner, bridge.Connection) else owner
+    if used is None or not subject.is_intact(used.message, used.type):
+        return ()
+    if isinstance(owner, bridge.Connection):
+        to_ros = owner.direction.name == "jausToRos"
+        return (_direction(subject, used, owner, owner.safeValue, to_ros=to_ros),)
+    found = [
+        _direction(subject, used, used, assignments, to_ros=to_ros)
+        for assignments, to_ros in ((used.toRos, True), (used.toJaus, False))
+    ]
+    for stop, to_ros in ((used.stopRos, True), (used.stopJaus, False)):
+        if stop is not None:
+            found.append(_direction(subject, used, stop, stop.values, to_ros=to_ros))
     return tuple(found)
 
 
@@ -329,14 +327,9 @@ def _direction(
     to_ros: bool,
 ) -> Direction:
     sound = [each for each in assignments if subject.is_intact(each) and _is_complete(each)]
-    followed = subject.once(_followed)
-    scope = outer_scope(attribute_map, to_ros=to_ros, followed=followed)
+    scope = outer_scope(attribute_map, to_ros=to_ros)
     placed = tuple(each for each in flattened(sound, scope) if _is_complete(each.assignment))
     return Direction(attribute_map, owner, to_ros, placed)
-
-
-def _followed(_: Subject) -> Followed:
-    return Followed()
 
 
 def _is_complete(assignment: bridge.Assignment) -> bool:

@@ -24,8 +24,8 @@ _HIGHEST_TTL = 255
 _FRAGMENT_SIZES = (64, 4079)
 
 
-@rule("JML511", Severity.ERROR, "impossible package metadata")
-def metadata(subject: Subject) -> Iterator[Finding]:
+@rule("JML511", Severity.ERROR, "impossible package metadata", each=system.System, needs=())
+def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The package metadata of a system is valid in a package.xml (REP 149).
 
     The version is three numbers joined by dots, the address of the maintainer is an e-mail address,
@@ -35,20 +35,19 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 
     Good: `version="1.0.0"`
     """
-    for whole in subject.instances(system.System, needs=()):
-        if not _VERSION.fullmatch(whole.version or ""):
-            message = f"version {whole.version!a} is not three numbers joined by dots"
-            yield Finding(whole, message, "version")
-        if not _EMAIL.fullmatch(whole.maintainerEmail or ""):
-            message = f"maintainerEmail {whole.maintainerEmail!a} is no e-mail address"
-            yield Finding(whole, message, "maintainerEmail")
-        for feature, text in (("maintainer", whole.maintainer), ("license", whole.license)):
-            if not text.strip() or not text.isprintable():
-                yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
+    if not _VERSION.fullmatch(whole.version or ""):
+        message = f"version {whole.version!a} is not three numbers joined by dots"
+        yield Finding(whole, message, "version")
+    if not _EMAIL.fullmatch(whole.maintainerEmail or ""):
+        message = f"maintainerEmail {whole.maintainerEmail!a} is no e-mail address"
+        yield Finding(whole, message, "maintainerEmail")
+    for feature, text in (("maintainer", whole.maintainer), ("license", whole.license)):
+        if not text.strip() or not text.isprintable():
+            yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
 
 
-@rule("JML512", Severity.ERROR, "impossible network settings")
-def network(subject: Subject) -> Iterator[Finding]:
+@rule("JML512", Severity.ERROR, "impossible network settings", each=system.System, needs=("name",))
+def network(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
     An interface has an address of its own: no group, no broadcast, not 0.0.0.0. Higher domains
@@ -59,53 +58,54 @@ def network(subject: Subject) -> Iterator[Finding]:
 
     Good: `<hosts name="onboard" multicastGroup="239.255.0.1"/>`
     """
-    for whole in subject.instances(system.System, needs=("name",)):
-        yield from _range(whole, "rosDomain", whole.rosDomain, 0, _HIGHEST_DOMAIN)
-    for host in subject.instances(system.Host, needs=("name",)):
-        yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
-        yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
-        yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)
-        interface = _ipv4(host.interface)
-        if interface is None or _is_of_many(interface):
-            what = "no IPv4 address" if interface is None else "no address of one computer"
-            message = f"interface {host.interface!a} of '{host.name}' is {what}"
-            yield Finding(host, message, "interface")
-        group = _ipv4(host.multicastGroup)
-        if group is None or not group.is_multicast:
-            message = f"multicastGroup {host.multicastGroup!a} of '{host.name}'"
-            yield Finding(host, f"{message} is no multicast address", "multicastGroup")
+    yield from _range(whole, "rosDomain", whole.rosDomain, 0, _HIGHEST_DOMAIN)
 
 
-@rule("JML513", Severity.ERROR, "placed twice or elsewhere")
-def placements(subject: Subject) -> Iterator[Finding]:
+@network.also(system.Host, needs=("name",))
+def _network_host(_: Subject, host: system.Host) -> Iterator[Finding]:
+    yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
+    yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
+    yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)
+    interface = _ipv4(host.interface)
+    if interface is None or _is_of_many(interface):
+        what = "no IPv4 address" if interface is None else "no address of one computer"
+        message = f"interface {host.interface!a} of '{host.name}' is {what}"
+        yield Finding(host, message, "interface")
+    group = _ipv4(host.multicastGroup)
+    if group is None or not group.is_multicast:
+        message = f"multicastGroup {host.multicastGroup!a} of '{host.name}'"
+        yield Finding(host, f"{message} is no multicast address", "multicastGroup")
+
+
+@rule("JML513", Severity.ERROR, "placed twice or elsewhere", each=system.System)
+def placements(_: Subject, whole: system.System) -> Iterator[Finding]:
     """An element runs on one host, and a system places its own elements on its own hosts.
 
     Bad: two placements of the component vehicle
 
     Good: one
     """
-    for whole in subject.instances(system.System):
-        own = {*whole.components, *whole.bridges, *whole.nodes}
-        holders: dict[EObject, system.Placement] = {}
-        for placement in whole.placements:
-            if placement.host is not None and placement.host not in whole.hosts:
-                message = f"host '{placement.host.name}' is not of system '{whole.name}'"
-                yield Finding(placement, message, "host")
-            placed: list[jaus.Component | ros.Node] = [*placement.components, *placement.nodes]
-            for element in placed:
-                feature = "nodes" if isinstance(element, ros.Node) else "components"
-                first = holders.setdefault(element, placement)
-                if element not in own:
-                    message = f"'{element.name}' is not of system '{whole.name}'"
-                    yield Finding(placement, message, feature)
-                elif first is not placement:
-                    note = Note(first, "the first placement")
-                    message = f"'{element.name}' is placed twice"
-                    yield Finding(placement, message, feature, related=(note,))
+    own = {*whole.components, *whole.bridges, *whole.nodes}
+    holders: dict[EObject, system.Placement] = {}
+    for placement in whole.placements:
+        if placement.host is not None and placement.host not in whole.hosts:
+            message = f"host '{placement.host.name}' is not of system '{whole.name}'"
+            yield Finding(placement, message, "host")
+        placed: list[jaus.Component | ros.Node] = [*placement.components, *placement.nodes]
+        for element in placed:
+            feature = "nodes" if isinstance(element, ros.Node) else "components"
+            first = holders.setdefault(element, placement)
+            if element not in own:
+                message = f"'{element.name}' is not of system '{whole.name}'"
+                yield Finding(placement, message, feature)
+            elif first is not placement:
+                note = Note(first, "the first placement")
+                message = f"'{element.name}' is placed twice"
+                yield Finding(placement, message, feature, related=(note,))
 
 
-@rule("JML514", Severity.WARNING, "hosts that cannot talk to each other")
-def transports(subject: Subject) -> Iterator[Finding]:
+@rule("JML514", Severity.WARNING, "hosts that cannot talk to each other", each=system.System)
+def transports(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Either all hosts of a system speak JAUS over TCP, or none of them does.
 
     A host with the transport `jtcp` and one with `judp` or `nodeManager` do not hear each other.
@@ -114,13 +114,12 @@ def transports(subject: Subject) -> Iterator[Finding]:
 
     Good: `transport="jtcp"` for both
     """
-    for whole in subject.instances(system.System):
-        for host in whole.hosts[1:]:
-            first = whole.hosts[0]
-            if (host.transport.name == "jtcp") != (first.transport.name == "jtcp"):
-                note = Note(first, f"'{first.name}' has {first.transport.name}")
-                message = f"'{host.name}' has the transport {host.transport.name}"
-                yield Finding(host, message, "transport", related=(note,))
+    for host in whole.hosts[1:]:
+        first = whole.hosts[0]
+        if (host.transport.name == "jtcp") != (first.transport.name == "jtcp"):
+            note = Note(first, f"'{first.name}' has {first.transport.name}")
+            message = f"'{host.name}' has the transport {host.transport.name}"
+            yield Finding(host, message, "transport", related=(note,))
 
 
 def _range(

@@ -28,8 +28,22 @@ GREATEST_SPEED = 327.67
 _ENDS = ("name", "direction", "type", "driver", "element", "peers", "search")
 
 
-@rule("JML481", Severity.ERROR, "no list driver for the elements")
-def drives_lists(subject: Subject) -> Iterator[Finding]:
+def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
+    used = each.element
+    if used is None or not subject.is_intact(each.driver, each.type):
+        return False
+    return subject.is_intact(used.message, used.type)
+
+
+@rule(
+    "JML481",
+    Severity.ERROR,
+    "no list driver for the elements",
+    each=bridge.RosActionConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The driver of an action connection executes lists with the message of its map.
 
     It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
@@ -40,38 +54,50 @@ def drives_lists(subject: Subject) -> Iterator[Finding]:
 
     Good: `driver="LocalWaypointListDriver"` with the map of SetLocalWaypoint
     """
-    for each in _sound(subject):
-        messages = driver_messages(each.driver)
-        if messages is None:
-            message = f"'{each.driver.name}' executes no lists"
-            hint = "name a service that inherits ListManager and takes ExecuteList"
-            yield Finding(each, message, "driver", hint)
-        elif not takes(each.driver, each.element.message):
-            note = Note(each.element, f"map '{each.element.name}'")
-            message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
-            yield Finding(each, message, "element", related=(note,))
+    messages = driver_messages(each.driver)
+    if messages is None:
+        message = f"'{each.driver.name}' executes no lists"
+        hint = "name a service that inherits ListManager and takes ExecuteList"
+        yield Finding(each, message, "driver", hint)
+    elif not takes(each.driver, each.element.message):
+        note = Note(each.element, f"map '{each.element.name}'")
+        message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
+        yield Finding(each, message, "element", related=(note,))
 
 
-@rule("JML482", Severity.ERROR, "goal without the elements")
-def goal_holds_elements(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML482",
+    Severity.ERROR,
+    "goal without the elements",
+    each=bridge.RosActionConnection,
+    needs=(*_ENDS, "goalMember"),
+    given=_is_sound,
+)
+def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The goal of an action has at goalMember a sequence of the ROS type of the map.
 
     Bad: `goalMember="pose"`; or gps_poses of FollowGPSWaypoints with a map to PoseStamped
 
     Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
     """
-    for each in _sound(subject, "goalMember"):
-        found = _place(each.type.goal, each.goalMember)
-        wanted = ros_name(each.element.type)
-        if isinstance(found, PathFault):
-            yield Finding(each, found.message, "goalMember", found.hint)
-        elif found is not None and not _is_sequence_of(found, each.element.type):
-            message = f"'{each.goalMember}' is no sequence of {wanted}, which the map makes"
-            yield Finding(each, message, "goalMember")
+    found = _place(each.type.goal, each.goalMember)
+    wanted = ros_name(each.element.type)
+    if isinstance(found, PathFault):
+        yield Finding(each, found.message, "goalMember", found.hint)
+    elif found is not None and not _is_sequence_of(found, each.element.type):
+        message = f"'{each.goalMember}' is no sequence of {wanted}, which the map makes"
+        yield Finding(each, message, "goalMember")
 
 
-@rule("JML483", Severity.ERROR, "progress or reason that is none")
-def members_fit(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML483",
+    Severity.ERROR,
+    "progress or reason that is none",
+    each=bridge.RosActionConnection,
+    needs=(*_ENDS, "progressMember", "reasonMember"),
+    given=_is_sound,
+)
+def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The feedback has at progressMember a number, the result at reasonMember a string.
 
     The number is an integer. With `progress="distance"` it is a floating-point number, the elements
@@ -81,22 +107,21 @@ def members_fit(subject: Subject) -> Iterator[Finding]:
 
     Good: `progressMember="number_of_poses_remaining" progress="remaining"`
     """
-    for each in _sound(subject, "progressMember", "reasonMember"):
-        is_distance = each.progress.name == "distance"
-        if is_distance and not (_to_ros(each) and _has_position(each.element.type)):
-            message = "no distance is known of these elements, or in this direction"
-            yield Finding(each, message, "progress", "say index or remaining, or no progressMember")
-        number = ("number of metres", ("float",)) if is_distance else ("integer", ("int", "uint"))
-        parts = (
-            ("progressMember", each.progressMember, each.type.feedback, *number),
-            ("reasonMember", each.reasonMember, each.type.result, "string", ("string",)),
-        )
-        for feature, path, owner, noun, kinds in parts:
-            found = _place(owner, path) if path else None
-            if isinstance(found, PathFault):
-                yield Finding(each, found.message, feature, found.hint)
-            elif found is not None and not _is_of(found, kinds):
-                yield Finding(each, f"'{path}' is no {noun}", feature)
+    is_distance = each.progress.name == "distance"
+    if is_distance and not (_to_ros(each) and _has_position(each.element.type)):
+        message = "no distance is known of these elements, or in this direction"
+        yield Finding(each, message, "progress", "say index or remaining, or no progressMember")
+    number = ("number of metres", ("float",)) if is_distance else ("integer", ("int", "uint"))
+    parts = (
+        ("progressMember", each.progressMember, each.type.feedback, *number),
+        ("reasonMember", each.reasonMember, each.type.result, "string", ("string",)),
+    )
+    for feature, path, owner, noun, kinds in parts:
+        found = _place(owner, path) if path else None
+        if isinstance(found, PathFault):
+            yield Finding(each, found.message, feature, found.hint)
+        elif found is not None and not _is_of(found, kinds):
+            yield Finding(each, f"'{path}' is no {noun}", feature)
 
 
 @rule(
@@ -104,8 +129,11 @@ def members_fit(subject: Subject) -> Iterator[Finding]:
     Severity.ERROR,
     "map of elements without assignments for the direction",
     is_decision=True,
+    each=bridge.RosActionConnection,
+    needs=_ENDS,
+    given=_is_sound,
 )
-def elements_translated(subject: Subject) -> Iterator[Finding]:
+def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The map of an action connection has assignments for the direction of the connection.
 
     Without them every element of the list is empty.
@@ -114,17 +142,23 @@ def elements_translated(subject: Subject) -> Iterator[Finding]:
 
     Good: the same map with `toJaus`
     """
-    for each in _sound(subject):
-        feature = "toRos" if _to_ros(each) else "toJaus"
-        if not getattr(each.element, feature) and subject.is_intact(each.element):
-            note = Note(each.element, f"map '{each.element.name}'")
-            message = f"map '{each.element.name}' has no {feature} assignments, which"
-            message += f" {each.direction.name} needs"
-            yield Finding(each, message, "element", related=(note,))
+    feature = "toRos" if _to_ros(each) else "toJaus"
+    if not getattr(each.element, feature) and subject.is_intact(each.element):
+        note = Note(each.element, f"map '{each.element.name}'")
+        message = f"map '{each.element.name}' has no {feature} assignments, which"
+        message += f" {each.direction.name} needs"
+        yield Finding(each, message, "element", related=(note,))
 
 
-@rule("JML485", Severity.ERROR, "nobody provides the list driver")
-def driver_provided(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML485",
+    Severity.ERROR,
+    "nobody provides the list driver",
+    each=bridge.RosActionConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The component that executes the list of an action connection provides its driver.
 
     - JAUS to ROS: the bridge does.
@@ -134,24 +168,30 @@ def driver_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" peers="vehicle"`, where vehicle provides the driver
     """
-    for each in _sound(subject):
-        owner = each.eContainer()
-        providers: list[Provider] = list(each.peers)
-        if each.search is not None:
-            providers.append(each.search)
-        if _to_ros(each):
-            providers = [] if owner is None else [owner]
-        elif not providers:
-            message = f"'{each.name}' has no peer that executes its lists"
-            yield Finding(each, message, "peers", "name peers, or search for them")
-        for provider in providers:
-            if is_known(subject, provider) and not _provides(provider, each.driver):
-                message = f"{provider_name(provider)} does not provide {each.driver.name}"
-                yield Finding(each, message, "driver")
+    owner = each.eContainer()
+    providers: list[Provider] = list(each.peers)
+    if each.search is not None:
+        providers.append(each.search)
+    if _to_ros(each):
+        providers = [] if owner is None else [owner]
+    elif not providers:
+        message = f"'{each.name}' has no peer that executes its lists"
+        yield Finding(each, message, "peers", "name peers, or search for them")
+    for provider in providers:
+        if is_known(subject, provider) and not _provides(provider, each.driver):
+            message = f"{provider_name(provider)} does not provide {each.driver.name}"
+            yield Finding(each, message, "driver")
 
 
-@rule("JML486", Severity.ERROR, "figure of an action connection out of range", is_decision=True)
-def action_figures(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML486",
+    Severity.ERROR,
+    "figure of an action connection out of range",
+    is_decision=True,
+    each=bridge.RosActionConnection,
+    needs=(*_ENDS, "speed", "timeout"),
+)
+def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The speed of lists is above 0 and what ExecuteList can say, and the timeout is above 0.
 
     A list that is executed at speed 0 stands still. Drivers of manipulators know no speed.
@@ -160,21 +200,26 @@ def action_figures(subject: Subject) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" speed="1.5" timeout="1"`
     """
-    needs = (*_ENDS, "speed", "timeout")
-    for each in subject.instances(bridge.RosActionConnection, needs=needs):
-        if not (math.isfinite(each.timeout) and each.timeout > 0):
-            yield Finding(each, f"timeout {each.timeout:g} s is not above 0", "timeout")
-        messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
-        if messages is None or _to_ros(each) or not knows_speed(messages):
-            continue
-        if not 0 < each.speed <= GREATEST_SPEED:
-            message = f"speed {each.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
-            hint = "state the speed at which peers execute lists"
-            yield Finding(each, message, "speed", hint)
+    if not (math.isfinite(each.timeout) and each.timeout > 0):
+        yield Finding(each, f"timeout {each.timeout:g} s is not above 0", "timeout")
+    messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
+    if messages is None or _to_ros(each) or not knows_speed(messages):
+        return
+    if not 0 < each.speed <= GREATEST_SPEED:
+        message = f"speed {each.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
+        hint = "state the speed at which peers execute lists"
+        yield Finding(each, message, "speed", hint)
 
 
-@rule("JML499", Severity.ERROR, "mission whose end nobody has decided", is_decision=True)
-def missions_end(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML499",
+    Severity.ERROR,
+    "mission whose end nobody has decided",
+    is_decision=True,
+    each=bridge.RosActionConnection,
+    needs=(*_ENDS, "onEnd"),
+)
+def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """A mission that a ROS client gives to a JAUS peer has an `onEnd`, and nothing else has.
 
     The goal may end before the mission: the client cancels it, another goal comes, control is lost,
@@ -186,35 +231,45 @@ def missions_end(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `onEnd="abort"`
     """
-    for each in subject.instances(bridge.RosActionConnection, needs=(*_ENDS, "onEnd")):
-        messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
-        if messages is None:
-            continue
-        is_open = each.onEnd.name == "open"
-        if not messages.spooler or _to_ros(each):
-            if not is_open:
-                yield Finding(each, f"'{each.name}' gives no mission to a peer", "onEnd")
-        elif is_open:
-            message = f"nobody has decided what a goal of '{each.name}' leaves that ends too early"
-            yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
+    messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
+    if messages is None:
+        return
+    is_open = each.onEnd.name == "open"
+    if not messages.spooler or _to_ros(each):
+        if not is_open:
+            yield Finding(each, f"'{each.name}' gives no mission to a peer", "onEnd")
+    elif is_open:
+        message = f"nobody has decided what a goal of '{each.name}' leaves that ends too early"
+        yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
 
 
-@rule("JML487", Severity.ERROR, "bad name of a ROS action")
-def action_names(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML487",
+    Severity.ERROR,
+    "bad name of a ROS action",
+    each=bridge.RosActionConnection,
+    needs=("action",),
+)
+def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The name of an action is one of ROS: letters, digits, `_` and `/`, no digit first.
 
     Bad: `action="follow waypoints"`
 
     Good: `action="follow_waypoints"`
     """
-    for each in subject.instances(bridge.RosActionConnection, needs=("action",)):
-        fault = topic_fault(each.action) if each.action is not None else ""
-        if fault:
-            yield Finding(each, f"action name {each.action!a} {fault}", "action")
+    fault = topic_fault(each.action) if each.action is not None else ""
+    if fault:
+        yield Finding(each, f"action name {each.action!a} {fault}", "action")
 
 
-@rule("JML488", Severity.ERROR, "two lists of one kind in one bridge")
-def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML488",
+    Severity.ERROR,
+    "two lists of one kind in one bridge",
+    each=bridge.Bridge,
+    needs=("actionConnections",),
+)
+def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The lists of one kind of elements go to one action, and a bridge has lists or missions.
 
     A bridge has one list or one mission; the content of its elements determines which action
@@ -224,39 +279,25 @@ def one_driver_for_a_kind(subject: Subject) -> Iterator[Finding]:
 
     Good: one of them
     """
-    for owner in subject.instances(bridge.Bridge, needs=("actionConnections",)):
-        first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
-        kinds: dict[bool, bridge.RosActionConnection] = {}
-        for each in owner.actionConnections:
-            if not _is_sound(subject, each) or not _to_ros(each):
-                continue
-            other = first.setdefault(each.element.message, each)
-            if other is not each:
-                note = Note(other, f"'{other.name}' executes them")
-                message = f"lists of {each.element.message.name} are executed already"
-                yield Finding(each, message, "element", related=(note,))
-                continue
-            messages = driver_messages(each.driver)
-            has_missions = messages is not None and bool(messages.spooler)
-            kinds.setdefault(has_missions, each)
-            different = kinds.get(not has_missions)
-            if different is not None:
-                note = Note(different, f"'{different.name}' has the others")
-                message = "a bridge executes lists or missions, not both"
-                yield Finding(each, message, "driver", related=(note,))
-
-
-def _sound(subject: Subject, *features: str) -> list[bridge.RosActionConnection]:
-    needs = (*_ENDS, *features)
-    found = subject.instances(bridge.RosActionConnection, needs=needs)
-    return [each for each in found if _is_sound(subject, each)]
-
-
-def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
-    used = each.element
-    if used is None or not subject.is_intact(each.driver, each.type):
-        return False
-    return subject.is_intact(used.message, used.type)
+    first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
+    kinds: dict[bool, bridge.RosActionConnection] = {}
+    for each in owner.actionConnections:
+        if not _is_sound(subject, each) or not _to_ros(each):
+            continue
+        other = first.setdefault(each.element.message, each)
+        if other is not each:
+            note = Note(other, f"'{other.name}' executes them")
+            message = f"lists of {each.element.message.name} are executed already"
+            yield Finding(each, message, "element", related=(note,))
+            continue
+        messages = driver_messages(each.driver)
+        has_missions = messages is not None and bool(messages.spooler)
+        kinds.setdefault(has_missions, each)
+        different = kinds.get(not has_missions)
+        if different is not None:
+            note = Note(different, f"'{different.name}' has the others")
+            message = "a bridge executes lists or missions, not both"
+            yield Finding(each, message, "driver", related=(note,))
 
 
 def _to_ros(each: bridge.RosActionConnection) -> bool:

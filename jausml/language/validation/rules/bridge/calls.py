@@ -42,8 +42,32 @@ _ENDS = (
 _CORE_CODES = frozenset(CORE_MESSAGES.values())
 
 
-@rule("JML467", Severity.ERROR, "map that does not fit the service", is_decision=True)
-def maps_fit(subject: Subject) -> Iterator[Finding]:
+def _is_sound(subject: Subject, each: bridge.RosServiceConnection) -> bool:
+    return (
+        each.eContainer() is not None
+        and subject.is_intact(each.type, *calls.messages(each))
+        and all(subject.is_intact(half.map.type, half.map.message) for half in calls.halves(each))
+    )
+
+
+def _fits(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
+    """Tells whether the maps are those of request and response, so that messages are as meant."""
+    if not _is_sound(subject, connection):
+        return False
+    parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
+    return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
+
+
+@rule(
+    "JML467",
+    Severity.ERROR,
+    "map that does not fit the service",
+    is_decision=True,
+    each=bridge.RosServiceConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The maps of a service connection are those of the request and the response of its type.
 
     The map of a message that the bridge makes has assignments for that direction: from ROS to JAUS
@@ -54,44 +78,58 @@ def maps_fit(subject: Subject) -> Iterator[Finding]:
 
     Good: `response="lamp_read"`
     """
-    for connection in _sound(subject):
-        parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
-        for half in calls.halves(connection):
-            used, part = half.map, parts[half.kind]
-            if used.type is not part:
-                text = f"map '{used.name}' is for {ros_name(used.type)}, not for the {half.kind}"
-                note = Note(used, f"map '{used.name}'", "type")
-                message = f"{text} of {ros_name(connection.type)}"
-                yield Finding(connection, message, half.kind, related=(note,))
-                continue
-            feature = "toRos" if half.to_ros else "toJaus"
-            targets = used.type.fields if half.to_ros else attributes(used.message)
-            if targets and not getattr(used, feature) and subject.is_intact(used):
-                message = f"map '{used.name}' has no {feature} assignments, which its place needs"
-                note = Note(used, f"map '{used.name}'")
-                yield Finding(connection, message, half.kind, related=(note,))
-        for of_map, of_message in ((calls.REQUEST, "message"), (calls.RESPONSE, "answer")):
-            if getattr(connection, of_map) is not None and getattr(connection, of_message):
-                message = f"'{connection.name}' states '{of_message}', which its {of_map} map has"
-                yield Finding(connection, message, of_message, "leave it out")
+    parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
+    for half in calls.halves(connection):
+        used, part = half.map, parts[half.kind]
+        if used.type is not part:
+            text = f"map '{used.name}' is for {ros_name(used.type)}, not for the {half.kind}"
+            note = Note(used, f"map '{used.name}'", "type")
+            message = f"{text} of {ros_name(connection.type)}"
+            yield Finding(connection, message, half.kind, related=(note,))
+            continue
+        feature = "toRos" if half.to_ros else "toJaus"
+        targets = used.type.fields if half.to_ros else attributes(used.message)
+        if targets and not getattr(used, feature) and subject.is_intact(used):
+            message = f"map '{used.name}' has no {feature} assignments, which its place needs"
+            note = Note(used, f"map '{used.name}'")
+            yield Finding(connection, message, half.kind, related=(note,))
+    for of_map, of_message in ((calls.REQUEST, "message"), (calls.RESPONSE, "answer")):
+        if getattr(connection, of_map) is not None and getattr(connection, of_message):
+            message = f"'{connection.name}' states '{of_message}', which its {of_map} map has"
+            yield Finding(connection, message, of_message, "leave it out")
 
 
-@rule("JML468", Severity.ERROR, "service without a message that asks")
-def something_asks(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML468",
+    Severity.ERROR,
+    "service without a message that asks",
+    each=bridge.RosServiceConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A service connection names the message that asks: by a map of the request or by `message`.
 
     Bad: a service connection with `type` and `peers` alone
 
     Good: the same with `message`, such as a query
     """
-    for connection in _sound(subject):
-        if calls.asking(connection) is None:
-            message = f"'{connection.name}' has no JAUS message that asks"
-            yield Finding(connection, message, None, "state a map for 'request', or a 'message'")
+    if calls.asking(connection) is None:
+        message = f"'{connection.name}' has no JAUS message that asks"
+        yield Finding(connection, message, None, "state a map for 'request', or a 'message'")
 
 
-@rule("JML469", Severity.ERROR, "no service for the messages of a call")
-def messages_provided(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML469",
+    Severity.ERROR,
+    "no service for the messages of a call",
+    each=bridge.RosServiceConnection,
+    needs=_ENDS,
+    given=_fits,
+)
+def messages_provided(
+    subject: Subject, connection: bridge.RosServiceConnection
+) -> Iterator[Finding]:
     """The component that is asked provides a service that takes the question and answers it.
 
     That is each peer, where the bridge serves a ROS service, and the bridge itself, where it calls
@@ -102,32 +140,46 @@ def messages_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with a peer that provides Management
     """
-    for connection in filter(_fits, _sound(subject)):
-        for provider in _asked(connection):
-            if is_known(subject, provider):
-                yield from _provided(connection, provider)
-        asking = calls.asking(connection)
-        if not calls.serves(connection) and asking is not None and code(asking) in _CORE_CODES:
-            message = f"the runtime itself takes {asking.name} of '{connection.name}'"
-            yield Finding(connection, message, _feature(connection, asking), "take another message")
+    for provider in _asked(connection):
+        if is_known(subject, provider):
+            yield from _provided(connection, provider)
+    asking = calls.asking(connection)
+    if not calls.serves(connection) and asking is not None and code(asking) in _CORE_CODES:
+        message = f"the runtime itself takes {asking.name} of '{connection.name}'"
+        yield Finding(connection, message, _feature(connection, asking), "take another message")
 
 
-@rule("JML470", Severity.ERROR, "service without a peer")
-def peers_named(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML470",
+    Severity.ERROR,
+    "service without a peer",
+    each=bridge.RosServiceConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def peers_named(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A bridge that serves a ROS service names the peers that it asks, or searches for them.
 
     Bad: a service connection without `peers`
 
     Good: the same with `peers="vehicle"`
     """
-    for connection in _sound(subject):
-        if calls.serves(connection) and not connection.peers and connection.search is None:
-            message = f"'{connection.name}' names no peer to ask"
-            yield Finding(connection, message, "peers", "name peers or search for them")
+    if calls.serves(connection) and not connection.peers and connection.search is None:
+        message = f"'{connection.name}' names no peer to ask"
+        yield Finding(connection, message, "peers", "name peers or search for them")
 
 
-@rule("JML471", Severity.ERROR, "call of a peer that cannot be controlled")
-def peers_controllable(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML471",
+    Severity.ERROR,
+    "call of a peer that cannot be controlled",
+    each=bridge.RosServiceConnection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def peers_controllable(
+    subject: Subject, connection: bridge.RosServiceConnection
+) -> Iterator[Finding]:
     """A service connection that controls its peers has peers that provide AccessControl.
 
     Commands wait until control is granted, which such a peer never does (AS5710).
@@ -136,22 +188,27 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
 
     Good: `control="false"` for this peer
     """
-    for connection in _sound(subject):
-        asking = calls.asking(connection)
-        is_sent = asking is not None and is_command(asking) and calls.serves(connection)
-        if not is_sent or not connection.control:
-            continue
-        for peer in _asked(connection):
-            if is_known(subject, peer) and not provides_access_control(peer):
-                who = provider_name(peer)
-                message = f"{who} provides no AccessControl, so control of it cannot be had"
-                feature = "search" if connection.search is not None else "peers"
-                hint = f"set {subject.assigned(connection, {'control': 'false'})}"
-                yield Finding(connection, message, feature, hint, (Note(peer, who),))
+    asking = calls.asking(connection)
+    is_sent = asking is not None and is_command(asking) and calls.serves(connection)
+    if not is_sent or not connection.control:
+        return
+    for peer in _asked(connection):
+        if is_known(subject, peer) and not provides_access_control(peer):
+            who = provider_name(peer)
+            message = f"{who} provides no AccessControl, so control of it cannot be had"
+            feature = "search" if connection.search is not None else "peers"
+            hint = f"set {subject.assigned(connection, {'control': 'false'})}"
+            yield Finding(connection, message, feature, hint, (Note(peer, who),))
 
 
-@rule("JML472", Severity.ERROR, "member that tells of no failure")
-def members_tell(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML472",
+    Severity.ERROR,
+    "member that tells of no failure",
+    each=bridge.RosServiceConnection,
+    needs=("name", "type", "successMember", "reasonMember"),
+)
+def members_tell(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The members that say whether a call succeeded, and why not, are a bool and a string.
 
     They are members of the response.
@@ -160,19 +217,24 @@ def members_tell(subject: Subject) -> Iterator[Finding]:
 
     Good: `successMember="success" reasonMember="message"`
     """
-    needs = ("name", "type", "successMember", "reasonMember")
-    for connection in subject.instances(bridge.RosServiceConnection, needs=needs):
-        if connection.type is None or not subject.is_intact(connection.type):
-            continue
-        for feature, kind in (("successMember", "bool"), ("reasonMember", "string")):
-            path = getattr(connection, feature)
-            fault = _member_fault(connection.type.response, path, kind) if path else None
-            if fault is not None:
-                yield Finding(connection, fault.message, feature, fault.hint)
+    if connection.type is None or not subject.is_intact(connection.type):
+        return
+    for feature, kind in (("successMember", "bool"), ("reasonMember", "string")):
+        path = getattr(connection, feature)
+        fault = _member_fault(connection.type.response, path, kind) if path else None
+        if fault is not None:
+            yield Finding(connection, fault.message, feature, fault.hint)
 
 
-@rule("JML473", Severity.WARNING, "failures that cannot be told", is_decision=True)
-def failures_told(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML473",
+    Severity.WARNING,
+    "failures that cannot be told",
+    is_decision=True,
+    each=bridge.RosServiceConnection,
+    needs=("name", "type", "direction", "response", "successMember"),
+)
+def failures_told(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The connection of a service says which member of the response tells whether a call succeeded.
 
     Otherwise a call of a served service that fails gets no response, and its client waits until it
@@ -184,17 +246,15 @@ def failures_told(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `successMember="success"`
     """
-    needs = ("name", "type", "direction", "response", "successMember")
-    for connection in subject.instances(bridge.RosServiceConnection, needs=needs):
-        if connection.successMember:
-            continue
-        if calls.serves(connection):
-            message = f"clients of '{connection.name}' get no response when a call comes to nothing"
-            yield Finding(connection, message, "type", "name a bool of the response: successMember")
-        elif bools := _untaken_bools(subject, connection):
-            message = f"a call of '{connection.name}' that fails counts as done"
-            hint = f"successMember names the bool that tells it, such as {' or '.join(bools)}"
-            yield Finding(connection, message, "type", hint)
+    if connection.successMember:
+        return
+    if calls.serves(connection):
+        message = f"clients of '{connection.name}' get no response when a call comes to nothing"
+        yield Finding(connection, message, "type", "name a bool of the response: successMember")
+    elif bools := _untaken_bools(subject, connection):
+        message = f"a call of '{connection.name}' that fails counts as done"
+        hint = f"successMember names the bool that tells it, such as {' or '.join(bools)}"
+        yield Finding(connection, message, "type", hint)
 
 
 def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) -> list[str]:
@@ -215,8 +275,14 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
     ]
 
 
-@rule("JML474", Severity.ERROR, "timeout of calls out of range")
-def timeouts(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML474",
+    Severity.ERROR,
+    "timeout of calls out of range",
+    each=bridge.RosServiceConnection,
+    needs=("name", "timeout"),
+)
+def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The timeout of a service connection is above 0, and at most an hour.
 
     Bad: `timeout="0"`
@@ -224,11 +290,10 @@ def timeouts(subject: Subject) -> Iterator[Finding]:
     Good: `timeout="2.5"`
     """
     longest = 3600.0
-    for connection in subject.instances(bridge.RosServiceConnection, needs=("name", "timeout")):
-        seconds = connection.timeout
-        if not (math.isfinite(seconds) and 0.001 <= seconds <= longest):
-            message = f"timeout {seconds:g} of '{connection.name}' is not in 0.001..{longest:g} s"
-            yield Finding(connection, message, "timeout")
+    seconds = connection.timeout
+    if not (math.isfinite(seconds) and 0.001 <= seconds <= longest):
+        message = f"timeout {seconds:g} of '{connection.name}' is not in 0.001..{longest:g} s"
+        yield Finding(connection, message, "timeout")
 
 
 @rule("JML475", Severity.ERROR, "ROS service served twice")
@@ -259,35 +324,24 @@ def served_once(subject: Subject) -> Iterator[Finding]:
                 yield Finding(other, message, "service", related=(note,))
 
 
-@rule("JML476", Severity.ERROR, "illegal name of a ROS service")
-def names(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML476",
+    Severity.ERROR,
+    "illegal name of a ROS service",
+    each=bridge.RosServiceConnection,
+    needs=("name", "service"),
+)
+def names(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The name of a ROS service has letters, digits, `_` and `/`, and does not begin with a digit.
 
     Bad: `service="switch lamp"`
 
     Good: `service="switch_lamp"`
     """
-    for connection in subject.instances(bridge.RosServiceConnection, needs=("name", "service")):
-        fault = topic_fault(connection.service or "")
-        if fault:
-            message = f"service name {connection.service!a} of '{connection.name}' {fault}"
-            yield Finding(connection, message, "service")
-
-
-def _sound(subject: Subject) -> list[bridge.RosServiceConnection]:
-    return [
-        each
-        for each in subject.instances(bridge.RosServiceConnection, needs=_ENDS)
-        if each.eContainer() is not None
-        and subject.is_intact(each.type, *calls.messages(each))
-        and all(subject.is_intact(half.map.type, half.map.message) for half in calls.halves(each))
-    ]
-
-
-def _fits(connection: bridge.RosServiceConnection) -> bool:
-    """Tells whether the maps are those of request and response, so that messages are as meant."""
-    parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
-    return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
+    fault = topic_fault(connection.service or "")
+    if fault:
+        message = f"service name {connection.service!a} of '{connection.name}' {fault}"
+        yield Finding(connection, message, "service")
 
 
 def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
@@ -341,8 +395,8 @@ def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault 
     return PathFault(f"'{path}' of {ros_name(response)} is no {kind}")
 
 
-@rule("JML367", Severity.INFO, "query that nothing answers")
-def answers_queries(subject: Subject) -> Iterator[Finding]:
+@rule("JML367", Severity.INFO, "query that nothing answers", each=bridge.Bridge)
+def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge answers the queries of the services that it provides.
 
     Discovery announces the whole service. Who asks what no connection answers waits in vain, and
@@ -355,16 +409,15 @@ def answers_queries(subject: Subject) -> Iterator[Finding]:
 
     Good: with a connection to JAUS for ReportVelocityState
     """
-    for owner in subject.instances(bridge.Bridge):
-        if not is_known(subject, owner) or not _is_read(subject, owner):
-            continue
-        sent = sent_reports(owner) | set(_meant(owner))
-        for service in owner.provides:
-            if queries := unanswered(service, sent):
-                names = ", ".join(str(each.name) for each in queries)
-                message = f"no connection of '{owner.name}' answers {names} of {service.name}"
-                hint = "add a connection to JAUS with the report, or answer in its code"
-                yield Finding(owner, message, "provides", hint)
+    if not is_known(subject, owner) or not _is_read(subject, owner):
+        return
+    sent = sent_reports(owner) | set(_meant(owner))
+    for service in owner.provides:
+        if queries := unanswered(service, sent):
+            names = ", ".join(str(each.name) for each in queries)
+            message = f"no connection of '{owner.name}' answers {names} of {service.name}"
+            hint = "add a connection to JAUS with the report, or answer in its code"
+            yield Finding(owner, message, "provides", hint)
 
 
 def _meant(owner: bridge.Bridge) -> Iterator[int]:

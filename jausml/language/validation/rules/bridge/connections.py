@@ -29,6 +29,7 @@ from jausml.language.validation.rules.jaus.components import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.language.semantics.connections.topics import Flow
     from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
@@ -36,8 +37,25 @@ _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "co
 _TIMES = ("name", "direction", "exchange", "rate")
 
 
-@rule("JML421", Severity.ERROR, "map without assignments for the direction", is_decision=True)
-def direction_assigned(subject: Subject) -> Iterator[Finding]:
+def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
+    used = connection.map
+    return used is not None and subject.is_intact(used.message, used.type)
+
+
+def _is_sound(subject: Subject, connection: bridge.Connection) -> bool:
+    return _is_complete(subject, connection) and connection.eContainer() is not None
+
+
+@rule(
+    "JML421",
+    Severity.ERROR,
+    "map without assignments for the direction",
+    is_decision=True,
+    each=bridge.Connection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def direction_assigned(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The map of a connection has assignments for the direction of the connection.
 
     Without them every message crosses the bridge empty.
@@ -46,21 +64,27 @@ def direction_assigned(subject: Subject) -> Iterator[Finding]:
 
     Good: the same map with `toJaus`
     """
-    for connection in _sound_connections(subject):
-        used = connection.map
-        to_ros = _to_ros(connection)
-        feature = "toRos" if to_ros else "toJaus"
-        targets = used.type.fields if to_ros else attributes(used.message)
-        if targets and not getattr(used, feature) and subject.is_intact(used):
-            note = Note(used, f"map '{used.name}'")
-            message = f"map '{used.name}' has no {feature} assignments, which"
-            message += f" {connection.direction.name} needs"
-            hint = _other_ways(subject, connection)
-            yield Finding(connection, message, "map", hint, (note,))
+    used = connection.map
+    to_ros = _to_ros(connection)
+    feature = "toRos" if to_ros else "toJaus"
+    targets = used.type.fields if to_ros else attributes(used.message)
+    if targets and not getattr(used, feature) and subject.is_intact(used):
+        note = Note(used, f"map '{used.name}'")
+        message = f"map '{used.name}' has no {feature} assignments, which"
+        message += f" {connection.direction.name} needs"
+        hint = _other_ways(subject, connection)
+        yield Finding(connection, message, "map", hint, (note,))
 
 
-@rule("JML422", Severity.ERROR, "no service for the message")
-def message_provided(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML422",
+    Severity.ERROR,
+    "no service for the message",
+    each=bridge.Connection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def message_provided(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A service at the right end of a connection has the message of its map.
 
     - JAUS to ROS by events or queries: each peer provides a service that sends the report.
@@ -76,16 +100,22 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with a peer that provides PrimitiveDriver
     """
-    for connection in _sound_connections(subject):
-        owner, peers = connection.eContainer(), _peers(connection)
-        if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
-            for finding in _service_findings(connection, owner, peers):
-                hints = filter(None, (finding.hint, _other_ways(subject, connection)))
-                yield replace(finding, hint=", or ".join(hints))
+    owner, peers = connection.eContainer(), _peers(connection)
+    if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
+        for finding in _service_findings(connection, owner, peers):
+            hints = filter(None, (finding.hint, _other_ways(subject, connection)))
+            yield replace(finding, hint=", or ".join(hints))
 
 
-@rule("JML423", Severity.ERROR, "connection without a peer")
-def peers_named(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML423",
+    Severity.ERROR,
+    "connection without a peer",
+    each=bridge.Connection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that asks for reports or sends messages names its peers, or searches for them.
 
     Without peers, a bridge accepts messages from every sender, and reports to every component that
@@ -95,21 +125,27 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" peers="vehicle"`
     """
-    for connection in _sound_connections(subject):
-        by_message = connection.exchange.name == "message"
-        if _peers(connection) or by_message is _to_ros(connection):
-            continue
-        if not is_known(subject, connection.eContainer()):
-            continue  # the way that a text leaves open follows from the services of the bridge
-        purpose = "to send it to" if by_message else "to ask for it"
-        message = f"'{connection.name}' carries {connection.map.message.name}"
-        ways = "" if by_message else _serving(connection), _other_ways(subject, connection)
-        hint = ", or ".join(filter(None, ("name peers or search for them", *ways)))
-        yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
+    by_message = connection.exchange.name == "message"
+    if _peers(connection) or by_message is _to_ros(connection):
+        return
+    if not is_known(subject, connection.eContainer()):
+        return  # the way that a text leaves open follows from the services of the bridge
+    purpose = "to send it to" if by_message else "to ask for it"
+    message = f"'{connection.name}' carries {connection.map.message.name}"
+    ways = "" if by_message else _serving(connection), _other_ways(subject, connection)
+    hint = ", or ".join(filter(None, ("name peers or search for them", *ways)))
+    yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
-@rule("JML424", Severity.ERROR, "connection of a bridge without a query")
-def query_known(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML424",
+    Severity.ERROR,
+    "connection of a bridge without a query",
+    each=bridge.Connection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A report that crosses by events or queries is asked for by a query that its sender takes.
 
     Without `query` it is found by name: QueryX for ReportX, or X.
@@ -118,25 +154,30 @@ def query_known(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `query` set to the message that asks for it
     """
-    for connection in _sound_connections(subject):
-        if connection.exchange.name == "message":
+    if connection.exchange.name == "message":
+        return
+    if connection.query is not None and not subject.is_intact(connection.query):
+        return
+    message = connection.map.message
+    senders = _peers(connection) if _to_ros(connection) else [connection.eContainer()]
+    for sender in senders:
+        if sender is None or not is_known(subject, sender):
             continue
-        if connection.query is not None and not subject.is_intact(connection.query):
+        if find_output(message, sender) is None:
             continue
-        message = connection.map.message
-        senders = _peers(connection) if _to_ros(connection) else [connection.eContainer()]
-        for sender in senders:
-            if sender is None or not is_known(subject, sender):
-                continue
-            if find_output(message, sender) is None:
-                continue
-            if find_query(connection, sender) is None:
-                yield missing_query(connection, message, sender)
-                break
+        if find_query(connection, sender) is None:
+            yield missing_query(connection, message, sender)
+            break
 
 
-@rule("JML425", Severity.ERROR, "rate of a bridge's connection out of range")
-def rate_range(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML425",
+    Severity.ERROR,
+    "rate of a bridge's connection out of range",
+    each=bridge.Connection,
+    needs=("name",),
+)
+def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
 
     A rate of 0, the default, means the frequency of the bridge, which is then not 0. Times in
@@ -146,21 +187,30 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="25.0"`
     """
-    for connection in subject.instances(bridge.Connection, needs=("name",)):
-        yield from _silence_findings(connection)
-    for connection in subject.instances(bridge.Connection, needs=_TIMES):
-        asks = connection.exchange.name == "query" and _to_ros(connection)
-        is_timed = connection.exchange.name == "periodicEvent" or asks
-        owner = connection.eContainer()
-        if is_timed and connection.rate != 0:
-            yield from rate_finding(connection)
-        elif is_timed and owner is not None and owner.frequency == 0:
-            message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
-            yield Finding(connection, message, "rate", "state one of them")
+    yield from _silence_findings(connection)
 
 
-@rule("JML427", Severity.ERROR, "command to a peer that cannot be controlled")
-def peers_controllable(subject: Subject) -> Iterator[Finding]:
+@rate_range.also(bridge.Connection, needs=_TIMES)
+def _rate_range_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
+    asks = connection.exchange.name == "query" and _to_ros(connection)
+    is_timed = connection.exchange.name == "periodicEvent" or asks
+    owner = connection.eContainer()
+    if is_timed and connection.rate != 0:
+        yield from rate_finding(connection)
+    elif is_timed and owner is not None and owner.frequency == 0:
+        message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
+        yield Finding(connection, message, "rate", "state one of them")
+
+
+@rule(
+    "JML427",
+    Severity.ERROR,
+    "command to a peer that cannot be controlled",
+    each=bridge.Connection,
+    needs=_ENDS,
+    given=_is_sound,
+)
+def peers_controllable(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that controls its peers has peers that provide AccessControl.
 
     Commands wait until control is granted, which such a peer never does (AS5710).
@@ -170,16 +220,15 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
 
     Good: `control="false"` for this peer
     """
-    for connection in _sound_connections(subject):
-        if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
-            continue
-        for peer in _peers(connection):
-            if is_known(subject, peer) and not provides_access_control(peer):
-                who = provider_name(peer)
-                message = f"{who} provides no AccessControl, so control of it cannot be had"
-                note = Note(peer, who)
-                feature = "search" if connection.search is not None else "peers"
-                yield Finding(connection, message, feature, 'set control="false"', (note,))
+    if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
+        return
+    for peer in _peers(connection):
+        if is_known(subject, peer) and not provides_access_control(peer):
+            who = provider_name(peer)
+            message = f"{who} provides no AccessControl, so control of it cannot be had"
+            note = Note(peer, who)
+            feature = "search" if connection.search is not None else "peers"
+            yield Finding(connection, message, feature, 'set control="false"', (note,))
 
 
 @rule("JML428", Severity.ERROR, "bridges feed each other")
@@ -196,15 +245,8 @@ def loops(subject: Subject) -> Iterator[Finding]:
     Good: two topics, pose and estimated_pose
     """
     for group in subject.systems():
-        flows = []
-        for owner in group:
-            if isinstance(owner, bridge.Bridge):
-                flows += [
-                    flow_of(connection, owner)
-                    for connection in owner.bridgeConnections
-                    if subject.is_read(connection, (*_ENDS, "topics"))
-                    and _is_complete(subject, connection)
-                ]
+        bridges = (each for each in group if isinstance(each, bridge.Bridge))
+        flows = [flow for owner in bridges for flow in subject.once(_flows, owner)]
         for loop in find_loops(flows):
             names = " -> ".join(f"{each.owner.name}/{each.connection.name}" for each in loop)
             first = loop[0]
@@ -213,24 +255,19 @@ def loops(subject: Subject) -> Iterator[Finding]:
             yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
 
 
+def _flows(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
+    return [
+        flow_of(connection, owner)
+        for connection in owner.bridgeConnections
+        if subject.is_read(connection, (*_ENDS, "topics")) and _is_complete(subject, connection)
+    ]
+
+
 def _silence_findings(connection: bridge.Connection) -> Iterator[Finding]:
     value = connection.silenceTimeout
     if value is not None and not (math.isfinite(value) and value >= 0):
         message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
         yield Finding(connection, message, "silenceTimeout")
-
-
-def _sound_connections(subject: Subject) -> list[bridge.Connection]:
-    return [
-        each
-        for each in subject.instances(bridge.Connection, needs=_ENDS)
-        if _is_complete(subject, each) and each.eContainer() is not None
-    ]
-
-
-def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
-    used = connection.map
-    return used is not None and subject.is_intact(used.message, used.type)
 
 
 def _peers(connection: bridge.Connection) -> list[Provider]:

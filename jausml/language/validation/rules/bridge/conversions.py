@@ -30,7 +30,7 @@ from jausml.language.semantics.conversions.authored import Expression, User
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import LIST, NUMBERS, Attribute
-from jausml.language.semantics.paths.scopes import directions
+from jausml.language.semantics.paths.scopes import DIRECTED, directed, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
     WithChain = bridge.FieldAssignment | bridge.ListAssignment
@@ -57,8 +57,8 @@ _OWN_FEATURES = {
 }
 
 
-@rule("JML414", Severity.ERROR, "conversion used wrongly")
-def conversions(subject: Subject) -> Iterator[Finding]:
+@rule("JML414", Severity.ERROR, "conversion used wrongly", each=bridge.Conversion)
+def conversions(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A conversion has the arguments, the inputs and the features that it needs.
 
     The first one takes the sources, each further one the result of the one before. A quantity of
@@ -70,16 +70,19 @@ def conversions(subject: Subject) -> Iterator[Finding]:
 
     Good: `<conversions kind="scale"><arguments>0.1</arguments></conversions>`
     """
-    for conversion in subject.instances(bridge.Conversion):
-        yield from _feature_findings(conversion)
-        yield from _argument_findings(conversion)
-    for direction in directions(subject):
+    yield from _feature_findings(conversion)
+    yield from _argument_findings(conversion)
+
+
+@conversions.also(DIRECTED)
+def _conversions_d_i_r_e_c_t_e_d(subject: Subject, directed: Directed) -> Iterator[Finding]:
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             yield from _chain_findings(placed)
 
 
-@rule("JML441", Severity.ERROR, "expression that cannot be computed")
-def expressions(subject: Subject) -> Iterator[Finding]:
+@rule("JML441", Severity.ERROR, "expression that cannot be computed", each=DIRECTED)
+def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An expression is well-formed and uses known names: sources, functions, pi.
 
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
@@ -90,7 +93,7 @@ def expressions(subject: Subject) -> Iterator[Finding]:
 
     Good: `expression="hypot(x, y)"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 if conversion.kind.name == Expression.name and conversion.expression:
@@ -108,23 +111,31 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
     Good: `method="speed_limit"`
     """
     known: dict[tuple[EObject | None, str], tuple[int, bridge.Conversion]] = {}
-    for direction in directions(subject):
-        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            for position, conversion in enumerate(placed.assignment.conversions):
-                name = conversion.method
-                if conversion.kind.name != User.name or not name:
-                    continue
-                if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
-                    message = f"method {name!a} is no name of lower-case letters, digits and _"
-                    yield Finding(conversion, message, "method")
-                    continue
-                inputs = 1 if position else len(placed.sources)
-                owner = direction.map.eContainer()
-                count, first = known.setdefault((owner, name), (inputs, conversion))
-                if count != inputs:
-                    message = f"method '{name}' takes {inputs} here, but {count} elsewhere"
-                    note = Note(first, f"'{name}' with {count}", "method")
-                    yield Finding(conversion, message, "method", related=(note,))
+    for owner in directed(subject):
+        for bridge_, conversion, inputs in subject.once(_own_methods, owner):
+            name = str(conversion.method)
+            if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
+                message = f"method {name!a} is no name of lower-case letters, digits and _"
+                yield Finding(conversion, message, "method")
+                continue
+            count, first = known.setdefault((bridge_, name), (inputs, conversion))
+            if count != inputs:
+                message = f"method '{name}' takes {inputs} here, but {count} elsewhere"
+                note = Note(first, f"'{name}' with {count}", "method")
+                yield Finding(conversion, message, "method", related=(note,))
+
+
+def _own_methods(
+    subject: Subject, directed: Directed
+) -> list[tuple[EObject | None, bridge.Conversion, int]]:
+    """Returns conversions by methods of users: the bridge, the conversion and how much it takes."""
+    return [
+        (direction.map.eContainer(), conversion, 1 if position else len(placed.sources))
+        for direction in directions_of(subject, directed)
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment)
+        for position, conversion in enumerate(placed.assignment.conversions)
+        if conversion.kind.name == User.name and conversion.method
+    ]
 
 
 def _feature_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
@@ -231,8 +242,8 @@ def _nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"
 
 
-@rule("JML431", Severity.ERROR, "units do not match")
-def unit_mismatch(subject: Subject) -> Iterator[Finding]:
+@rule("JML431", Severity.ERROR, "units do not match", each=DIRECTED)
+def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment measures the same quantity as its target.
 
     The unit of a field is its own or that of the field around it. Units of one dimension that
@@ -245,14 +256,20 @@ def unit_mismatch(subject: Subject) -> Iterator[Finding]:
 
     Good: `target="twist.angular.z" source="YawRate"` with the conversion negate
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             if placed.source_attributes and placed.target_attributes:
                 yield from _mismatches(placed)
 
 
-@rule("JML432", Severity.WARNING, "unknown unit")
-def unknown_unit(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML432",
+    Severity.WARNING,
+    "unknown unit",
+    each=(jaus.FixedField, jaus.Alternative, ros.Field, bridge.Quantity, bridge.Conversion),
+    needs=(),
+)
+def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
     """A unit is written in SI symbols or in the words of JAUS.
 
     An unknown unit is never compared with another one, so mistakes go unnoticed.
@@ -261,24 +278,19 @@ def unknown_unit(subject: Subject) -> Iterator[Finding]:
 
     Good: `units="m/s"` or `units="meter per second"`
     """
-    kinds: tuple[type[WithUnits], ...] = (
-        *(jaus.FixedField, jaus.Alternative),
-        *(ros.Field, bridge.Quantity, bridge.Conversion),
-    )
-    for element in (each for kind in kinds for each in subject.instances(kind, needs=())):
-        text = element.units
-        if not text:
-            continue
-        try:
-            parse_unit(text)
-        except UnitError as error:
-            near = nearest_units(text)
-            hint = f"did you mean {' or '.join(near)}?" if near else ""
-            yield Finding(element, f"unit {text!a}: {error}", "units", hint)
+    text = element.units
+    if not text:
+        return
+    try:
+        parse_unit(text)
+    except UnitError as error:
+        near = nearest_units(text)
+        hint = f"did you mean {' or '.join(near)}?" if near else ""
+        yield Finding(element, f"unit {text!a}: {error}", "units", hint)
 
 
-@rule("JML445", Severity.ERROR, "quantity used wrongly")
-def quantities(subject: Subject) -> Iterator[Finding]:
+@rule("JML445", Severity.ERROR, "quantity used wrongly", each=bridge.Conversion)
+def quantities(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 
     It has the name and the dimension of the quantity that it overrides, and a legal value for the
@@ -289,18 +301,20 @@ def quantities(subject: Subject) -> Iterator[Finding]:
 
     Good: a bridge with the quantity `max_speed`
     """
-    for conversion in subject.instances(bridge.Conversion):
-        quantity = conversion.quantity
-        if quantity is None or quantity.value > 0:
-            continue
-        if tuple(conversion_of(conversion).arguments) == (MAXIMUM,):
-            message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
-            note = Note(quantity, f"'{quantity.name}'", "value")
-            yield Finding(conversion, message, "quantity", related=(note,))
-    for owner in subject.instances(bridge.Bridge):
-        used = _used_quantities(owner)
-        for own in owner.quantities:
-            yield from _override_findings(own, used)
+    quantity = conversion.quantity
+    if quantity is None or quantity.value > 0:
+        return
+    if tuple(conversion_of(conversion).arguments) == (MAXIMUM,):
+        message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
+        note = Note(quantity, f"'{quantity.name}'", "value")
+        yield Finding(conversion, message, "quantity", related=(note,))
+
+
+@quantities.also(bridge.Bridge)
+def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
+    used = _used_quantities(owner)
+    for own in owner.quantities:
+        yield from _override_findings(own, used)
 
 
 def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:

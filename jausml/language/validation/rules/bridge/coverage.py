@@ -9,7 +9,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.stops import with_constants
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.scopes import directions, parse_path, target_paths
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, parse_path, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.attributes import JausPart
-    from jausml.language.semantics.paths.scopes import Direction, PathPlace, Placed
+    from jausml.language.semantics.paths.scopes import Directed, Direction, PathPlace, Placed
     from jausml.language.semantics.subject import Subject
 
     Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection
@@ -26,8 +26,8 @@ Steps = tuple[str, ...]
 _STOPS = {"safeValue": "safe value", "values": "stop"}
 
 
-@rule("JML415", Severity.ERROR, "target assigned twice")
-def targets_unique(subject: Subject) -> Iterator[Finding]:
+@rule("JML415", Severity.ERROR, "target assigned twice", each=DIRECTED)
+def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An attribute is the target of one assignment of a direction.
 
     An assignment of a whole, such as `pose.orientation`, and one of a part of it, such as
@@ -38,15 +38,17 @@ def targets_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: one
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for siblings in _siblings(direction):
             yield from _repeated(siblings)
             if not direction.to_ros:
                 yield from _chosen_twice(siblings)
 
 
-@rule("JML416", Severity.WARNING, "required JAUS field not assigned", is_decision=True)
-def required_fields(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML416", Severity.WARNING, "required JAUS field not assigned", is_decision=True, each=DIRECTED
+)
+def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
 
     It is always on the wire, with the smallest legal value if nothing is assigned. The members of a
@@ -57,7 +59,7 @@ def required_fields(subject: Subject) -> Iterator[Finding]:
 
     Good: `<toJaus xsi:type="bridge:Ignore" target="Speed" documentation="..."/>`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if direction.to_ros or not direction.assignments or not subject.is_intact(direction.owner):
             continue
         for siblings in _siblings(direction):

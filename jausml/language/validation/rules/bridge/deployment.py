@@ -63,8 +63,14 @@ _POLICIES: dict[str, object] = {
 """Policies besides reliability, and what they are when no profile states them."""
 
 
-@rule("JML466", Severity.ERROR, "bridge that carries nothing")
-def something_carried(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML466",
+    Severity.ERROR,
+    "bridge that carries nothing",
+    each=bridge.Bridge,
+    needs=("name", "bridgeConnections", "serviceConnections", "actionConnections"),
+)
+def something_carried(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge has a connection: of topics, of a ROS service, or of a ROS action.
 
     Without one, it is a process that does nothing.
@@ -73,15 +79,13 @@ def something_carried(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with a `bridgeConnections`, `serviceConnections` or `actionConnections`
     """
-    needs = ("name", "bridgeConnections", "serviceConnections", "actionConnections")
-    for owner in subject.instances(bridge.Bridge, needs=needs):
-        if not (owner.bridgeConnections or owner.serviceConnections or owner.actionConnections):
-            message = f"'{owner.name}' carries nothing across"
-            yield Finding(owner, message, "bridgeConnections", "give it a connection")
+    if not (owner.bridgeConnections or owner.serviceConnections or owner.actionConnections):
+        message = f"'{owner.name}' carries nothing across"
+        yield Finding(owner, message, "bridgeConnections", "give it a connection")
 
 
-@rule("JML419", Severity.WARNING, "topic published to in two ways")
-def one_quality(subject: Subject) -> Iterator[Finding]:
+@rule("JML419", Severity.WARNING, "topic published to in two ways", each=bridge.Bridge)
+def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
 
     Each quality of service has its own publisher. A subscription that fits only one of them, such
@@ -91,18 +95,17 @@ def one_quality(subject: Subject) -> Iterator[Finding]:
 
     Good: the same `<qos .../>` at both topics, or none
     """
-    for owner in subject.instances(bridge.Bridge):
-        by_topic: dict[str, list[Endpoint]] = defaultdict(list)
-        for end in endpoints([owner]):
-            if end.publishes and subject.is_read(end.element):
-                by_topic[end.topic].append(end)
-        for first, *others in by_topic.values():
-            for end in others:
-                if _quality(end) != _quality(first):
-                    note = Note(first.element, "the other one", first.feature)
-                    message = f"topic {end.topic} has another quality of service here"
-                    hint = "state the same qos at both"
-                    yield Finding(end.element, message, "qos", hint, (note,))
+    by_topic: dict[str, list[Endpoint]] = defaultdict(list)
+    for end in endpoints([owner]):
+        if end.publishes and subject.is_read(end.element):
+            by_topic[end.topic].append(end)
+    for first, *others in by_topic.values():
+        for end in others:
+            if _quality(end) != _quality(first):
+                note = Note(first.element, "the other one", first.feature)
+                message = f"topic {end.topic} has another quality of service here"
+                hint = "state the same qos at both"
+                yield Finding(end.element, message, "qos", hint, (note,))
 
 
 def _quality(end: Endpoint) -> tuple[object, ...]:
@@ -111,26 +114,37 @@ def _quality(end: Endpoint) -> tuple[object, ...]:
     return (end.reliability, *(getattr(value, "name", value) for value in values))
 
 
-@rule("JML420", Severity.ERROR, "quantity with the name of another parameter")
-def parameter_names(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML420",
+    Severity.ERROR,
+    "quantity with the name of another parameter",
+    each=bridge.Quantity,
+    needs=(),
+)
+def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
     """A quantity is a parameter of the node of its bridge, which has others already.
 
     Bad: `<quantities name="jaus_port" value="8.5"/>`
 
     Good: `<quantities name="max_speed" value="8.5"/>`
     """
-    for quantity in subject.instances(bridge.Quantity, needs=()):
-        if quantity.name in PARAMETERS:
-            message = f"every bridge has a parameter '{quantity.name}'"
-            yield Finding(quantity, message, "name", "choose another name")
+    if quantity.name in PARAMETERS:
+        message = f"every bridge has a parameter '{quantity.name}'"
+        yield Finding(quantity, message, "name", "choose another name")
 
 
 LEAST_RATE = 0.001
 """Least rate in hertz that a cap can have, as the runtime has it."""
 
 
-@rule("JML477", Severity.ERROR, "allowed host that is none")
-def allowed_hosts(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML477",
+    Severity.ERROR,
+    "allowed host that is none",
+    each=bridge.Bridge,
+    needs=("name", "allowedHosts"),
+)
+def allowed_hosts(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """An allowed host is an IPv4 address, or a network of such addresses.
 
     A network is written as its first address and the number of bits that its addresses share.
@@ -139,12 +153,11 @@ def allowed_hosts(subject: Subject) -> Iterator[Finding]:
 
     Good: `<allowedHosts>10.0.0.0/24</allowedHosts>`
     """
-    for owner in subject.instances(bridge.Bridge, needs=("name", "allowedHosts")):
-        for text in owner.allowedHosts:
-            fault = _fault(text)
-            if fault:
-                message = f"allowedHosts {text!a} of '{owner.name}' {fault}"
-                yield Finding(owner, message, "allowedHosts")
+    for text in owner.allowedHosts:
+        fault = _fault(text)
+        if fault:
+            message = f"allowedHosts {text!a} of '{owner.name}' {fault}"
+            yield Finding(owner, message, "allowedHosts")
 
 
 def _fault(text: str) -> str:
@@ -161,8 +174,8 @@ def _fault(text: str) -> str:
     return f"is an address within the network {meant}, not the network"
 
 
-@rule("JML478", Severity.WARNING, "sources that nobody looks at")
-def sources_known(subject: Subject) -> Iterator[Finding]:
+@rule("JML478", Severity.WARNING, "sources that nobody looks at", each=system.System)
+def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
     A node manager does not pass on where a message comes from.
@@ -171,20 +184,25 @@ def sources_known(subject: Subject) -> Iterator[Finding]:
 
     Good: the same host with `transport="judp"`
     """
-    for whole in subject.instances(system.System):
-        for owner in whole.bridges:
-            host = host_of(whole, owner)
-            if host is None or host.transport.name != "nodeManager":
-                continue
-            note = Note(host, f"'{host.name}' has nodeManager")
-            for feature in ("allowedHosts", "fixedSources"):
-                if getattr(owner, feature):
-                    message = f"{feature} of '{owner.name}' has no effect behind a node manager"
-                    yield Finding(owner, message, feature, related=(note,))
+    for owner in whole.bridges:
+        host = host_of(whole, owner)
+        if host is None or host.transport.name != "nodeManager":
+            continue
+        note = Note(host, f"'{host.name}' has nodeManager")
+        for feature in ("allowedHosts", "fixedSources"):
+            if getattr(owner, feature):
+                message = f"{feature} of '{owner.name}' has no effect behind a node manager"
+                yield Finding(owner, message, feature, related=(note,))
 
 
-@rule("JML479", Severity.INFO, "command of anybody in control")
-def commanders_known(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML479",
+    Severity.INFO,
+    "command of anybody in control",
+    each=bridge.Connection,
+    needs=("name", "direction", "exchange", "map", "peers", "search", "documentation"),
+)
+def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A model states who may command the ROS side.
 
     JAUS has no authentication: the first component that requests control of the bridge gets it, or
@@ -196,26 +214,30 @@ def commanders_known(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `peers="operator"`
     """
-    needs = ("name", "direction", "exchange", "map", "peers", "search", "documentation")
-    for connection in subject.instances(bridge.Connection, needs=needs):
-        owner = connection.eContainer()
-        used = connection.map
-        if (
-            isinstance(owner, bridge.Bridge)
-            and connection.direction.name == "jausToRos"
-            and connection.exchange.name == "message"
-            and not (connection.peers or connection.search or connection.documentation)
-            and not owner.allowedHosts
-            and used is not None
-            and used.message is not None
-            and is_command(used.message)
-        ):
-            message = f"'{connection.name}' takes {used.message.name} of anybody in control"
-            yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
+    owner = connection.eContainer()
+    used = connection.map
+    if (
+        isinstance(owner, bridge.Bridge)
+        and connection.direction.name == "jausToRos"
+        and connection.exchange.name == "message"
+        and not (connection.peers or connection.search or connection.documentation)
+        and not owner.allowedHosts
+        and used is not None
+        and used.message is not None
+        and is_command(used.message)
+    ):
+        message = f"'{connection.name}' takes {used.message.name} of anybody in control"
+        yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
 
 
-@rule("JML480", Severity.ERROR, "cap of what one source sends")
-def rate_caps(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML480",
+    Severity.ERROR,
+    "cap of what one source sends",
+    each=bridge.Connection,
+    needs=("name", "direction", "exchange", "rateCap"),
+)
+def rate_caps(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A rateCap is 0 or at least 0.001 Hz, and is for unrequested messages.
 
     The rate of the event or of the query determines how many reports come; for messages from ROS,
@@ -225,16 +247,14 @@ def rate_caps(subject: Subject) -> Iterator[Finding]:
 
     Good: `direction="jausToRos" exchange="message" rateCap="100"`
     """
-    needs = ("name", "direction", "exchange", "rateCap")
-    for each in subject.instances(bridge.Connection, needs=needs):
-        if each.rateCap == 0:
-            continue
-        if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_RATE):
-            message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
-            yield Finding(each, f"{message} {LEAST_RATE:g} or more", "rateCap")
-        if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
-            message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
-            yield Finding(each, message, "rateCap", "state a maxRate")
+    if each.rateCap == 0:
+        return
+    if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_RATE):
+        message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
+        yield Finding(each, f"{message} {LEAST_RATE:g} or more", "rateCap")
+    if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
+        message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
+        yield Finding(each, message, "rateCap", "state a maxRate")
 
 
 _BUDGETS: dict[str, tuple[float, float]] = {
@@ -251,8 +271,8 @@ _NO_LIMIT = ("amplificationLimit", "idleTimeout")
 """Budgets for which 0 means that there is none."""
 
 
-@rule("JML489", Severity.ERROR, "budget out of range")
-def budgets(subject: Subject) -> Iterator[Finding]:
+@rule("JML489", Severity.ERROR, "budget out of range", each=bridge.Bridge, needs=("name",))
+def budgets(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What a bridge lends to strangers leaves room for those that it is for.
 
     amplificationLimit is 0 or 3..1000: with less, a peer could not even be asked for a proof.
@@ -263,12 +283,11 @@ def budgets(subject: Subject) -> Iterator[Finding]:
 
     Good: `amplificationLimit="3"`
     """
-    for owner in subject.instances(bridge.Bridge, needs=("name",)):
-        for name, (lower, upper) in _BUDGETS.items():
-            value = getattr(owner, name)
-            if lower <= value <= upper or (name in _NO_LIMIT and value == 0):
-                continue
-            allowed = f"{lower}..{upper}"
-            allowed = f"0 or {allowed}" if name in _NO_LIMIT else allowed
-            message = f"{name} {value:g} of '{owner.name}' is not in {allowed}"
-            yield Finding(owner, message, name)
+    for name, (lower, upper) in _BUDGETS.items():
+        value = getattr(owner, name)
+        if lower <= value <= upper or (name in _NO_LIMIT and value == 0):
+            continue
+        allowed = f"{lower}..{upper}"
+        allowed = f"0 or {allowed}" if name in _NO_LIMIT else allowed
+        message = f"{name} {value:g} of '{owner.name}' is not in {allowed}"
+        yield Finding(owner, message, name)

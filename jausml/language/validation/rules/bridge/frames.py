@@ -22,7 +22,7 @@ from jausml.language.semantics.conversions.conversion import DOWN, ENU, NED, UP
 from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.paths.scopes import directions, parse_path, target_paths
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, parse_path, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
     from jausml.language.semantics.conversions import Conversion
     from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 _OPPOSITE = "have opposite signs"
 
 
-@rule("JML433", Severity.ERROR, "axes do not match")
-def frame_mismatch(subject: Subject) -> Iterator[Finding]:
+@rule("JML433", Severity.ERROR, "axes do not match", each=DIRECTED)
+def frame_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A number goes from axis to axis with the sign that the frames of both ends require.
 
     ROS bodies are forward-left-up, JAUS bodies forward-right-down: x stays, y and z change their
@@ -52,7 +52,7 @@ def frame_mismatch(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `<conversions kind="negate"/>`
     """
-    for side in directions(subject):
+    for side in directions_of(subject, directed):
         turning: dict[bool, Placed[bridge.FieldAssignment]] = {}
         for placed in side.of_kind(bridge.FieldAssignment):
             finding = _finding(placed)
@@ -255,8 +255,8 @@ _COORDINATES = frozenset({"latitude", "longitude", _ALTITUDE})
 _POINTS = frozenset({"Point", "Point32"})
 
 
-@rule("JML458", Severity.ERROR, "coordinates exchanged")
-def geodetic_coordinates(subject: Subject) -> Iterator[Finding]:
+@rule("JML458", Severity.ERROR, "coordinates exchanged", each=DIRECTED)
+def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A latitude stays a latitude, a longitude a longitude, and an altitude points up.
 
     Both ends say which of them they are. The z axis of a local frame of JAUS points down: an
@@ -266,7 +266,7 @@ def geodetic_coordinates(subject: Subject) -> Iterator[Finding]:
 
     Good: `target="latitude" source="Latitude"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             sources, targets = placed.source_attributes, placed.target_attributes
             if len(sources) == len(targets) == 1:
@@ -296,8 +296,8 @@ def _exchanged(
             yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML459", Severity.WARNING, "absent coordinate published as the origin")
-def absent_coordinates(subject: Subject) -> Iterator[Finding]:
+@rule("JML459", Severity.WARNING, "absent coordinate published as the origin", each=DIRECTED)
+def absent_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The assignment of a coordinate that a JAUS report may leave out says what ROS gets then.
 
     With `whenAbsent="leave"`, which is the default, it stays 0 as ROS makes it: a report without a
@@ -308,7 +308,7 @@ def absent_coordinates(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `whenAbsent="dropMessage"`, or with `useDefault` and a `defaultValue`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if not direction.to_ros:
             continue
         for placed in direction.of_kind(bridge.FieldAssignment):
@@ -343,8 +343,8 @@ _HEADER = "std_msgs/Header"
 _PARTS = ("stamp", "frame_id")
 
 
-@rule("JML460", Severity.WARNING, "header without time or frame")
-def headers_filled(subject: Subject) -> Iterator[Finding]:
+@rule("JML460", Severity.WARNING, "header without time or frame", each=DIRECTED)
+def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS message with a header gets its stamp and its frame_id, or leaves them out on purpose.
 
     A stamp of 0 lies in 1970, and tf2 transforms nothing that has no frame: subscribers drop such a
@@ -354,7 +354,7 @@ def headers_filled(subject: Subject) -> Iterator[Finding]:
 
     Good: `header.stamp` by the clock or from the TimeStamp, and a constant for `header.frame_id`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         owner = direction.owner
         if not direction.to_ros or not isinstance(owner, bridge.AttributeMap):
             continue
@@ -375,15 +375,15 @@ def headers_filled(subject: Subject) -> Iterator[Finding]:
             yield Finding(owner, message, "toRos", "assign it, or add an Ignore")
 
 
-@rule("JML461", Severity.ERROR, "frame id with a slash in front")
-def frame_ids(subject: Subject) -> Iterator[Finding]:
+@rule("JML461", Severity.ERROR, "frame id with a slash in front", each=DIRECTED)
+def frame_ids(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The id of a frame does not begin with a slash, because tf2 refuses such ids.
 
     Bad: `target="header.frame_id" value="/odom"`
 
     Good: `target="header.frame_id" value="odom"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if not direction.to_ros:
             continue
         for placed in direction.of_kind(bridge.ConstantAssignment):

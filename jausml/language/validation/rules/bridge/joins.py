@@ -11,18 +11,18 @@ from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import directions, sound_connections, source_paths
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, is_sound, source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML442", Severity.ERROR, "join used wrongly")
-def joins(subject: Subject) -> Iterator[Finding]:
+@rule("JML442", Severity.ERROR, "join used wrongly", each=bridge.AttributeMap)
+def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
     Source paths begin with the name of the join, so it differs from the fields of the main type. A
@@ -33,18 +33,20 @@ def joins(subject: Subject) -> Iterator[Finding]:
 
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
-    for each in subject.instances(bridge.AttributeMap):
-        fields = {field.name for field in each.type.fields} if each.type is not None else set()
-        used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
-        for join in each.joins:
-            yield from _join_findings(join, fields, used)
-    for connection in subject.instances(bridge.Connection):
-        if connection.map is not None and subject.is_intact(connection):
-            yield from _topic_findings(connection)
+    fields = {field.name for field in each.type.fields} if each.type is not None else set()
+    used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
+    for join in each.joins:
+        yield from _join_findings(join, fields, used)
 
 
-@rule("JML457", Severity.ERROR, "mandatory field that would be made up")
-def made_up(subject: Subject) -> Iterator[Finding]:
+@joins.also(bridge.Connection)
+def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
+    if connection.map is not None and subject.is_intact(connection):
+        yield from _topic_findings(connection)
+
+
+@rule("JML457", Severity.ERROR, "mandatory field that would be made up", each=DIRECTED)
+def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A mandatory JAUS field whose source may lack has a default, or the message is dropped.
 
     While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
@@ -56,7 +58,7 @@ def made_up(subject: Subject) -> Iterator[Finding]:
     Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
     `whenAbsent="useDefault"` and a `defaultValue` of the assignment
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if direction.to_ros:
             continue
         lenient = {
@@ -131,8 +133,14 @@ def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
             yield from _paths(each.assignments)
 
 
-@rule("JML455", Severity.WARNING, "report that outlives its sensor", is_decision=True)
-def outlived_sensors(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML455",
+    Severity.WARNING,
+    "report that outlives its sensor",
+    is_decision=True,
+    each=bridge.Connection,
+)
+def outlived_sensors(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A report that is made from a ROS topic states the time after which the topic counts as dead.
 
     Without that time, the last message is reported forever, and a dead sensor looks alive. A topic
@@ -144,19 +152,18 @@ def outlived_sensors(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `freshness="1.0"`, or with `whenStale="keep"` where the topic holds a state
     """
-    for connection in subject.instances(bridge.Connection):
-        if connection.map is None or not subject.is_intact(connection, connection.map):
-            continue
-        if not is_report(connection) or holds_state(connection) or connection.silenceTimeout:
-            continue
-        if not freshness_of(connection):
-            message = f"'{connection.name}' reports the last message of its topic forever"
-            hint = "state a freshness, or whenStale keep where the topic holds a state"
-            yield Finding(connection, message, "freshness", hint)
+    if connection.map is None or not subject.is_intact(connection, connection.map):
+        return
+    if not is_report(connection) or holds_state(connection) or connection.silenceTimeout:
+        return
+    if not freshness_of(connection):
+        message = f"'{connection.name}' reports the last message of its topic forever"
+        hint = "state a freshness, or whenStale keep where the topic holds a state"
+        yield Finding(connection, message, "freshness", hint)
 
 
-@rule("JML456", Severity.ERROR, "freshness used wrongly")
-def freshness_range(subject: Subject) -> Iterator[Finding]:
+@rule("JML456", Severity.ERROR, "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
+def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A freshness is a time in seconds, in a connection that makes a report from ROS topics.
 
     Other connections pass each message on when it comes; silenceTimeout says what happens when
@@ -166,18 +173,18 @@ def freshness_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" exchange="periodicEvent" freshness="1.0"`
     """
-    for each in subject.instances(bridge.AttributeMap, needs=("name",)):
-        yield from _time_findings(each)
-    for connection in subject.instances(bridge.Connection):
-        yield from _time_findings(connection)
-        if connection.freshness > 0 and not is_report(connection):
-            message = f"'{connection.name}' makes no report of ROS topics"
-            yield Finding(
-                connection, message, "freshness", "silenceTimeout is for other connections"
-            )
-        elif connection.freshness > 0 and connection.silenceTimeout:
-            message = f"'{connection.name}' has a freshness and a silenceTimeout"
-            yield Finding(connection, message, "freshness", "keep one of them")
+    yield from _time_findings(each)
+
+
+@freshness_range.also(bridge.Connection)
+def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
+    yield from _time_findings(connection)
+    if connection.freshness > 0 and not is_report(connection):
+        message = f"'{connection.name}' makes no report of ROS topics"
+        yield Finding(connection, message, "freshness", "silenceTimeout is for other connections")
+    elif connection.freshness > 0 and connection.silenceTimeout:
+        message = f"'{connection.name}' has a freshness and a silenceTimeout"
+        yield Finding(connection, message, "freshness", "keep one of them")
 
 
 def _time_findings(element: bridge.AttributeMap | bridge.Connection) -> Iterator[Finding]:
@@ -192,49 +199,55 @@ LONGEST_TIME = 3600.0
 """What parameters of the runtime take too."""
 
 
-@rule("JML490", Severity.ERROR, "shaping out of range")
-def shaping_range(subject: Subject) -> Iterator[Finding]:
+@rule("JML490", Severity.ERROR, "shaping out of range", each=bridge.Connection, needs=("name",))
+def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is 0 or at least 0.001 Hz, a decimation 1 to 1000000, an ageLimit 0 to 3600 s.
 
     Bad: `decimation="0"`
 
     Good: `decimation="5"`
     """
-    for each in subject.instances(bridge.Connection, needs=("name",)):
-        rate, seconds = each.maxRate, each.ageLimit
-        if rate != 0 and not (math.isfinite(rate) and rate >= LEAST_RATE):
-            message = f"maxRate {rate:g} of '{each.name}' is neither 0 nor {LEAST_RATE:g} or more"
-            yield Finding(each, message, "maxRate")
-        if not 1 <= each.decimation <= GREATEST_DECIMATION:
-            message = f"decimation {each.decimation} of '{each.name}' is not 1 to"
-            yield Finding(each, f"{message} {GREATEST_DECIMATION}", "decimation")
-        if not 0 <= seconds <= LONGEST_TIME:
-            message = f"ageLimit {seconds:g} of '{each.name}' is not 0 to {LONGEST_TIME:g} s"
-            yield Finding(each, message, "ageLimit")
+    rate, seconds = each.maxRate, each.ageLimit
+    if rate != 0 and not (math.isfinite(rate) and rate >= LEAST_RATE):
+        message = f"maxRate {rate:g} of '{each.name}' is neither 0 nor {LEAST_RATE:g} or more"
+        yield Finding(each, message, "maxRate")
+    if not 1 <= each.decimation <= GREATEST_DECIMATION:
+        message = f"decimation {each.decimation} of '{each.name}' is not 1 to"
+        yield Finding(each, f"{message} {GREATEST_DECIMATION}", "decimation")
+    if not 0 <= seconds <= LONGEST_TIME:
+        message = f"ageLimit {seconds:g} of '{each.name}' is not 0 to {LONGEST_TIME:g} s"
+        yield Finding(each, message, "ageLimit")
 
 
-@rule("JML491", Severity.ERROR, "shaping of what is asked for")
-def queries_unshaped(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML491", Severity.ERROR, "shaping of what is asked for", each=bridge.Connection, given=is_sound
+)
+def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A connection that uses queries determines with its rate how many messages come.
 
     Bad: `direction="jausToRos" exchange="query" rate="10" maxRate="5"`
 
     Good: the same with `rate="5"` alone
     """
-    for each in sound_connections(subject):
-        if each.exchange.name != "query" or each.direction.name != "jausToRos":
-            continue
-        for feature, is_said in (
-            ("maxRate", each.maxRate != 0),
-            ("decimation", each.decimation != 1),
-        ):
-            if is_said:
-                message = f"'{each.name}' asks as often as its rate says"
-                yield Finding(each, message, feature, f"leave {feature} out, and state the rate")
+    if each.exchange.name != "query" or each.direction.name != "jausToRos":
+        return
+    for feature, is_said in (
+        ("maxRate", each.maxRate != 0),
+        ("decimation", each.decimation != 1),
+    ):
+        if is_said:
+            message = f"'{each.name}' asks as often as its rate says"
+            yield Finding(each, message, feature, f"leave {feature} out, and state the rate")
 
 
-@rule("JML492", Severity.WARNING, "maxRate that changes nothing")
-def rates_reached(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML492",
+    Severity.WARNING,
+    "maxRate that changes nothing",
+    each=bridge.Connection,
+    given=is_sound,
+)
+def rates_reached(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is below the rate at which messages of a periodic event come.
 
     That is the rate of the connection, or the frequency of the bridge, of each of its peers, and
@@ -244,20 +257,25 @@ def rates_reached(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="10"`
     """
-    for each in sound_connections(subject):
-        owner = each.eContainer()
-        if each.exchange.name != "periodicEvent" or each.direction.name != "jausToRos":
-            continue
-        if not 0 < each.maxRate < math.inf or each.search is not None or owner is None:
-            continue
-        rate = (each.rate or owner.frequency) * max(len(each.peers), 1) / max(each.decimation, 1)
-        if each.maxRate >= rate:
-            message = f"no more than {rate:g} messages of '{each.name}' come each second"
-            yield Finding(each, message, "maxRate", "leave maxRate out")
+    owner = each.eContainer()
+    if each.exchange.name != "periodicEvent" or each.direction.name != "jausToRos":
+        return
+    if not 0 < each.maxRate < math.inf or each.search is not None or owner is None:
+        return
+    rate = (each.rate or owner.frequency) * max(len(each.peers), 1) / max(each.decimation, 1)
+    if each.maxRate >= rate:
+        message = f"no more than {rate:g} messages of '{each.name}' come each second"
+        yield Finding(each, message, "maxRate", "leave maxRate out")
 
 
-@rule("JML493", Severity.WARNING, "shaping that loses the last word")
-def last_words_kept(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML493",
+    Severity.WARNING,
+    "shaping that loses the last word",
+    each=bridge.Connection,
+    given=is_sound,
+)
+def last_words_kept(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A message that stays valid until the next one always passes.
 
     A decimation passes one of several messages, and the last one of a command, of a change or of a
@@ -268,16 +286,15 @@ def last_words_kept(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `maxRate="5"`
     """
-    for each in sound_connections(subject):
-        changes = each.exchange.name == "everyChangeEvent" and each.direction.name == "jausToRos"
-        is_command = stops.is_command(each)
-        is_state = changes or (is_report(each) and holds_state(each)) or _is_latched(each)
-        if each.decimation > 1 and (is_command or is_state):
-            message = f"the decimation of '{each.name}' may leave its last message out"
-            yield Finding(each, message, "decimation", "state a maxRate")
-        if each.ageLimit > 0 and is_state and not is_command:
-            message = f"'{each.name}' holds a state, whose age does not make it wrong"
-            yield Finding(each, message, "ageLimit", "leave ageLimit out")
+    changes = each.exchange.name == "everyChangeEvent" and each.direction.name == "jausToRos"
+    is_command = stops.is_command(each)
+    is_state = changes or (is_report(each) and holds_state(each)) or _is_latched(each)
+    if each.decimation > 1 and (is_command or is_state):
+        message = f"the decimation of '{each.name}' may leave its last message out"
+        yield Finding(each, message, "decimation", "state a maxRate")
+    if each.ageLimit > 0 and is_state and not is_command:
+        message = f"'{each.name}' holds a state, whose age does not make it wrong"
+        yield Finding(each, message, "ageLimit", "leave ageLimit out")
 
 
 def _is_latched(connection: bridge.Connection) -> bool:

@@ -10,21 +10,27 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
-from jausml.language.semantics.paths.scopes import Placed, directions, is_many, target_paths
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Placed,
+    directions_of,
+    is_many,
+    target_paths,
+)
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.scopes import Direction, FoundPlace
+    from jausml.language.semantics.paths.scopes import Directed, Direction, FoundPlace
     from jausml.language.semantics.subject import Subject
 
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 
 
-@rule("JML447", Severity.ERROR, "list used wrongly")
-def lists(subject: Subject) -> Iterator[Finding]:
+@rule("JML447", Severity.ERROR, "list used wrongly", each=DIRECTED)
+def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
     Elements that are matched by name have `keys`, a ROS sequence of texts, and `names`, each of
@@ -35,15 +41,15 @@ def lists(subject: Subject) -> Iterator[Finding]:
 
     Good: `<toRos xsi:type="bridge:ListAssignment" target="poses" source="WaypointList">`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ListAssignment):
             yield from _end_findings(placed)
             yield from _name_findings(placed)
         yield from _gaps(direction)
 
 
-@rule("JML443", Severity.ERROR, "message in a message used wrongly")
-def nested_messages(subject: Subject) -> Iterator[Finding]:
+@rule("JML443", Severity.ERROR, "message in a message used wrongly", each=DIRECTED)
+def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
 
     The JAUS end is a field of variable length or format, the ROS end has the type of the map. The
@@ -54,7 +60,7 @@ def nested_messages(subject: Subject) -> Iterator[Finding]:
 
     Good: `source="ElementData"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.MessageAssignment):
             used = placed.assignment.map
             if used is not None and subject.is_intact(used.message, used.type):

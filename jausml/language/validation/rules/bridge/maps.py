@@ -20,21 +20,21 @@ from jausml.language.semantics.paths.attributes import (
     constant_fault,
     octets_of,
 )
-from jausml.language.semantics.paths.scopes import PathScope, directions, outer_scope
+from jausml.language.semantics.paths.scopes import DIRECTED, PathScope, directions_of, outer_scope
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 _MANY = (LIST, NUMBERS)
 
 
-@rule("JML411", Severity.ERROR, "no such attribute")
-def paths(subject: Subject) -> Iterator[Finding]:
+@rule("JML411", Severity.ERROR, "no such attribute", each=DIRECTED)
+def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
     JAUS paths start at the members of the top record or sequence of the message; ROS paths at
@@ -47,7 +47,7 @@ def paths(subject: Subject) -> Iterator[Finding]:
 
     Good: `target="twist.linear.x"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.assignments:
             for path, found in placed.targets:
                 if isinstance(found, PathFault):
@@ -59,8 +59,8 @@ def paths(subject: Subject) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "source", found.hint)
 
 
-@rule("JML412", Severity.ERROR, "value does not fit the target")
-def types(subject: Subject) -> Iterator[Finding]:
+@rule("JML412", Severity.ERROR, "value does not fit the target", each=DIRECTED)
+def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment has the kind that its target accepts.
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
@@ -73,7 +73,7 @@ def types(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
             if len(placed.targets) > 1:
                 message = f"{len(placed.targets)} targets of one value"
@@ -88,8 +88,8 @@ def types(subject: Subject) -> Iterator[Finding]:
                 yield from _type_findings(copied)
 
 
-@rule("JML413", Severity.ERROR, "constant does not fit the target")
-def constants(subject: Subject) -> Iterator[Finding]:
+@rule("JML413", Severity.ERROR, "constant does not fit the target", each=DIRECTED)
+def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
     The same holds for the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which
@@ -100,7 +100,7 @@ def constants(subject: Subject) -> Iterator[Finding]:
 
     Good: `value="100"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ConstantAssignment):
             value = placed.assignment.value
             for path, target in placed.targets:
@@ -200,8 +200,8 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
 _ABSENT = "absent"
 
 
-@rule("JML444", Severity.ERROR, "impossible test vector")
-def vectors(subject: Subject) -> Iterator[Finding]:
+@rule("JML444", Severity.ERROR, "impossible test vector", each=bridge.AttributeMap)
+def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
     The given values belong to the source, the expected ones to the target. `absent` is for optional
@@ -212,12 +212,11 @@ def vectors(subject: Subject) -> Iterator[Finding]:
 
     Good: `<expected path="pose.orientation.z" value="0.7071" tolerance="1e-4"/>`
     """
-    for each in subject.instances(bridge.AttributeMap):
-        if not subject.is_intact(each.message, each.type):
-            continue
-        for vector in each.vectors:
-            if subject.is_intact(vector):
-                yield from _vector_findings(each, vector)
+    if not subject.is_intact(each.message, each.type):
+        return
+    for vector in each.vectors:
+        if subject.is_intact(vector):
+            yield from _vector_findings(each, vector)
 
 
 def _vector_findings(
@@ -266,8 +265,15 @@ def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
     return "" if attribute.optional else "is for optional fields"
 
 
-@rule("JML498", Severity.ERROR, "decision that is open", is_decision=True)
-def decisions_made(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML498",
+    Severity.ERROR,
+    "decision that is open",
+    is_decision=True,
+    each=bridge.OpenDecision,
+    needs=("text", "blocking"),
+)
+def decisions_made(_: Subject, each: bridge.OpenDecision) -> Iterator[Finding]:
     """No decision of a map or connection is open.
 
     No tool can make it, since it depends on the vehicle. It is an error where a safety or the
@@ -278,11 +284,10 @@ def decisions_made(subject: Subject) -> Iterator[Finding]:
 
     Good: no such element, and the top speed in the map
     """
-    for each in subject.instances(bridge.OpenDecision, needs=("text", "blocking")):
-        if each.text is None:
-            continue
-        owner = each.eContainer()
-        place = f" in '{owner.name}'" if isinstance(owner, bridge.DecisionOwner) else ""
-        severity = None if each.blocking else Severity.WARNING
-        hint = "decide it, then remove the open decision"
-        yield Finding(each, f"open{place}: {each.text}", "text", hint, severity=severity)
+    if each.text is None:
+        return
+    owner = each.eContainer()
+    place = f" in '{owner.name}'" if isinstance(owner, bridge.DecisionOwner) else ""
+    severity = None if each.blocking else Severity.WARNING
+    hint = "decide it, then remove the open decision"
+    yield Finding(each, f"open{place}: {each.text}", "text", hint, severity=severity)

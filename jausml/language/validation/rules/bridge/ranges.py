@@ -26,14 +26,14 @@ from jausml.language.semantics.paths.attributes import (
     Attribute,
     Found,
 )
-from jausml.language.semantics.paths.scopes import direction_of, directions
+from jausml.language.semantics.paths.scopes import DIRECTED, direction_of, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.attributes.intervals import Interval
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 
@@ -62,8 +62,8 @@ class _End:
         return max(_ROUNDING * largest, (self.attribute.step or 0.0) / 2)
 
 
-@rule("JML434", Severity.WARNING, "range of the source exceeds that of the target")
-def exceeding_ranges(subject: Subject) -> Iterator[Finding]:
+@rule("JML434", Severity.WARNING, "range of the source exceeds that of the target", each=DIRECTED)
+def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The target can carry all values of the source, or the assignment handles the others.
 
     Ranges are followed through the conversions, expressions included. Only what is bounded counts:
@@ -75,7 +75,7 @@ def exceeding_ranges(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with the conversion occupancy_to_cost, or with `outOfRange="clamp"`
     """
-    for placed, ends in _assignments(subject):
+    for placed, ends in _assignments(subject, directed):
         if placed.assignment.outOfRange.name != "asConnection":
             continue
         for end in ends:
@@ -86,15 +86,15 @@ def exceeding_ranges(subject: Subject) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML435", Severity.ERROR, "nothing that an assignment yields fits")
-def impossible_ranges(subject: Subject) -> Iterator[Finding]:
+@rule("JML435", Severity.ERROR, "nothing that an assignment yields fits", each=DIRECTED)
+def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """At least one possible result of an assignment is a value that its target can carry.
 
     Bad: `target="Latitude"`, which carries -90..90, with the conversion clamp(100, 200)
 
     Good: clamp(-90, 90)
     """
-    for placed, ends in _assignments(subject):
+    for placed, ends in _assignments(subject, directed):
         for end in ends:
             if intervals.is_empty(end.given):
                 message = f"the conversions of '{placed.assignment.source}' never yield a number"
@@ -105,8 +105,8 @@ def impossible_ranges(subject: Subject) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target")
 
 
-@rule("JML436", Severity.WARNING, "precision is lost")
-def precision_loss(subject: Subject) -> Iterator[Finding]:
+@rule("JML436", Severity.WARNING, "precision is lost", each=DIRECTED)
+def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Rounding in the target keeps within the `precision` that an assignment states.
 
     An integer is rounded to 1, a scaled JAUS field of n bits to its range / (2^n - 1), a float32 to
@@ -120,7 +120,7 @@ def precision_loss(subject: Subject) -> Iterator[Finding]:
 
     Good: `precision="1e-4"`; a float64
     """
-    for placed, ends in _assignments(subject):
+    for placed, ends in _assignments(subject, directed):
         precision = placed.assignment.precision
         if not (math.isfinite(precision) and precision >= 0):
             message = f"precision {precision:g} of '{placed.assignment.target}' is no distance"
@@ -142,8 +142,8 @@ def precision_loss(subject: Subject) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML439", Severity.INFO, "zero that cannot be sent")
-def missed_zeros(subject: Subject) -> Iterator[Finding]:
+@rule("JML439", Severity.INFO, "zero that cannot be sent", each=DIRECTED)
+def missed_zeros(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant 0 goes to a field that has a zero, or the author knows that it has none.
 
     A scaled field with a range such as -100..100 has an even number of steps, none of which is 0:
@@ -155,7 +155,7 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `documentation="0.0015 % is sent, which the dead band of the motor hides"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if isinstance(direction.owner, bridge.Stop):
             continue
         for placed in direction.of_kind(bridge.ConstantAssignment):
@@ -167,14 +167,18 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "value", hint)
 
 
-def _assignments(subject: Subject) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
-    return subject.once(_find_assignments)
+def _assignments(
+    subject: Subject, directed: Directed
+) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
+    return subject.once(_find_assignments, directed)
 
 
-def _find_assignments(subject: Subject) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
+def _find_assignments(
+    subject: Subject, directed: Directed
+) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
     return [
         (placed, _ends(placed))
-        for direction in directions(subject)
+        for direction in directions_of(subject, directed)
         for placed in direction.of_kind(bridge.FieldAssignment)
         if placed.source_attributes and placed.target_attributes and not units_clash(placed)
     ]
@@ -285,8 +289,8 @@ _LIMITED = (NUMBER, TEXT, OCTETS)
 _MOST_NOTES = 3
 
 
-@rule("JML417", Severity.ERROR, "field that cannot be left out")
-def left_out_fields(subject: Subject) -> Iterator[Finding]:
+@rule("JML417", Severity.ERROR, "field that cannot be left out", each=DIRECTED)
+def left_out_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy dropField is for optional fields of JAUS messages.
 
     A JAUS message always has its other fields, and a ROS message has all of its fields: instead of
@@ -298,7 +302,7 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             if placed.assignment.outOfRange.name != _DROP_FIELD:
                 continue
@@ -306,13 +310,18 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
             if path is not None:
                 message = f"'{path}' is no optional JAUS field, it is never left out"
                 yield Finding(placed.assignment, message, "outOfRange", _HINT)
-    for connection in subject.instances(bridge.Connection):
-        if connection.outOfRange.name == _DROP_FIELD and connection.map is not None:
-            yield from _connection_findings(subject, connection)
 
 
-@rule("JML418", Severity.WARNING, "values that cannot be clamped")
-def clamped_values(subject: Subject) -> Iterator[Finding]:
+@left_out_fields.also(bridge.Connection)
+def _left_out_fields_connection(
+    subject: Subject, connection: bridge.Connection
+) -> Iterator[Finding]:
+    if connection.outOfRange.name == _DROP_FIELD and connection.map is not None:
+        yield from _connection_findings(subject, connection)
+
+
+@rule("JML418", Severity.WARNING, "values that cannot be clamped", each=DIRECTED)
+def clamped_values(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 
     The value next to an unknown one is no better than any other, and a text that is cut has another
@@ -323,7 +332,7 @@ def clamped_values(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if direction.to_ros:
             continue
         for placed in direction.of_kind(bridge.FieldAssignment):

@@ -14,7 +14,7 @@ from jausml.language.semantics.jaus.services import (
     is_known,
     query_name,
 )
-from jausml.language.semantics.paths.scopes import directions, source_paths
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, source_paths
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
     from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML494", Severity.ERROR, "report join used wrongly")
-def report_joins(subject: Subject) -> Iterator[Finding]:
+@rule("JML494", Severity.ERROR, "report join used wrongly", each=bridge.AttributeMap)
+def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A report join has a unique name, a time after which it is stale, and a use.
 
     Source paths of toRos begin with the name of the join, so it differs from the fields of the main
@@ -39,23 +39,32 @@ def report_joins(subject: Subject) -> Iterator[Finding]:
 
     Good: `<reportJoins name="velocity" .../>`
     """
-    for each in subject.instances(bridge.AttributeMap):
-        if not each.reportJoins or not subject.is_intact(each.message):
-            continue
-        fields = {str(one.name) for one in attributes(each.message)}
-        used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toRos)}
-        seen: dict[str, bridge.ReportJoin] = {}
-        for join in each.reportJoins:
-            yield from _join_findings(join, fields, used, seen)
-    for action in subject.instances(bridge.RosActionConnection):
-        yield from _unfed(action, "element")
-    for service in subject.instances(bridge.RosServiceConnection):
-        yield from _unfed(service, "request")
-        yield from _unfed(service, "response")
+    if not each.reportJoins or not subject.is_intact(each.message):
+        return
+    fields = {str(one.name) for one in attributes(each.message)}
+    used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toRos)}
+    seen: dict[str, bridge.ReportJoin] = {}
+    for join in each.reportJoins:
+        yield from _join_findings(join, fields, used, seen)
 
 
-@rule("JML495", Severity.ERROR, "joined report from nowhere")
-def report_sources(subject: Subject) -> Iterator[Finding]:
+@report_joins.also(bridge.RosActionConnection)
+def _report_joins_ros_action_connection(
+    _: Subject, action: bridge.RosActionConnection
+) -> Iterator[Finding]:
+    yield from _unfed(action, "element")
+
+
+@report_joins.also(bridge.RosServiceConnection)
+def _report_joins_ros_service_connection(
+    _: Subject, service: bridge.RosServiceConnection
+) -> Iterator[Finding]:
+    yield from _unfed(service, "request")
+    yield from _unfed(service, "response")
+
+
+@rule("JML495", Severity.ERROR, "joined report from nowhere", each=bridge.Connection)
+def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection from JAUS to ROS says where each joined report of its map comes from, once.
 
     A join without a source comes from the peers of the connection, as a periodic event at its rate.
@@ -68,24 +77,23 @@ def report_sources(subject: Subject) -> Iterator[Finding]:
 
     Good: `<sources join="velocity" peers="vehicle" rate="20"/>`
     """
-    for connection in subject.instances(bridge.Connection):
-        used = connection.map
-        if used is None or not subject.is_intact(connection, used, used.message):
-            continue
-        yield from _source_findings(connection)
-        reports = joined_reports(connection)
-        if len(connection.peers) > 1 and any(not each.has_own_peers for each in reports):
-            message = f"'{connection.name}' has several peers, whose reports would be mixed"
-            hint = "make a connection for each peer, or give the joined reports peers"
-            yield Finding(connection, message, "peers", hint)
-        for report in reports:
-            if subject.is_intact(report.join, report.join.message):
-                yield from _origin_findings(subject, report)
-                yield from _rate_findings(report)
+    used = connection.map
+    if used is None or not subject.is_intact(connection, used, used.message):
+        return
+    yield from _source_findings(connection)
+    reports = joined_reports(connection)
+    if len(connection.peers) > 1 and any(not each.has_own_peers for each in reports):
+        message = f"'{connection.name}' has several peers, whose reports would be mixed"
+        hint = "make a connection for each peer, or give the joined reports peers"
+        yield Finding(connection, message, "peers", hint)
+    for report in reports:
+        if subject.is_intact(report.join, report.join.message):
+            yield from _origin_findings(subject, report)
+            yield from _rate_findings(report)
 
 
-@rule("JML496", Severity.ERROR, "ROS field that a silent report would make up")
-def made_up_by_reports(subject: Subject) -> Iterator[Finding]:
+@rule("JML496", Severity.ERROR, "ROS field that a silent report would make up", each=DIRECTED)
+def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS field that a joined report feeds has a default, or the message is dropped without it.
 
     While a joined report is silent, `whenStale="leave"` leaves its targets at their initial values.
@@ -97,7 +105,7 @@ def made_up_by_reports(subject: Subject) -> Iterator[Finding]:
     Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
     `whenAbsent="useDefault"` and a `defaultValue` of the assignment
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         if not direction.to_ros:
             continue
         lenient = [each for each in direction.map.reportJoins if each.whenStale.name == "leave"]

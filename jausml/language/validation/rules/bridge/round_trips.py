@@ -12,14 +12,14 @@ from jausml.language.semantics.assignments.units import sent_through, source_ran
 from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute
-from jausml.language.semantics.paths.scopes import directions
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Direction, Placed
+    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
     from jausml.language.semantics.subject import Subject
 
 # Where a field has no range, numbers of everyday size tell a wrong factor or sign.
@@ -32,8 +32,8 @@ _CELL = re.compile(r"(.*)\[([0-9]+)\]", re.DOTALL)
 _MATRICES = {9: 3, 36: 6}
 
 
-@rule("JML437", Severity.WARNING, "round trip that does not come back")
-def round_trips(subject: Subject) -> Iterator[Finding]:
+@rule("JML437", Severity.WARNING, "round trip that does not come back", each=bridge.AttributeMap)
+def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Finding]:
     """If a map has both directions, a value that goes from JAUS to ROS comes back unchanged.
 
     A field that becomes a ROS attribute from which a field is made is this field, and its numbers
@@ -45,7 +45,7 @@ def round_trips(subject: Subject) -> Iterator[Finding]:
 
     Good: `RollRate -> angular.x` and back `angular.x -> RollRate`
     """
-    for there, back in _pairs(directions(subject)):
+    for there, back in _pairs(directions_of(subject, directed)):
         returning: dict[tuple[str, ...], list[Placed[bridge.FieldAssignment]]] = {}
         for placed in _fields(back):
             returning.setdefault(_paths(placed.sources), []).append(placed)
@@ -55,8 +55,8 @@ def round_trips(subject: Subject) -> Iterator[Finding]:
                 yield from _trip_findings(placed, ways)
 
 
-@rule("JML438", Severity.WARNING, "variance in a wrong place")
-def covariances(subject: Subject) -> Iterator[Finding]:
+@rule("JML438", Severity.WARNING, "variance in a wrong place", each=DIRECTED)
+def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A root mean square goes to a variance on the diagonal of a covariance matrix, as its square.
 
     The matrices of ROS are 3x3 (cells 0, 4, 8) or 6x6 (0, 7, 14, 21, 28, 35), row by row.
@@ -65,7 +65,7 @@ def covariances(subject: Subject) -> Iterator[Finding]:
 
     Good: `target="pose.covariance[0]"`
     """
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             ends = zip(placed.targets, placed.sources, strict=False)
             yield from _cell_findings(placed, [*placed.sources, *placed.targets])

@@ -11,7 +11,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.stops import has_stop, is_command
 from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
-from jausml.language.semantics.paths.scopes import sound_connections
+from jausml.language.semantics.paths.scopes import is_sound
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -21,8 +21,14 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML426", Severity.WARNING, "safe value that is never sent")
-def safe_value_used(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML426",
+    Severity.WARNING,
+    "safe value that is never sent",
+    each=bridge.Connection,
+    given=is_sound,
+)
+def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A safe value that is not for a command takes effect only with a silence timeout.
 
     The safe value of a command is always sent: when control is lost, in an emergency, and at the
@@ -32,15 +38,21 @@ def safe_value_used(subject: Subject) -> Iterator[Finding]:
 
     Good: `safeValue` with `silenceTimeout="0.5"`
     """
-    for connection in sound_connections(subject):
-        is_watched = stops.is_command(connection) or stops.silence_timeout(connection) > 0
-        if connection.safeValue and not is_watched:
-            message = f"'{connection.name}' has a safe value, but no silenceTimeout"
-            yield Finding(connection, message, "safeValue")
+    is_watched = stops.is_command(connection) or stops.silence_timeout(connection) > 0
+    if connection.safeValue and not is_watched:
+        message = f"'{connection.name}' has a safe value, but no silenceTimeout"
+        yield Finding(connection, message, "safeValue")
 
 
-@rule("JML451", Severity.ERROR, "command that nothing stops", is_decision=True)
-def commands_stop(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML451",
+    Severity.ERROR,
+    "command that nothing stops",
+    is_decision=True,
+    each=bridge.Connection,
+    given=is_sound,
+)
+def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection with commands says what happens when their source is lost.
 
     Otherwise the last command would stay in effect indefinitely: a vehicle drives on although its
@@ -52,23 +64,29 @@ def commands_stop(subject: Subject) -> Iterator[Finding]:
 
     Good: `onSilence="hold" holdReason="SetTravelSpeed stops the vehicle on its way"`
     """
-    for connection in sound_connections(subject):
-        if not stops.is_command(connection):
-            continue
-        if stops.has_stop(connection) or stops.holds(connection):
-            continue
-        used, to_ros = connection.map, connection.direction.name == "jausToRos"
-        note = Note(used, f"map '{used.name}'")
-        message = f"nothing stops what {used.message.name} of '{connection.name}' sets in motion"
-        hint = f"give it a safeValue, or the map a {'stopRos' if to_ros else 'stopJaus'}, "
-        hint += "or say onSilence hold with a holdReason"
-        if not subject.model.is_library(used.message):
-            hint += f", or moves false of {used.message.name} if it sets nothing in motion"
-        yield Finding(connection, message, "map", hint, (note,))
+    if not stops.is_command(connection):
+        return
+    if stops.has_stop(connection) or stops.holds(connection):
+        return
+    used, to_ros = connection.map, connection.direction.name == "jausToRos"
+    note = Note(used, f"map '{used.name}'")
+    message = f"nothing stops what {used.message.name} of '{connection.name}' sets in motion"
+    hint = f"give it a safeValue, or the map a {'stopRos' if to_ros else 'stopJaus'}, "
+    hint += "or say onSilence hold with a holdReason"
+    if not subject.model.is_library(used.message):
+        hint += f", or moves false of {used.message.name} if it sets nothing in motion"
+    yield Finding(connection, message, "map", hint, (note,))
 
 
-@rule("JML452", Severity.ERROR, "hold that is not explained", is_decision=True)
-def holds_explained(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML452",
+    Severity.ERROR,
+    "hold that is not explained",
+    is_decision=True,
+    each=bridge.Connection,
+    given=is_sound,
+)
+def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
 
     The reason is something that a person knows about the receiver. The words that former versions
@@ -78,26 +96,31 @@ def holds_explained(subject: Subject) -> Iterator[Finding]:
 
     Good: `onSilence="hold" holdReason="the planner of the vehicle drives to the goal by itself"`
     """
-    for connection in sound_connections(subject):
-        if connection.onSilence.name != "hold":
-            continue
-        if not stops.is_command(connection):
-            message = f"'{connection.name}' carries no command, so nothing is held"
-            yield Finding(connection, message, "onSilence")
-        elif connection.safeValue:
-            message = f"'{connection.name}' holds, so its safe value is never sent"
-            yield Finding(connection, message, "onSilence", "take one of them")
-        elif not (reason := stops.hold_reason(connection).strip()):
-            message = f"'{connection.name}' holds, but says no reason"
-            yield Finding(connection, message, "onSilence", "say in holdReason why that is safe")
-        elif not stops.is_reason(reason):
-            message = f"'{connection.name}' holds, but '{reason}' is no reason that a person gave"
-            hint = "say in holdReason what you know about the receiver"
-            yield Finding(connection, message, "holdReason", hint)
+    if connection.onSilence.name != "hold":
+        return
+    if not stops.is_command(connection):
+        message = f"'{connection.name}' carries no command, so nothing is held"
+        yield Finding(connection, message, "onSilence")
+    elif connection.safeValue:
+        message = f"'{connection.name}' holds, so its safe value is never sent"
+        yield Finding(connection, message, "onSilence", "take one of them")
+    elif not (reason := stops.hold_reason(connection).strip()):
+        message = f"'{connection.name}' holds, but says no reason"
+        yield Finding(connection, message, "onSilence", "say in holdReason why that is safe")
+    elif not stops.is_reason(reason):
+        message = f"'{connection.name}' holds, but '{reason}' is no reason that a person gave"
+        hint = "say in holdReason what you know about the receiver"
+        yield Finding(connection, message, "holdReason", hint)
 
 
-@rule("JML453", Severity.WARNING, "stop that silence does not send")
-def silence_stops(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML453",
+    Severity.WARNING,
+    "stop that silence does not send",
+    each=bridge.Connection,
+    given=is_sound,
+)
+def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command with a stop sends it when its source falls silent.
 
     With a `silenceTimeout` of 0 the last command stands while control lasts: a ROS node that has
@@ -108,17 +131,22 @@ def silence_stops(subject: Subject) -> Iterator[Finding]:
 
     Good: `silenceTimeout="0.5"`
     """
-    for connection in sound_connections(subject):
-        if connection.silenceTimeout != 0 or connection.holdReason:
-            continue
-        if stops.is_command(connection) and stops.has_stop(connection):
-            message = f"the silence of its source does not stop '{connection.name}'"
-            hint = "leave silenceTimeout out, or say the reason in holdReason"
-            yield Finding(connection, message, "silenceTimeout", hint)
+    if connection.silenceTimeout != 0 or connection.holdReason:
+        return
+    if stops.is_command(connection) and stops.has_stop(connection):
+        message = f"the silence of its source does not stop '{connection.name}'"
+        hint = "leave silenceTimeout out, or say the reason in holdReason"
+        yield Finding(connection, message, "silenceTimeout", hint)
 
 
-@rule("JML454", Severity.WARNING, "silence time-out within the period")
-def timeouts_outlast_periods(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML454",
+    Severity.WARNING,
+    "silence time-out within the period",
+    each=bridge.Connection,
+    given=is_sound,
+)
+def timeouts_outlast_periods(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A silence timeout is longer than the period of the rate that the connection declares.
 
     Otherwise a source that keeps its rate counts as silent between any two messages.
@@ -127,13 +155,12 @@ def timeouts_outlast_periods(subject: Subject) -> Iterator[Finding]:
 
     Good: `rate="10" silenceTimeout="0.5"`
     """
-    for connection in sound_connections(subject):
-        rate, seconds = _declared_rate(connection), stops.silence_timeout(connection)
-        if not (math.isfinite(rate) and rate > 0 and 0 < seconds <= 1 / rate):
-            continue
-        message = f"'{connection.name}' counts as silent after {seconds:g} s"
-        message += f", but its messages come every {1 / rate:g} s"
-        yield Finding(connection, message, "silenceTimeout")
+    rate, seconds = _declared_rate(connection), stops.silence_timeout(connection)
+    if not (math.isfinite(rate) and rate > 0 and 0 < seconds <= 1 / rate):
+        return
+    message = f"'{connection.name}' counts as silent after {seconds:g} s"
+    message += f", but its messages come every {1 / rate:g} s"
+    yield Finding(connection, message, "silenceTimeout")
 
 
 @rule("JML497", Severity.WARNING, "topic that several commands stop")
@@ -153,10 +180,8 @@ def one_command_of_a_topic(subject: Subject) -> Iterator[Finding]:
         for owner in group:
             if not isinstance(owner, bridge.Bridge):
                 continue
-            for each in owner.bridgeConnections:
-                if not _stops_a_topic(subject, each):
-                    continue
-                for topic in sorted(flow_of(each, owner).topics):
+            for each, topics in subject.once(_stopped_topics, owner):
+                for topic in topics:
                     first = commanding.setdefault(topic, each)
                     if first is not each:
                         message = f"'{each.name}' and '{first.name}' command {topic}, and the stop"
@@ -164,6 +189,16 @@ def one_command_of_a_topic(subject: Subject) -> Iterator[Finding]:
                         hint = "give each a topic, and let a multiplexer decide who drives"
                         note = Note(first, f"'{first.name}'", "topics")
                         yield Finding(each, message, "topics", hint, (note,))
+
+
+def _stopped_topics(
+    subject: Subject, owner: bridge.Bridge
+) -> list[tuple[bridge.Connection, list[str]]]:
+    return [
+        (each, sorted(flow_of(each, owner).topics))
+        for each in owner.bridgeConnections
+        if _stops_a_topic(subject, each)
+    ]
 
 
 def _stops_a_topic(subject: Subject, connection: bridge.Connection) -> bool:
@@ -195,8 +230,8 @@ def _is_guarded(owner: bridge.Bridge) -> bool:
     return bool(goals) or any(is_command(each) and has_stop(each) for each in connections)
 
 
-@rule("JML463", Severity.WARNING, "feature without effect")
-def features_used(subject: Subject) -> Iterator[Finding]:
+@rule("JML463", Severity.WARNING, "feature without effect", each=bridge.Bridge)
+def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What is stated has an effect: rate, priority and acknowledgement, and a bridge's guardian.
 
     The rate is that at which a bridge asks: of a periodic event or of queries, from JAUS to ROS. A
@@ -208,32 +243,34 @@ def features_used(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="5.0"`
     """
-    for owner in subject.instances(bridge.Bridge):
-        if not owner.guardian and not _is_guarded(owner):
-            message = f"guardian has no effect: '{owner.name}' commands nothing that has a stop"
-            yield Finding(owner, message, "guardian")
-    for connection in subject.instances(bridge.Connection):
-        to_ros = connection.direction.name == "jausToRos"
-        exchange = connection.exchange.name
-        if connection.rate and exchange not in _TIMED:
-            message = f"rate of '{connection.name}' has no effect with exchange {exchange}"
-            yield Finding(connection, message, "rate")
-        elif connection.rate and not to_ros:
-            message = f"rate has no effect: '{connection.name}' serves a report"
-            hint = "leave it out: each subscriber asks for its own rate"
-            yield Finding(connection, message, "rate", hint)
-        if to_ros or exchange != "message":
-            what = "publishes" if to_ros else "serves a report"
-            if connection.priority.name != "standard":
-                message = f"priority has no effect: '{connection.name}' {what}"
-                yield Finding(connection, message, "priority")
-            if connection.acknowledge:
-                message = f"acknowledge has no effect: '{connection.name}' {what}"
-                yield Finding(connection, message, "acknowledge")
+    if not owner.guardian and not _is_guarded(owner):
+        message = f"guardian has no effect: '{owner.name}' commands nothing that has a stop"
+        yield Finding(owner, message, "guardian")
 
 
-@rule("JML464", Severity.WARNING, "message published twice")
-def published_once(subject: Subject) -> Iterator[Finding]:
+@features_used.also(bridge.Connection)
+def _features_used_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
+    to_ros = connection.direction.name == "jausToRos"
+    exchange = connection.exchange.name
+    if connection.rate and exchange not in _TIMED:
+        message = f"rate of '{connection.name}' has no effect with exchange {exchange}"
+        yield Finding(connection, message, "rate")
+    elif connection.rate and not to_ros:
+        message = f"rate has no effect: '{connection.name}' serves a report"
+        hint = "leave it out: each subscriber asks for its own rate"
+        yield Finding(connection, message, "rate", hint)
+    if to_ros or exchange != "message":
+        what = "publishes" if to_ros else "serves a report"
+        if connection.priority.name != "standard":
+            message = f"priority has no effect: '{connection.name}' {what}"
+            yield Finding(connection, message, "priority")
+        if connection.acknowledge:
+            message = f"acknowledge has no effect: '{connection.name}' {what}"
+            yield Finding(connection, message, "acknowledge")
+
+
+@rule("JML464", Severity.WARNING, "message published twice", each=bridge.Bridge)
+def published_once(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A message of a peer reaches a topic once.
 
     Topics are compared by their full names: `velocity` and `/velocity` are one in a bridge without
@@ -243,25 +280,24 @@ def published_once(subject: Subject) -> Iterator[Finding]:
 
     Good: one of them
     """
-    for owner in subject.instances(bridge.Bridge):
-        flows: dict[str, list[Flow]] = defaultdict(list)
-        for connection in owner.bridgeConnections:
-            if not subject.is_read(connection, _FLOW) or connection.map is None:
-                continue
-            if not subject.is_intact(connection.map.message, connection.map.type):
-                continue
-            yield from _topics_twice(connection, owner)
-            flow = flow_of(connection, owner)
-            others = (each for topic in sorted(flow.topics) for each in flows[topic])
-            same = next((each for each in others if _repeats(flow, each)), None)
-            if same is not None:
-                topic = min(flow.topics & same.topics)
-                first = same.connection
-                message = f"'{connection.name}' publishes to {topic} what '{first.name}' does"
-                note = Note(first, f"'{first.name}'")
-                yield Finding(connection, message, "topics", related=(note,))
-            for topic in flow.topics:
-                flows[topic].append(flow)
+    flows: dict[str, list[Flow]] = defaultdict(list)
+    for connection in owner.bridgeConnections:
+        if not subject.is_read(connection, _FLOW) or connection.map is None:
+            continue
+        if not subject.is_intact(connection.map.message, connection.map.type):
+            continue
+        yield from _topics_twice(connection, owner)
+        flow = flow_of(connection, owner)
+        others = (each for topic in sorted(flow.topics) for each in flows[topic])
+        same = next((each for each in others if _repeats(flow, each)), None)
+        if same is not None:
+            topic = min(flow.topics & same.topics)
+            first = same.connection
+            message = f"'{connection.name}' publishes to {topic} what '{first.name}' does"
+            note = Note(first, f"'{first.name}'")
+            yield Finding(connection, message, "topics", related=(note,))
+        for topic in flow.topics:
+            flows[topic].append(flow)
 
 
 def _repeats(flow: Flow, other: Flow) -> bool:
@@ -283,8 +319,8 @@ def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterat
             yield Finding(topic, message, "name", related=(Note(first, f"'{first.name}'", "name"),))
 
 
-@rule("JML465", Severity.WARNING, "deadline shorter than the period")
-def deadlines_met(subject: Subject) -> Iterator[Finding]:
+@rule("JML465", Severity.WARNING, "deadline shorter than the period", each=bridge.Connection)
+def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The deadline of a topic is not shorter than the time between the messages of its connection.
 
     With a shorter one each message is late (ROS 2, requested deadline missed).
@@ -293,13 +329,12 @@ def deadlines_met(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `deadline="0.2"`
     """
-    for connection in subject.instances(bridge.Connection):
-        owner = connection.eContainer()
-        is_timed = connection.exchange.name in _TIMED and connection.direction.name == "jausToRos"
-        rate = connection.rate or (owner.frequency if isinstance(owner, bridge.Bridge) else 0.0)
-        if not is_timed or rate <= 0:
-            continue
-        for qos in (each.qos for each in connection.topics if each.qos is not None):
-            if 0 < qos.deadline < 1 / rate:
-                message = f"deadline {qos.deadline:g} s, but '{connection.name}' publishes each"
-                yield Finding(qos, f"{message} {1 / rate:g} s", "deadline")
+    owner = connection.eContainer()
+    is_timed = connection.exchange.name in _TIMED and connection.direction.name == "jausToRos"
+    rate = connection.rate or (owner.frequency if isinstance(owner, bridge.Bridge) else 0.0)
+    if not is_timed or rate <= 0:
+        return
+    for qos in (each.qos for each in connection.topics if each.qos is not None):
+        if 0 < qos.deadline < 1 / rate:
+            message = f"deadline {qos.deadline:g} s, but '{connection.name}' publishes each"
+            yield Finding(qos, f"{message} {1 / rate:g} s", "deadline")

@@ -18,7 +18,7 @@ from jausml.language.semantics.paths.attributes import (
     named_values,
     table_text,
 )
-from jausml.language.semantics.paths.scopes import directions
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.attributes import Comparison
-    from jausml.language.semantics.paths.scopes import Placed
+    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 _VALUES = (NUMBER, BOOL, TEXT)
 _MOST_NAMES = 5
 
 
-@rule("JML440", Severity.ERROR, "table that does not fit")
-def tables(subject: Subject) -> Iterator[Finding]:
+@rule("JML440", Severity.ERROR, "table that does not fit", each=DIRECTED)
+def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The entries of a table are values of what look_up reads and fills.
 
     An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
@@ -47,7 +47,7 @@ def tables(subject: Subject) -> Iterator[Finding]:
     Good: `Opened <-> true`, `Closed <-> false`
     """
     reported: set[tuple[EObject, str]] = set()
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 table = conversion.table
@@ -60,8 +60,8 @@ def tables(subject: Subject) -> Iterator[Finding]:
                         yield finding
 
 
-@rule("JML448", Severity.ERROR, "named value with another number")
-def renumbered(subject: Subject) -> Iterator[Finding]:
+@rule("JML448", Severity.ERROR, "named value with another number", each=DIRECTED)
+def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """What both ends of an assignment call alike has one number, or a table maps the names.
 
     Without a conversion numbers pass as they are. Where `CLOSED` is 0 in ROS and `closed` is 1 in
@@ -72,7 +72,7 @@ def renumbered(subject: Subject) -> Iterator[Finding]:
 
     Good: `State -> state : look_up(gate)` with `table gate ( open <-> OPEN  closed <-> CLOSED )`
     """
-    for placed, found in _enumerated(subject):
+    for placed, found in _enumerated(subject, directed):
         if wrong := found.renumbered:
             told = ", ".join(
                 f"{one.name} is {one.number} and {other.name} {other.number}"
@@ -87,8 +87,8 @@ def renumbered(subject: Subject) -> Iterator[Finding]:
             )
 
 
-@rule("JML449", Severity.WARNING, "named value that drops the message")
-def unmatched(subject: Subject) -> Iterator[Finding]:
+@rule("JML449", Severity.WARNING, "named value that drops the message", each=DIRECTED)
+def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each named value of the source has a counterpart in the JAUS field that it fills.
 
     A message with another value is dropped when it comes, which nobody sees before.
@@ -97,7 +97,7 @@ def unmatched(subject: Subject) -> Iterator[Finding]:
 
     Good: a table that maps STUCK to one of them, or a value set that has it
     """
-    for placed, found in _enumerated(subject):
+    for placed, found in _enumerated(subject, directed):
         (target,) = placed.target_attributes
         legal = target.values
         lost = [each for each in found.unmatched if legal and not _is_legal(each.number, target)]
@@ -108,10 +108,10 @@ def unmatched(subject: Subject) -> Iterator[Finding]:
 
 
 def _enumerated(
-    subject: Subject,
+    subject: Subject, directed: Directed
 ) -> Iterator[tuple[Placed[bridge.FieldAssignment], Comparison]]:
     """Yields the assignments that pass numbers as they are between ends that both name values."""
-    for direction in directions(subject):
+    for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             ends = placed.source_attributes, placed.target_attributes
             if placed.assignment.conversions or any(len(each) != 1 for each in ends):

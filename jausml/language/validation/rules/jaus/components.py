@@ -46,8 +46,14 @@ _NUMBERS = {
 }
 
 
-@rule("JML301", Severity.ERROR, "JAUS address out of range")
-def address_range(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML301",
+    Severity.ERROR,
+    "JAUS address out of range",
+    each=jaus.Component,
+    needs=("name", "address"),
+)
+def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
 
     0 is reserved, and 65535 and 255 address all subsystems, nodes or components at once.
@@ -56,17 +62,22 @@ def address_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="100.1.1"/>`
     """
-    for component in subject.instances(jaus.Component, needs=("name", "address")):
-        if not component.address:
-            continue
-        for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
-            if not 1 <= int(text) <= maximum:
-                message = f"{name} id {text} of '{component.name}' is not in 1..{maximum}"
-                yield Finding(component, message, "address")
+    if not component.address:
+        return
+    for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
+        if not 1 <= int(text) <= maximum:
+            message = f"{name} id {text} of '{component.name}' is not in 1..{maximum}"
+            yield Finding(component, message, "address")
 
 
-@rule("JML309", Severity.WARNING, "subsystem id that Junior takes for a wildcard")
-def address_bytes(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML309",
+    Severity.WARNING,
+    "subsystem id that Junior takes for a wildcard",
+    each=jaus.Component,
+    needs=("name", "address"),
+)
+def address_bytes(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Neither byte of a subsystem id is 255, so that peers on Junior can talk to the component.
 
     AS5669A allows such ids. Junior, the stack met most often, takes each byte 255 of an address
@@ -76,11 +87,10 @@ def address_bytes(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="512.1.1"/>`
     """
-    for component in subject.instances(jaus.Component, needs=("name", "address")):
-        subsystem = int((component.address or "0").split(".")[0])
-        if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
-            message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
-            yield Finding(component, message, "address")
+    subsystem = int((component.address or "0").split(".")[0])
+    if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
+        message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
+        yield Finding(component, message, "address")
 
 
 @rule("JML302", Severity.ERROR, "JAUS address used twice")
@@ -106,8 +116,8 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
 
 
-@rule("JML303", Severity.ERROR, "number out of range")
-def component_numbers(subject: Subject) -> Iterator[Finding]:
+@rule("JML303", Severity.ERROR, "number out of range", each=jaus.Component, needs=("name",))
+def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
 
     Times in seconds are finite and not negative.
@@ -116,21 +126,31 @@ def component_numbers(subject: Subject) -> Iterator[Finding]:
 
     Good: `authority="200"`
     """
-    for component in subject.instances(jaus.Component, needs=("name",)):
-        for name, (lower, upper) in _NUMBERS.items():
-            value = getattr(component, name)
-            if not lower <= value <= upper:
-                message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
-                yield Finding(component, message, name)
-    for connection in subject.instances(jaus.ServiceConnection, needs=("name",)):
-        value = connection.silenceTimeout
-        if not (math.isfinite(value) and value >= 0):
-            message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
-            yield Finding(connection, message, "silenceTimeout")
+    for name, (lower, upper) in _NUMBERS.items():
+        value = getattr(component, name)
+        if not lower <= value <= upper:
+            message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
+            yield Finding(component, message, name)
 
 
-@rule("JML353", Severity.ERROR, "command that nobody can give")
-def commands_controlled(subject: Subject) -> Iterator[Finding]:
+@component_numbers.also(jaus.ServiceConnection, needs=("name",))
+def _component_numbers_service_connection(
+    _: Subject, connection: jaus.ServiceConnection
+) -> Iterator[Finding]:
+    value = connection.silenceTimeout
+    if not (math.isfinite(value) and value >= 0):
+        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+        yield Finding(connection, message, "silenceTimeout")
+
+
+@rule(
+    "JML353",
+    Severity.ERROR,
+    "command that nobody can give",
+    each=jaus.Component,
+    needs=("name", "external", "provides", "coreServices"),
+)
+def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component whose services have commands provides AccessControl.
 
     A component obeys commands only from its controller, and without AccessControl nobody can become
@@ -142,26 +162,29 @@ def commands_controlled(subject: Subject) -> Iterator[Finding]:
 
     Good: the same service with `inherits` of Management
     """
-    for component in subject.instances(
-        jaus.Component, needs=("name", "external", "provides", "coreServices")
-    ):
-        if component.external or not is_known(subject, component):
-            continue
-        if provides_access_control(component):
-            continue
-        for service in provided_services(component):
-            command = next((each for each in service.inputs if needs_control(each, service)), None)
-            if command is not None:
-                message = f"'{component.name}' obeys {command.name} from nobody"
-                hint = f"let {service.name} inherit Management"
-                note = Note(service, f"'{service.name}'")
-                yield Finding(
-                    component, f"{message}: it provides no AccessControl", "provides", hint, (note,)
-                )
+    if component.external or not is_known(subject, component):
+        return
+    if provides_access_control(component):
+        return
+    for service in provided_services(component):
+        command = next((each for each in service.inputs if needs_control(each, service)), None)
+        if command is not None:
+            message = f"'{component.name}' obeys {command.name} from nobody"
+            hint = f"let {service.name} inherit Management"
+            note = Note(service, f"'{service.name}'")
+            yield Finding(
+                component, f"{message}: it provides no AccessControl", "provides", hint, (note,)
+            )
 
 
-@rule("JML304", Severity.ERROR, "connection to a report that the provider does not send")
-def connection_provided(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML304",
+    Severity.ERROR,
+    "connection to a report that the provider does not send",
+    each=jaus.ServiceConnection,
+    needs=_ENDS,
+)
+def connection_provided(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """The provider of a connection provides a service whose outputs hold the report.
 
     Services that the provided ones inherit count. A message of another service also counts if its
@@ -171,23 +194,24 @@ def connection_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: the same provider with `provides` of LocalPoseSensor as well
     """
-    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
-        provider, message = connection.provider or connection.search, connection.message
-        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
-            continue
-        if find_output(message, provider) is None:
-            owner = message.eContainer()
-            yield Finding(
-                connection,
-                f"{provider_name(provider)} provides no service that sends {message.name}",
-                "message",
-                f"add {owner.name} to what it provides" if owner is not None else "",
-                (Note(provider, provider_name(provider)),),
-            )
+    provider, message = connection.provider or connection.search, connection.message
+    if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
+        return
+    if find_output(message, provider) is None:
+        owner = message.eContainer()
+        yield Finding(
+            connection,
+            f"{provider_name(provider)} provides no service that sends {message.name}",
+            "message",
+            f"add {owner.name} to what it provides" if owner is not None else "",
+            (Note(provider, provider_name(provider)),),
+        )
 
 
-@rule("JML305", Severity.ERROR, "connection without a query")
-def connection_query(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML305", Severity.ERROR, "connection without a query", each=jaus.ServiceConnection, needs=_ENDS
+)
+def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """A report is asked for by a query that the provider takes.
 
     Events carry the query inside (AS5710, CreateEvent). Without `query` it is found by name:
@@ -197,20 +221,25 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
 
     Good: the same connection with `query` set to the message that asks for it
     """
-    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
-        provider, message = connection.provider or connection.search, connection.message
-        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
-            continue
-        if connection.query is not None and not subject.is_intact(connection.query):
-            continue
-        if find_output(message, provider) is None:
-            continue
-        if find_query(connection, provider) is None:
-            yield missing_query(connection, message, provider)
+    provider, message = connection.provider or connection.search, connection.message
+    if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
+        return
+    if connection.query is not None and not subject.is_intact(connection.query):
+        return
+    if find_output(message, provider) is None:
+        return
+    if find_query(connection, provider) is None:
+        yield missing_query(connection, message, provider)
 
 
-@rule("JML306", Severity.ERROR, "rate out of range")
-def connection_rate(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML306",
+    Severity.ERROR,
+    "rate out of range",
+    each=jaus.ServiceConnection,
+    needs=("name", "exchange", "rate"),
+)
+def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """The rate of a periodic connection is above 0 and at most 1092 per second.
 
     More does not fit the field of the CreateEvent message (AS5710).
@@ -219,13 +248,18 @@ def connection_rate(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodic" rate="10.0"`
     """
-    for connection in subject.instances(jaus.ServiceConnection, needs=("name", "exchange", "rate")):
-        if connection.exchange.name == "periodic":
-            yield from rate_finding(connection)
+    if connection.exchange.name == "periodic":
+        yield from rate_finding(connection)
 
 
-@rule("JML307", Severity.ERROR, "control of a component that cannot be controlled")
-def controls_access(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML307",
+    Severity.ERROR,
+    "control of a component that cannot be controlled",
+    each=jaus.Component,
+    needs=("name", "controls"),
+)
+def controls_access(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component named in `controls` provides AccessControl, which components do by default.
 
     Without the service it never answers a request for control (AS5710, RequestControl).
@@ -234,23 +268,27 @@ def controls_access(subject: Subject) -> Iterator[Finding]:
 
     Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
     """
-    for component in subject.instances(jaus.Component, needs=("name", "controls")):
-        for target in component.controls:
-            if target is component:
-                message = f"'{component.name}' controls itself"
-                yield Finding(component, message, "controls")
-            elif is_known(subject, target) and not provides_access_control(target):
-                yield Finding(
-                    component,
-                    f"'{target.name}', which '{component.name}' controls, provides no"
-                    " AccessControl",
-                    "controls",
-                    related=(Note(target, f"'{target.name}'"),),
-                )
+    for target in component.controls:
+        if target is component:
+            message = f"'{component.name}' controls itself"
+            yield Finding(component, message, "controls")
+        elif is_known(subject, target) and not provides_access_control(target):
+            yield Finding(
+                component,
+                f"'{target.name}', which '{component.name}' controls, provides no AccessControl",
+                "controls",
+                related=(Note(target, f"'{target.name}'"),),
+            )
 
 
-@rule("JML308", Severity.ERROR, "service provided twice")
-def services_unique(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML308",
+    Severity.ERROR,
+    "service provided twice",
+    each=jaus.Component,
+    needs=("name", "provides"),
+)
+def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component provides one service of a URN.
 
     Discovery reports services by URN (AS5710, ReportServices); two versions of one service in a
@@ -261,21 +299,20 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `provides` of one of them
     """
-    for component in subject.instances(jaus.Component, needs=("name", "provides")):
-        by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
-        for service in component.provides:
-            if service.urn:
-                by_urn[service.urn].append(service)
-        for urn, services in by_urn.items():
-            if len(services) > 1:
-                versions = ", ".join(str(service.version) for service in services)
-                message = f"'{component.name}' provides {urn} more than once (versions {versions})"
-                second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
-                yield Finding(component, message, "provides", position=second)
+    by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
+    for service in component.provides:
+        if service.urn:
+            by_urn[service.urn].append(service)
+    for urn, services in by_urn.items():
+        if len(services) > 1:
+            versions = ", ".join(str(service.version) for service in services)
+            message = f"'{component.name}' provides {urn} more than once (versions {versions})"
+            second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
+            yield Finding(component, message, "provides", position=second)
 
 
-@rule("JML352", Severity.WARNING, "state machine that a bridge does not run")
-def bridges(subject: Subject) -> Iterator[Finding]:
+@rule("JML352", Severity.WARNING, "state machine that a bridge does not run", each=bridge.Bridge)
+def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge translates messages and runs no state machine of the services that it provides.
 
     The rule ignores services of the library: a bridge handles those as its maps say.
@@ -284,13 +321,12 @@ def bridges(subject: Subject) -> Iterator[Finding]:
 
     Good: a component that provides it
     """
-    for owner in subject.instances(bridge.Bridge):
-        for service in with_inherited(owner.provides):
-            is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
-            if service.machines and not is_kept:
-                text = f"the bridge '{owner.name}' does not run the state machine of"
-                note = Note(service, f"'{service.name}'")
-                yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
+    for service in with_inherited(owner.provides):
+        is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
+        if service.machines and not is_kept:
+            text = f"the bridge '{owner.name}' does not run the state machine of"
+            note = Note(service, f"'{service.name}'")
+            yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
 def provider_name(provider: Provider) -> str:

@@ -21,6 +21,7 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.names import urn_fault
+from jausml.language.semantics.subject import remembered
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     )
 
 
-@rule("JML364", Severity.ERROR, "control that is never granted")
-def authority_suffices(subject: Subject) -> Iterator[Finding]:
+@rule("JML364", Severity.ERROR, "control that is never granted", each=jaus.Component)
+def authority_suffices(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component that controls another one has at least the authority that the other one requires.
 
     With less, each RequestControl is rejected for insufficient authority (AS5710, AccessControl),
@@ -46,18 +47,17 @@ def authority_suffices(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `authority="200"`
     """
-    for component in subject.instances(jaus.Component):
-        for place, feature, target in _controlled(component):
-            if not subject.is_intact(target) or component.authority >= target.defaultAuthority:
-                continue
-            message = f"'{target.name}' obeys authority {target.defaultAuthority} and above,"
-            message += f" '{component.name}' has {component.authority}"
-            note = Note(target, f"'{target.name}'", "defaultAuthority")
-            yield Finding(place, message, feature, "raise its authority", (note,))
+    for place, feature, target in _controlled(component):
+        if not subject.is_intact(target) or component.authority >= target.defaultAuthority:
+            continue
+        message = f"'{target.name}' obeys authority {target.defaultAuthority} and above,"
+        message += f" '{component.name}' has {component.authority}"
+        note = Note(target, f"'{target.name}'", "defaultAuthority")
+        yield Finding(place, message, feature, "raise its authority", (note,))
 
 
-@rule("JML366", Severity.INFO, "control that lapses without a word")
-def lapse_is_decided(subject: Subject) -> Iterator[Finding]:
+@rule("JML366", Severity.INFO, "control that lapses without a word", each=bridge.Bridge)
+def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge that takes commands of clients outside of the model says when control lapses.
 
     Without a `controlTimeout`, control lapses 5 s after it was requested last, and what is driven
@@ -70,28 +70,27 @@ def lapse_is_decided(subject: Subject) -> Iterator[Finding]:
 
     Good: `controlTimeout="0"` for a client that asks once, `controlTimeout="5"` for one that renews
     """
-    for owner in subject.instances(bridge.Bridge):
-        table = subject.model.metamodels.class_of(owner).features["controlTimeout"]
-        if is_set(owner, table):
+    table = subject.model.metamodels.class_of(owner).features["controlTimeout"]
+    if is_set(owner, table):
+        return
+    connections: tuple[_Connection, ...] = (
+        *owner.bridgeConnections,
+        *owner.serviceConnections,
+        *owner.actionConnections,
+    )
+    for connection in connections:
+        if not _takes_commands(subject, connection):
             continue
-        connections: tuple[_Connection, ...] = (
-            *owner.bridgeConnections,
-            *owner.serviceConnections,
-            *owner.actionConnections,
-        )
-        for connection in connections:
-            if not _takes_commands(subject, connection):
-                continue
-            known = list(connection.peers)
-            outside = [each for each in known if each.external]
-            if outside or not known:
-                client = f"'{outside[0].name}'" if outside else "its client"
-                message = f"control of '{owner.name}' lapses {owner.controlTimeout} s after "
-                message += f"{client} has requested it last"
-                hint = "state controlTimeout: 0 for clients that request control once"
-                note = Note(connection, f"'{connection.name}' takes its commands", "peers")
-                yield Finding(owner, message, hint=hint, related=(note,))
-                break
+        known = list(connection.peers)
+        outside = [each for each in known if each.external]
+        if outside or not known:
+            client = f"'{outside[0].name}'" if outside else "its client"
+            message = f"control of '{owner.name}' lapses {owner.controlTimeout} s after "
+            message += f"{client} has requested it last"
+            hint = "state controlTimeout: 0 for clients that request control once"
+            note = Note(connection, f"'{connection.name}' takes its commands", "peers")
+            yield Finding(owner, message, hint=hint, related=(note,))
+            break
 
 
 def _takes_commands(subject: Subject, connection: _Connection) -> bool:
@@ -136,33 +135,44 @@ def authorities_differ(subject: Subject) -> Iterator[Finding]:
             yield Finding(place, message, feature, hint, (Note(note, f"'{other.name}'"),))
 
 
-@rule("JML365", Severity.ERROR, "component that is its own peer")
-def no_own_peers(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML365",
+    Severity.ERROR,
+    "component that is its own peer",
+    each=(bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection),
+    needs=("name", "peers"),
+)
+def no_own_peers(
+    _: Subject,
+    connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
+) -> Iterator[Finding]:
     """The peers of a connection are other components than the one that has it.
 
     Bad: `peers="front"` in a connection of the bridge front
 
     Good: `peers="vehicle"`
     """
-    needs = ("name", "peers")
-    found: list[bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection] = []
-    found += subject.instances(bridge.Connection, needs=needs)
-    found += subject.instances(bridge.RosServiceConnection, needs=needs)
-    found += subject.instances(bridge.RosActionConnection, needs=needs)
-    for connection in found:
-        owner = connection.eContainer()
-        if owner is not None and any(peer is owner for peer in connection.peers):
-            message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
-            yield Finding(connection, message, "peers")
-    for asked in subject.instances(jaus.ServiceConnection, needs=("name", "provider")):
-        component = asked.eContainer()
-        if component is not None and asked.provider is component:
-            message = f"'{asked.name}' asks '{component.name}', which has it"
-            yield Finding(asked, message, "provider")
+    owner = connection.eContainer()
+    if owner is not None and any(peer is owner for peer in connection.peers):
+        message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
+        yield Finding(connection, message, "peers")
 
 
-def _controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, jaus.Component]]:
-    """Yields whom a component controls, with the element and the feature that say so."""
+@no_own_peers.also(jaus.ServiceConnection, needs=("name", "provider"))
+def _no_own_provider(_: Subject, asked: jaus.ServiceConnection) -> Iterator[Finding]:
+    component = asked.eContainer()
+    if component is not None and asked.provider is component:
+        message = f"'{asked.name}' asks '{component.name}', which has it"
+        yield Finding(asked, message, "provider")
+
+
+@remembered
+def _controlled(component: jaus.Component) -> list[tuple[EObject, str, jaus.Component]]:
+    """Returns whom a component controls, with the element and the feature that say so."""
+    return list(_all_controlled(component))
+
+
+def _all_controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, jaus.Component]]:
     for target in component.controls:
         yield component, "controls", target
     if not isinstance(component, bridge.Bridge):
@@ -243,8 +253,8 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(message, text, "code", related=(note,), severity=severity)
 
 
-@rule("JML313", Severity.ERROR, "messages of one code in one process")
-def code_unambiguous(subject: Subject) -> Iterator[Finding]:
+@rule("JML313", Severity.ERROR, "messages of one code in one process", each=jaus.Component)
+def code_unambiguous(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Messages with one code that meet in a process have one layout and one name.
 
     A process finds the codec of a message by its code. The messages of a component are those of its
@@ -256,35 +266,33 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
 
     Good: both from the same service set
     """
-    for component in subject.instances(jaus.Component):
-        by_code: dict[int, list[jaus.MessageDef]] = defaultdict(list)
-        for message in _messages_of(component):
-            number = code(message)
-            if number >= 0 and subject.is_intact(message):
-                by_code[number].append(message)
-        for messages in by_code.values():
-            first = messages[0]
-            for other in messages[1:]:
-                if _differ(first, other):
-                    yield _ambiguous(subject, component, first, other)
-                    break
+    by_code: dict[int, list[jaus.MessageDef]] = defaultdict(list)
+    for message in _messages_of(component):
+        number = code(message)
+        if number >= 0 and subject.is_intact(message):
+            by_code[number].append(message)
+    for messages in by_code.values():
+        first = messages[0]
+        for other in messages[1:]:
+            if _differ(first, other):
+                yield _ambiguous(subject, component, first, other)
+                break
 
 
-@rule("JML314", Severity.ERROR, "illegal URN")
-def urns(subject: Subject) -> Iterator[Finding]:
+@rule("JML314", Severity.ERROR, "illegal URN", each=jaus.Service)
+def urns(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A service is named by a URN of at most 255 characters (RFC 8141; AS5710, ReportServices).
 
     Bad: `urn="PrimitiveDriver"`
 
     Good: `urn="urn:jaus:jss:mobility:PrimitiveDriver"`
     """
-    for service in subject.instances(jaus.Service):
-        fault = urn_fault(service.urn) if service.urn is not None else ""
-        if fault:
-            message = f"urn {show(service.urn)} of '{service.name}' {fault}"
-            example = f"urn:acme:jaus:{service.name}"
-            hint = f"a namespace of 2 to 32 letters and digits, and a name, such as {example}"
-            yield Finding(service, message, "urn", hint)
+    fault = urn_fault(service.urn) if service.urn is not None else ""
+    if fault:
+        message = f"urn {show(service.urn)} of '{service.name}' {fault}"
+        example = f"urn:acme:jaus:{service.name}"
+        hint = f"a namespace of 2 to 32 letters and digits, and a name, such as {example}"
+        yield Finding(service, message, "urn", hint)
 
 
 def _ambiguous(

@@ -6,6 +6,7 @@ import difflib
 from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import Guard, GuardError, conditions, parse_guard
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
@@ -16,7 +17,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
 )
 from jausml.language.semantics.jaus.machines import (
     Behaviour,
-    behaviours,
+    behaviours_of,
     described,
     trigger,
 )
@@ -30,14 +31,13 @@ from jausml.language.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.subject import Subject
 
 _CONTROLLER = "isControllingClient"
 
 
-@rule("JML341", Severity.ERROR, "not exactly one initial state")
-def initial_states(subject: Subject) -> Iterator[Finding]:
+@rule("JML341", Severity.ERROR, "not exactly one initial state", each=jaus.Service)
+def initial_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """One of the states that lie side by side is initial: it is entered with what encloses it.
 
     A single state is initial by default. For the states of the core services, the core decides.
@@ -46,7 +46,7 @@ def initial_states(subject: Subject) -> Iterator[Finding]:
 
     Good: `<states name="Idle" initial="true"/><states name="Moving"/>`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         machine = behaviour.machine
         own = {path for path, _ in behaviour.states()}
         groups = dict.fromkeys(path.rpartition(".")[0] for path in own)
@@ -65,8 +65,8 @@ def initial_states(subject: Subject) -> Iterator[Finding]:
             )
 
 
-@rule("JML342", Severity.ERROR, "no such state")
-def targets(subject: Subject) -> Iterator[Finding]:
+@rule("JML342", Severity.ERROR, "no such state", each=jaus.Service)
+def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The target of a transition is a state of the machine or of the core that it extends.
 
     It is named by its path from the outermost state, or from a state that the source encloses,
@@ -76,7 +76,7 @@ def targets(subject: Subject) -> Iterator[Finding]:
 
     Good: `target="Moving"` or `target="Moving.PayingOut"`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         for path, transition in behaviour.transitions():
             target = transition.target
             if target and behaviour.machine.resolve(path, target) is None:
@@ -86,8 +86,8 @@ def targets(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, message, "target", hint)
 
 
-@rule("JML343", Severity.ERROR, "message of another service")
-def messages(subject: Subject) -> Iterator[Finding]:
+@rule("JML343", Severity.ERROR, "message of another service", each=jaus.Service)
+def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A transition is triggered by an input, and an action sends an output, of the service.
 
     Messages of services that it inherits count.
@@ -96,7 +96,7 @@ def messages(subject: Subject) -> Iterator[Finding]:
 
     Good: a transition on QueryVelocityState with an action that sends ReportVelocityState
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
         taken = [message for each in services for message in each.inputs]
         sent = [message for each in services for message in each.outputs]
@@ -112,8 +112,8 @@ def messages(subject: Subject) -> Iterator[Finding]:
                 yield Finding(action, text, "sends")
 
 
-@rule("JML344", Severity.ERROR, "unknown internal event")
-def events(subject: Subject) -> Iterator[Finding]:
+@rule("JML344", Severity.ERROR, "unknown internal event", each=jaus.Service)
+def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The event of a transition is one of the service or of a service that it inherits.
 
     AccessControl and Management have the events Timedout, Initialized and Failure. A transition is
@@ -123,7 +123,7 @@ def events(subject: Subject) -> Iterator[Finding]:
 
     Good: `<events name="LoadLost"/>` and `<transitions event="LoadLost" .../>`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
         known = {event.name for each in services for event in each.events if event.name}
         if any(str(each.urn).startswith(CORE) for each in services):
@@ -138,8 +138,8 @@ def events(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, text, "event", _suggestion(name, known))
 
 
-@rule("JML345", Severity.ERROR, "malformed guard")
-def guards(subject: Subject) -> Iterator[Finding]:
+@rule("JML345", Severity.ERROR, "malformed guard", each=jaus.Service)
+def guards(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A guard joins names of conditions by &&, || and !, with parentheses.
 
     Each name becomes a method. Arguments in parentheses behind a name are allowed and kept for
@@ -149,7 +149,7 @@ def guards(subject: Subject) -> Iterator[Finding]:
 
     Good: `guard="isControllingClient &amp;&amp; !isLocked"`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         for _, transition in behaviour.transitions():
             try:
                 parse_guard(transition.guard)
@@ -158,15 +158,15 @@ def guards(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, f"malformed guard: {error}", "guard", hint)
 
 
-@rule("JML346", Severity.WARNING, "state that is never entered")
-def reachable(subject: Subject) -> Iterator[Finding]:
+@rule("JML346", Severity.WARNING, "state that is never entered", each=jaus.Service)
+def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A state is initial, or a transition leads to it.
 
     Bad: a state `Locked` that is not initial and no target of a transition
 
     Good: a transition with `target="Locked"`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         entered = {around for path in behaviour.entered() for around in _with_outer(path)}
         reported: set[str] = set()
         for path, state in behaviour.states():
@@ -178,8 +178,8 @@ def reachable(subject: Subject) -> Iterator[Finding]:
             yield Finding(state, f"no transition leads to the state '{path}'", "name")
 
 
-@rule("JML347", Severity.WARNING, "transition that is never taken")
-def taken(subject: Subject) -> Iterator[Finding]:
+@rule("JML347", Severity.WARNING, "transition that is never taken", each=jaus.Service)
+def taken(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Transitions of a state are tried in their order; one without a guard is always taken.
 
     Of two transitions on the same message with the same guard, the first one is taken.
@@ -188,14 +188,14 @@ def taken(subject: Subject) -> Iterator[Finding]:
 
     Good: the one with the guard first
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         for _, state in behaviour.states():
             yield from _shadowed(state.transitions)
             yield from _shadowed(state.defaults)
 
 
-@rule("JML348", Severity.ERROR, "target, push and pop do not fit")
-def kinds(subject: Subject) -> Iterator[Finding]:
+@rule("JML348", Severity.ERROR, "target, push and pop do not fit", each=jaus.Service)
+def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A push has a target, a pop and an internal transition have none; push and pop go together.
 
     A push remembers the current state, and a pop returns to it.
@@ -204,7 +204,7 @@ def kinds(subject: Subject) -> Iterator[Finding]:
 
     Good: `kind="push" target="Inspection"`, and `kind="pop"` in Inspection
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         used = {
             transition.kind.name
             for node in behaviour.machine.nodes.values()
@@ -224,8 +224,8 @@ def kinds(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, text, "kind")
 
 
-@rule("JML349", Severity.ERROR, "not what the core services do")
-def core_states(subject: Subject) -> Iterator[Finding]:
+@rule("JML349", Severity.ERROR, "not what the core services do", each=jaus.Service)
+def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
 
     States of its own lie inside one of the innermost states of the core services that the service
@@ -240,7 +240,7 @@ def core_states(subject: Subject) -> Iterator[Finding]:
     Good: `<machines name="ReceiveFSM"><states name="Receiving.Ready.Controlled.Available.Ready">
     <states name="Idle"/></states></machines>`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         if not behaviour.machine.extends_core:
             yield from _foreign_machine(behaviour)
         elif not any(str(each.urn).startswith(CORE) for each in lineage(behaviour.service)):
@@ -251,8 +251,8 @@ def core_states(subject: Subject) -> Iterator[Finding]:
             yield from _refused_targets(behaviour)
 
 
-@rule("JML350", Severity.WARNING, "transition that the core services take")
-def core_messages(subject: Subject) -> Iterator[Finding]:
+@rule("JML350", Severity.WARNING, "transition that the core services take", each=jaus.Service)
+def core_messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Messages of the core services and of ListManager are taken by the runtime.
 
     The runtime follows AS5710. A transition of a service on one of these messages is not generated;
@@ -262,7 +262,7 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
 
     Good: the state Ready with the exit action stopMotor
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         for _, transition in behaviour.transitions():
             message = transition.message
             owner = None if message is None else message.eContainer()
@@ -277,8 +277,8 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, text, "message", hint if is_management else "")
 
 
-@rule("JML351", Severity.WARNING, "command that anyone may give")
-def commands(subject: Subject) -> Iterator[Finding]:
+@rule("JML351", Severity.WARNING, "command that anyone may give", each=jaus.Service)
+def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """In a machine that extends the core, the guard says who may give a command.
 
     Without `isControllingClient`, every component may. An independent machine needs no such guard:
@@ -288,7 +288,7 @@ def commands(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `guard="isControllingClient"`
     """
-    for behaviour in behaviours(subject):
+    for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
         if not behaviour.machine.extends_core or all(s.name != ACCESS_CONTROL for s in services):
             continue

@@ -28,8 +28,8 @@ _IN_RECORD = "a member of a record"
 _COUNT = ("name", "countType")
 
 
-@rule("JML321", Severity.ERROR, "type refers to itself")
-def reference_cycle(subject: Subject) -> Iterator[Finding]:
+@rule("JML321", Severity.ERROR, "type refers to itself", each=jaus.TypeReference)
+def reference_cycle(_: Subject, reference: jaus.TypeReference) -> Iterator[Finding]:
     """A type reference leads to a type that does not hold the reference itself.
 
     A body that contains itself has no end on the wire.
@@ -38,13 +38,12 @@ def reference_cycle(subject: Subject) -> Iterator[Finding]:
 
     Good: a list of a declared record
     """
-    for reference in subject.instances(jaus.TypeReference):
-        if _reaches(reference, reference):
-            yield Finding(reference, f"'{reference.name}' contains itself", "target")
+    if _reaches(reference, reference):
+        yield Finding(reference, f"'{reference.name}' contains itself", "target")
 
 
-@rule("JML322", Severity.ERROR, "wrong kind of member")
-def member_kinds(subject: Subject) -> Iterator[Finding]:
+@rule("JML322", Severity.ERROR, "wrong kind of member", each=jaus.MessageDef)
+def member_kinds(_: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
 
     Containers are records, lists, variants and sequences (AS5684, JSIDL). A container inside a
@@ -55,22 +54,41 @@ def member_kinds(subject: Subject) -> Iterator[Finding]:
 
     Good: a sequence with a record that holds the FixedField
     """
-    for message in subject.instances(jaus.MessageDef):
-        yield from _kind_findings([message.body], "the body of a message", containers=True)
-    for record in subject.instances(jaus.Record):
-        yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
-    for sequence in subject.instances(jaus.Sequence):
-        yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
-    for each in subject.instances(jaus.List):
-        yield from _kind_findings([each.element], "the element of a list", containers=True)
-    for variant in subject.instances(jaus.Variant):
-        yield from _kind_findings(variant.options, "an option of a variant", containers=True)
-    for array in subject.instances(jaus.Array):
-        yield from _kind_findings([array.element], "the element of an array", containers=False)
+    yield from _kind_findings([message.body], "the body of a message", containers=True)
 
 
-@rule("JML323", Severity.ERROR, "optional member without a presence bit")
-def presence_vector(subject: Subject) -> Iterator[Finding]:
+@member_kinds.also(jaus.Record)
+def _member_kinds_record(_: Subject, record: jaus.Record) -> Iterator[Finding]:
+    yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
+
+
+@member_kinds.also(jaus.Sequence)
+def _member_kinds_sequence(_: Subject, sequence: jaus.Sequence) -> Iterator[Finding]:
+    yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
+
+
+@member_kinds.also(jaus.List)
+def _member_kinds_list(_: Subject, each: jaus.List) -> Iterator[Finding]:
+    yield from _kind_findings([each.element], "the element of a list", containers=True)
+
+
+@member_kinds.also(jaus.Variant)
+def _member_kinds_variant(_: Subject, variant: jaus.Variant) -> Iterator[Finding]:
+    yield from _kind_findings(variant.options, "an option of a variant", containers=True)
+
+
+@member_kinds.also(jaus.Array)
+def _member_kinds_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
+    yield from _kind_findings([array.element], "the element of an array", containers=False)
+
+
+@rule(
+    "JML323",
+    Severity.ERROR,
+    "optional member without a presence bit",
+    each=(jaus.Record, jaus.Sequence),
+)
+def presence_vector(subject: Subject, group: Group) -> Iterator[Finding]:
     """The presence vector of a record or sequence has a bit for each optional member.
 
     Bit i stands for the i-th optional member (AS5684, presence_vector). For services of the
@@ -81,21 +99,19 @@ def presence_vector(subject: Subject) -> Iterator[Finding]:
 
     Good: the same record with `presenceVector="uint8"`
     """
-    groups: list[Group] = [*subject.instances(jaus.Record), *subject.instances(jaus.Sequence)]
-    for group in groups:
-        optional = [field for field in group.fields if field.optional]
-        bits = _PRESENCE_BITS[group.presenceVector.name]
-        if len(optional) > bits:
-            field = optional[bits]
-            have = f"a presence vector of {bits} bits" if bits else "no presence vector"
-            message = f"{len(optional)} optional members in '{group.name}', which has {have}"
-            note = Note(group, f"'{group.name}'", "presenceVector")
-            hint, severity = _vector_hint(len(optional)), subject.severity(field)
-            yield Finding(field, message, "optional", hint, (note,), severity)
+    optional = [field for field in group.fields if field.optional]
+    bits = _PRESENCE_BITS[group.presenceVector.name]
+    if len(optional) > bits:
+        field = optional[bits]
+        have = f"a presence vector of {bits} bits" if bits else "no presence vector"
+        message = f"{len(optional)} optional members in '{group.name}', which has {have}"
+        note = Note(group, f"'{group.name}'", "presenceVector")
+        hint, severity = _vector_hint(len(optional)), subject.severity(field)
+        yield Finding(field, message, "optional", hint, (note,), severity)
 
 
-@rule("JML324", Severity.WARNING, "optional without effect")
-def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
+@rule("JML324", Severity.WARNING, "optional without effect", each=jaus.Field, needs=("name",))
+def optional_elsewhere(_: Subject, field: jaus.Field) -> Iterator[Finding]:
     """Only members of records and sequences can be optional.
 
     Elsewhere no bit on the wire states whether the field is present, so it always is.
@@ -104,15 +120,14 @@ def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
 
     Good: a list with `minimumCount="0"`
     """
-    for field in subject.instances(jaus.Field, needs=("name",)):
-        owner = field.eContainer()
-        if field.optional and owner is not None and not is_group(owner):
-            message = f"'{field.name}' is optional, but is no member of a record or sequence"
-            yield Finding(field, message, "optional")
+    owner = field.eContainer()
+    if field.optional and owner is not None and not is_group(owner):
+        message = f"'{field.name}' is optional, but is no member of a record or sequence"
+        yield Finding(field, message, "optional")
 
 
-@rule("JML326", Severity.ERROR, "impossible bit range")
-def bit_ranges(subject: Subject) -> Iterator[Finding]:
+@rule("JML326", Severity.ERROR, "impossible bit range", each=jaus.BitField)
+def bit_ranges(subject: Subject, field: jaus.BitField) -> Iterator[Finding]:
     """The parts of a bit field lie within its unsigned integer and do not overlap.
 
     Bit 0 is the least significant one; lowBit is at most highBit.
@@ -121,48 +136,55 @@ def bit_ranges(subject: Subject) -> Iterator[Finding]:
 
     Good: parts 0..3 and 4..7
     """
-    for field in subject.instances(jaus.BitField):
-        whole = wire.UNSIGNED.get(field.type.name)
-        if whole is None:
-            message = f"bit field '{field.name}' is of {field.type.name}, no unsigned integer"
-            yield Finding(field, message, "type")
+    whole = wire.UNSIGNED.get(field.type.name)
+    if whole is None:
+        message = f"bit field '{field.name}' is of {field.type.name}, no unsigned integer"
+        yield Finding(field, message, "type")
+        return
+    owners: dict[int, jaus.SubField] = {}
+    for part in field.subFields:
+        if not subject.is_read(part):
             continue
-        owners: dict[int, jaus.SubField] = {}
-        for part in field.subFields:
-            if not subject.is_read(part):
-                continue
-            yield from _bit_findings(part, field, whole.bits, owners)
+        yield from _bit_findings(part, field, whole.bits, owners)
 
 
-@rule("JML327", Severity.ERROR, "count or tag of a wrong type")
-def count_types(subject: Subject) -> Iterator[Finding]:
+@rule("JML327", Severity.ERROR, "count or tag of a wrong type", each=jaus.List, needs=_COUNT)
+def count_types(_: Subject, each: jaus.List) -> Iterator[Finding]:
     """Counts and tags are unsigned integers, and the bounds of a count fit its type.
 
     Bad: `<element xsi:type="jaus:List" countType="int8" .../>`
 
     Good: `<element xsi:type="jaus:List" countType="uint8" .../>`
     """
-    for each in subject.instances(jaus.List, needs=_COUNT):
-        yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
-    fields: list[Bytes] = [
-        *subject.instances(jaus.VariableLengthString, needs=_COUNT),
-        *subject.instances(jaus.VariableLengthField, needs=_COUNT),
-        *subject.instances(jaus.VariableFormatField, needs=_COUNT),
-    ]
-    for field in fields:
-        yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
-    for variant in subject.instances(jaus.Variant):
-        type_name = variant.tagType.name
-        if type_name not in wire.UNSIGNED:
-            message = f"the tag of '{variant.name}' is of {type_name}, no unsigned integer"
-            yield Finding(variant, message, "tagType")
-        elif len(variant.options) > wire.UNSIGNED[type_name].upper + 1:
-            message = f"the tag of '{variant.name}' cannot count {len(variant.options)} options"
-            yield Finding(variant, message, "tagType")
+    yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
 
 
-@rule("JML328", Severity.ERROR, "impossible size or index")
-def sizes(subject: Subject) -> Iterator[Finding]:
+@count_types.also(
+    (jaus.VariableLengthString, jaus.VariableLengthField, jaus.VariableFormatField), needs=_COUNT
+)
+def _length_types(_: Subject, field: Bytes) -> Iterator[Finding]:
+    yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
+
+
+@count_types.also(jaus.Variant)
+def _tag_types(_: Subject, variant: jaus.Variant) -> Iterator[Finding]:
+    type_name = variant.tagType.name
+    if type_name not in wire.UNSIGNED:
+        message = f"the tag of '{variant.name}' is of {type_name}, no unsigned integer"
+        yield Finding(variant, message, "tagType")
+    elif len(variant.options) > wire.UNSIGNED[type_name].upper + 1:
+        message = f"the tag of '{variant.name}' cannot count {len(variant.options)} options"
+        yield Finding(variant, message, "tagType")
+
+
+@rule(
+    "JML328",
+    Severity.ERROR,
+    "impossible size or index",
+    each=jaus.FixedLengthString,
+    needs=("name",),
+)
+def sizes(_: Subject, text: jaus.FixedLengthString) -> Iterator[Finding]:
     """Strings and arrays have a size of 1 or more; indices are one byte and differ.
 
     No more than 4194304 bytes or elements: larger messages are not put together from fragments.
@@ -171,26 +193,34 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 
     Good: `length="16"`
     """
-    for text in subject.instances(jaus.FixedLengthString, needs=("name",)):
-        if text.length < 1:
-            yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
-        elif text.length > wire.LARGEST:
-            message = f"'{text.name}' has a length of {text.length}, more than {wire.LARGEST}"
-            yield Finding(text, message, "length")
-    for array in subject.instances(jaus.Array, needs=("name",)):
-        if any(size < 1 for size in array.dimensions):
-            yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
-        elif math.prod(array.dimensions) > wire.LARGEST:
-            message = f"'{array.name}' has more than {wire.LARGEST} elements"
-            yield Finding(array, message, "dimensions")
-    for field in subject.instances(jaus.VariableField):
-        yield from _index_findings(field.alternatives, field)
-    for blob in subject.instances(jaus.VariableFormatField):
-        yield from _index_findings(blob.formats, blob)
+    if text.length < 1:
+        yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
+    elif text.length > wire.LARGEST:
+        message = f"'{text.name}' has a length of {text.length}, more than {wire.LARGEST}"
+        yield Finding(text, message, "length")
 
 
-@rule("JML360", Severity.ERROR, "message beyond all bounds")
-def bounds(subject: Subject) -> Iterator[Finding]:
+@sizes.also(jaus.Array, needs=("name",))
+def _sizes_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
+    if any(size < 1 for size in array.dimensions):
+        yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
+    elif math.prod(array.dimensions) > wire.LARGEST:
+        message = f"'{array.name}' has more than {wire.LARGEST} elements"
+        yield Finding(array, message, "dimensions")
+
+
+@sizes.also(jaus.VariableField)
+def _sizes_variable_field(_: Subject, field: jaus.VariableField) -> Iterator[Finding]:
+    yield from _index_findings(field.alternatives, field)
+
+
+@sizes.also(jaus.VariableFormatField)
+def _sizes_variable_format_field(_: Subject, blob: jaus.VariableFormatField) -> Iterator[Finding]:
+    yield from _index_findings(blob.formats, blob)
+
+
+@rule("JML360", Severity.ERROR, "message beyond all bounds", each=jaus.MessageDef)
+def bounds(subject: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
 
     A field counts as often as the types that hold it are used, and arrays in arrays multiply: a few
@@ -200,16 +230,15 @@ def bounds(subject: Subject) -> Iterator[Finding]:
 
     Good: a list of 0 to 4194304 records with a list of numbers
     """
-    for message in subject.instances(jaus.MessageDef):
-        body = message.body
-        if body is None or _is_small(body) or not subject.is_intact(message):
-            continue
-        try:
-            wire.resolve_field(body)
-        except wire.LimitError as error:
-            yield Finding(message, f"'{message.name}' is too large: {error.reason}")
-        except wire.LayoutError:
-            continue  # which other rules tell
+    body = message.body
+    if body is None or _is_small(body) or not subject.is_intact(message):
+        return
+    try:
+        wire.resolve_field(body)
+    except wire.LimitError as error:
+        yield Finding(message, f"'{message.name}' is too large: {error.reason}")
+    except wire.LayoutError:
+        return  # which other rules tell
 
 
 def _is_small(body: jaus.Field) -> bool:

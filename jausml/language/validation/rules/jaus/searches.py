@@ -25,8 +25,16 @@ if TYPE_CHECKING:
 _LIMITS = {"subsystem": 65534, "node": 254}
 
 
-@rule("JML354", Severity.ERROR, "either named or searched for")
-def named_or_searched(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML354",
+    Severity.ERROR,
+    "either named or searched for",
+    each=(bridge.Connection, bridge.RosServiceConnection),
+    needs=("name", "search", "peers"),
+)
+def named_or_searched(
+    _: Subject, connection: bridge.Connection | bridge.RosServiceConnection
+) -> Iterator[Finding]:
     """The other end of a connection is either named, or searched for by its services.
 
     A report of another component has a `provider` or a `search`.
@@ -35,25 +43,23 @@ def named_or_searched(subject: Subject) -> Iterator[Finding]:
 
     Good: the connection with one of them
     """
-    needs = ("name", "search", "peers")
-    found: list[bridge.Connection | bridge.RosServiceConnection] = []
-    found += subject.instances(bridge.Connection, needs=needs)
-    found += subject.instances(bridge.RosServiceConnection, needs=needs)
-    for connection in found:
-        if connection.search is not None and connection.peers:
-            message = f"'{connection.name}' names peers and searches for peers"
-            yield Finding(connection, message, "search", "leave out one of them")
-    for received in subject.instances(jaus.ServiceConnection, needs=("name", "search", "provider")):
-        if received.search is not None and received.provider is not None:
-            message = f"'{received.name}' names a provider and searches for one"
-            yield Finding(received, message, "search", "leave out one of them")
-        elif received.search is None and received.provider is None:
-            message = f"'{received.name}' names no provider and searches for none"
-            yield Finding(received, message, None, "name a provider, or search for one")
+    if connection.search is not None and connection.peers:
+        message = f"'{connection.name}' names peers and searches for peers"
+        yield Finding(connection, message, "search", "leave out one of them")
 
 
-@rule("JML355", Severity.ERROR, "search that can find nothing")
-def search_possible(subject: Subject) -> Iterator[Finding]:
+@named_or_searched.also(jaus.ServiceConnection, needs=("name", "search", "provider"))
+def _provider_or_search(_: Subject, received: jaus.ServiceConnection) -> Iterator[Finding]:
+    if received.search is not None and received.provider is not None:
+        message = f"'{received.name}' names a provider and searches for one"
+        yield Finding(received, message, "search", "leave out one of them")
+    elif received.search is None and received.provider is None:
+        message = f"'{received.name}' names no provider and searches for none"
+        yield Finding(received, message, None, "name a provider, or search for one")
+
+
+@rule("JML355", Severity.ERROR, "search that can find nothing", each=jaus.PeerSearch, needs=())
+def search_possible(subject: Subject, search: jaus.PeerSearch) -> Iterator[Finding]:
     """A search looks where components can be: subsystem 1..65534, node 1..254, 0 for any.
 
     A search within its own subsystem or node does not name the number of another one.
@@ -62,18 +68,17 @@ def search_possible(subject: Subject) -> Iterator[Finding]:
 
     Good: `<search services="..." subsystem="100"/>`
     """
-    for search in subject.instances(jaus.PeerSearch, needs=()):
-        for feature, highest in _LIMITS.items():
-            number = getattr(search, feature)
-            if not 0 <= number <= highest:
-                message = f"{feature} {number} is not in 0..{highest}"
-                yield Finding(search, message, feature)
-        if subject.is_read(search):
-            yield from _elsewhere(search)
+    for feature, highest in _LIMITS.items():
+        number = getattr(search, feature)
+        if not 0 <= number <= highest:
+            message = f"{feature} {number} is not in 0..{highest}"
+            yield Finding(search, message, feature)
+    if subject.is_read(search):
+        yield from _elsewhere(search)
 
 
-@rule("JML356", Severity.WARNING, "control of everybody who is found")
-def control_of_all(subject: Subject) -> Iterator[Finding]:
+@rule("JML356", Severity.WARNING, "control of everybody who is found", each=bridge.Connection)
+def control_of_all(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that takes control of its peers searches for one of them.
 
     With `choice="all"` each vehicle that appears within reach is controlled and moves by the same
@@ -84,17 +89,26 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `choice="nearest"`, or with the subsystem of the vehicle
     """
-    for connection in subject.instances(bridge.Connection):
-        command = connection.map.message if connection.map is not None else None
-        if command is not None and command.isCommand and _controls_all(connection):
-            yield _control_of_all(connection)
-    for called in subject.instances(bridge.RosServiceConnection):
-        asking = calls.asking(called)
-        if asking is not None and is_command(asking) and _controls_all(called):
-            yield _control_of_all(called)
-    for action in subject.instances(bridge.RosActionConnection):
-        if _controls_all(action):
-            yield _control_of_all(action)
+    command = connection.map.message if connection.map is not None else None
+    if command is not None and command.isCommand and _controls_all(connection):
+        yield _control_of_all(connection)
+
+
+@control_of_all.also(bridge.RosServiceConnection)
+def _control_of_all_ros_service_connection(
+    _: Subject, called: bridge.RosServiceConnection
+) -> Iterator[Finding]:
+    asking = calls.asking(called)
+    if asking is not None and is_command(asking) and _controls_all(called):
+        yield _control_of_all(called)
+
+
+@control_of_all.also(bridge.RosActionConnection)
+def _control_of_all_ros_action_connection(
+    _: Subject, action: bridge.RosActionConnection
+) -> Iterator[Finding]:
+    if _controls_all(action):
+        yield _control_of_all(action)
 
 
 @rule("JML357", Severity.INFO, "subsystem that nobody finds")
@@ -121,8 +135,14 @@ def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
                 yield Finding(first, message, "coreServices", "let one of them provide it")
 
 
-@rule("JML358", Severity.WARNING, "component that shall do what nobody carries out")
-def external_is_idle(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML358",
+    Severity.WARNING,
+    "component that shall do what nobody carries out",
+    each=jaus.Component,
+    needs=("name", "external", "simulated"),
+)
+def external_is_idle(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An external component has no connections and controls nobody: nothing is generated for it.
 
     Its address, its type and its services tell others what is there. Nor is it simulated, and a
@@ -132,24 +152,22 @@ def external_is_idle(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" external="true"/>`
     """
-    needs = ("name", "external", "simulated")
-    for component in subject.instances(jaus.Component, needs=needs):
-        is_bridge = isinstance(component, bridge.Bridge)
-        if is_bridge and component.simulated:
-            message = f"the bridge '{component.name}' has no methods that could be simulated"
-            yield Finding(component, message, "simulated")
-        if not component.external:
-            continue
-        if is_bridge:
-            message = f"the bridge '{component.name}' is external: it is not generated"
-            yield Finding(component, message, "external")
-        if component.simulated:
-            message = f"'{component.name}' is external: nothing simulates it"
-            yield Finding(component, message, "simulated")
-        for feature in ("connections", "controls"):
-            if getattr(component, feature):
-                message = f"'{component.name}' is external: nobody carries out its {feature}"
-                yield Finding(component, message, feature)
+    is_bridge = isinstance(component, bridge.Bridge)
+    if is_bridge and component.simulated:
+        message = f"the bridge '{component.name}' has no methods that could be simulated"
+        yield Finding(component, message, "simulated")
+    if not component.external:
+        return
+    if is_bridge:
+        message = f"the bridge '{component.name}' is external: it is not generated"
+        yield Finding(component, message, "external")
+    if component.simulated:
+        message = f"'{component.name}' is external: nothing simulates it"
+        yield Finding(component, message, "simulated")
+    for feature in ("connections", "controls"):
+        if getattr(component, feature):
+            message = f"'{component.name}' is external: nobody carries out its {feature}"
+            yield Finding(component, message, feature)
 
 
 def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:
@@ -189,8 +207,14 @@ _NUMBERS = re.compile(r"[0-9.]+")
 _HIGHEST_PORT = 65535
 
 
-@rule("JML359", Severity.ERROR, "impossible place of a component")
-def places(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML359",
+    Severity.ERROR,
+    "impossible place of a component",
+    each=jaus.Component,
+    needs=("name", "external", "endpoint", "greet"),
+)
+def places(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An external component that runs on no host of the system may state where it is.
 
     An `endpoint` has an IPv4 address of one computer, or the name of one, and a port of 1..65535.
@@ -201,27 +225,30 @@ def places(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="judge" external="true" endpoint="192.168.1.42:3794" greet="true"/>`
     """
-    needs = ("name", "external", "endpoint", "greet")
-    for component in subject.instances(jaus.Component, needs=needs):
-        if component.endpoint and (fault := _fault(component.endpoint)):
-            message = f"endpoint {component.endpoint} of '{component.name}' {fault}"
-            yield Finding(component, message, "endpoint")
-        for feature in ("endpoint", "greet"):
-            if getattr(component, feature) and not component.external:
-                message = f"'{component.name}' has {feature}, but is generated here"
-                hint = "leave it out, or make the component external"
-                yield Finding(component, message, feature, hint)
-    for whole in subject.instances(system.System):
-        for component in _elements(whole):
-            host = host_of(whole, component)
-            if component.external and component.endpoint and host is not None:
-                note = Note(host, f"'{host.name}' is at {host.interface}:{host.port}")
-                message = f"'{component.name}' has an endpoint, and is placed on '{host.name}'"
-                yield Finding(component, message, "endpoint", "leave out one of them", (note,))
+    if component.endpoint and (fault := _fault(component.endpoint)):
+        message = f"endpoint {component.endpoint} of '{component.name}' {fault}"
+        yield Finding(component, message, "endpoint")
+    for feature in ("endpoint", "greet"):
+        if getattr(component, feature) and not component.external:
+            message = f"'{component.name}' has {feature}, but is generated here"
+            hint = "leave it out, or make the component external"
+            yield Finding(component, message, feature, hint)
 
 
-@rule("JML361", Severity.WARNING, "stated peer that is not reached or not heard")
-def reached(subject: Subject) -> Iterator[Finding]:
+@places.also(system.System)
+def _places_system(_: Subject, whole: system.System) -> Iterator[Finding]:
+    for component in _elements(whole):
+        host = host_of(whole, component)
+        if component.external and component.endpoint and host is not None:
+            note = Note(host, f"'{host.name}' is at {host.interface}:{host.port}")
+            message = f"'{component.name}' has an endpoint, and is placed on '{host.name}'"
+            yield Finding(component, message, "endpoint", "leave out one of them", (note,))
+
+
+@rule(
+    "JML361", Severity.WARNING, "stated peer that is not reached or not heard", each=system.System
+)
+def reached(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Processes reach an external component whose place is stated, and hear what it says.
 
     A bridge with `allowedHosts` hears the hosts that they name alone. Behind a node manager, the
@@ -233,10 +260,9 @@ def reached(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `<allowedHosts>192.168.1.42</allowedHosts>`
     """
-    for whole in subject.instances(system.System):
-        for component in _elements(whole):
-            if component.external and (component.endpoint or component.greet):
-                yield from _not_exchanged(whole, component)
+    for component in _elements(whole):
+        if component.external and (component.endpoint or component.greet):
+            yield from _not_exchanged(whole, component)
 
 
 def _not_exchanged(whole: system.System, component: jaus.Component) -> Iterator[Finding]:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
 
 
-@rule("JML325", Severity.ERROR, "impossible scaling")
-def scale_range(subject: Subject) -> Iterator[Finding]:
+@rule("JML325", Severity.ERROR, "impossible scaling", each=jaus.ScaleRange)
+def scale_range(subject: Subject, scale: jaus.ScaleRange) -> Iterator[Finding]:
     """A scaled field is an unsigned integer whose range maps onto lower..upper.
 
     The limits are finite and lower is below upper; a scaled field has no value set (AS5684,
@@ -30,25 +30,24 @@ def scale_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `type="uint16"` with `<scale lower="-1.0" upper="1.0"/>`
     """
-    for scale in subject.instances(jaus.ScaleRange):
-        field = scale.eContainer()
-        if field is None or not subject.is_read(field):
-            continue
-        name = field.name
-        if not (math.isfinite(scale.lower) and math.isfinite(scale.upper)):
-            yield Finding(scale, f"the scale of '{name}' has a limit that is not finite")
-        elif scale.lower >= scale.upper:
-            message = f"the scale of '{name}' has lower {scale.lower:g} and upper {scale.upper:g}"
-            yield Finding(scale, message, "lower", "lower is below upper")
-        if field.type.name not in wire.UNSIGNED:
-            message = f"'{name}' is scaled, but {field.type.name} is no unsigned integer"
-            yield Finding(field, message, "type")
-        if field.values is not None:
-            yield Finding(field, f"'{name}' has both a scale and a value set", "values")
+    field = scale.eContainer()
+    if field is None or not subject.is_read(field):
+        return
+    name = field.name
+    if not (math.isfinite(scale.lower) and math.isfinite(scale.upper)):
+        yield Finding(scale, f"the scale of '{name}' has a limit that is not finite")
+    elif scale.lower >= scale.upper:
+        message = f"the scale of '{name}' has lower {scale.lower:g} and upper {scale.upper:g}"
+        yield Finding(scale, message, "lower", "lower is below upper")
+    if field.type.name not in wire.UNSIGNED:
+        message = f"'{name}' is scaled, but {field.type.name} is no unsigned integer"
+        yield Finding(field, message, "type")
+    if field.values is not None:
+        yield Finding(field, f"'{name}' has both a scale and a value set", "values")
 
 
-@rule("JML329", Severity.ERROR, "impossible value set")
-def value_sets(subject: Subject) -> Iterator[Finding]:
+@rule("JML329", Severity.ERROR, "impossible value set", each=jaus.ValueSet)
+def value_sets(subject: Subject, value_set: jaus.ValueSet) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
 
     A range of an integer field contains an integer: a range above 1 and below 2 is empty. A set
@@ -59,19 +58,18 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
 
     Good: `value="255"`, or `type="uint16"`
     """
-    for value_set in subject.instances(jaus.ValueSet):
-        field = value_set.eContainer()
-        if field is None or not subject.is_read(field):
-            continue
-        values = [value for value in value_set.values if subject.is_read(value)]
-        limits = _limits(field)
-        if value_set.offsetToLowerLimit and len(values) == len(value_set.values):
-            fault, limits = _counted_limits(value_set, limits)
-            if fault:
-                message = f"the values of '{field.name}' cannot count from their lower limit"
-                yield Finding(value_set, f"{message}: {fault}", "offsetToLowerLimit")
-        for value in values:
-            yield from _value_findings(value, field, limits)
+    field = value_set.eContainer()
+    if field is None or not subject.is_read(field):
+        return
+    values = [value for value in value_set.values if subject.is_read(value)]
+    limits = _limits(field)
+    if value_set.offsetToLowerLimit and len(values) == len(value_set.values):
+        fault, limits = _counted_limits(value_set, limits)
+        if fault:
+            message = f"the values of '{field.name}' cannot count from their lower limit"
+            yield Finding(value_set, f"{message}: {fault}", "offsetToLowerLimit")
+    for value in values:
+        yield from _value_findings(value, field, limits)
 
 
 def _limits(field: WithValues) -> tuple[int, int] | None:

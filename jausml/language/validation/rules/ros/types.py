@@ -51,8 +51,19 @@ _HIGHEST_FREQUENCY = 1000.0
 _LARGEST_ARRAY = 4 << 20
 
 
-@rule("JML401", Severity.ERROR, "illegal ROS name")
-def ros_names(subject: Subject) -> Iterator[Finding]:
+_SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
+    (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
+    (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
+    (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
+)
+"""How names are spelt: of which elements, by which pattern, what they are called, and a hint."""
+
+
+@rule("JML401", Severity.ERROR, "illegal ROS name", each=ros.TopicEndpoint, needs=())
+def ros_names(_: Subject, end: ros.TopicEndpoint) -> Iterator[Finding]:
     """Topic and service names and namespaces obey the rules of ROS 2.
 
     Parts of letters, digits and underscores are joined by '/'; no part is empty, starts with a
@@ -62,17 +73,25 @@ def ros_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<topics name="robot/odometry"/>`
     """
-    for end in subject.instances(ros.TopicEndpoint, needs=()):
-        yield from _name_findings(end, "topic", "topic", end.topic)
-    for server in subject.instances(ros.ServiceEndpoint, needs=()):
-        yield from _name_findings(server, "service", "service", server.service)
-    for topic in subject.instances(bridge.Topic, needs=()):
-        yield from _name_findings(topic, "name", "topic", topic.name)
-    for node in _nodes(subject):
-        fault = namespace_fault(node.namespace or "")
-        if fault:
-            message = f"namespace {node.namespace!a} of '{node.name}' {fault}"
-            yield Finding(node, message, "namespace")
+    yield from _name_findings(end, "topic", "topic", end.topic)
+
+
+@ros_names.also(ros.ServiceEndpoint, needs=())
+def _ros_names_service_endpoint(_: Subject, server: ros.ServiceEndpoint) -> Iterator[Finding]:
+    yield from _name_findings(server, "service", "service", server.service)
+
+
+@ros_names.also(bridge.Topic, needs=())
+def _ros_names_topic(_: Subject, topic: bridge.Topic) -> Iterator[Finding]:
+    yield from _name_findings(topic, "name", "topic", topic.name)
+
+
+@ros_names.also((ros.Node, bridge.Bridge), needs=("name",))
+def _ros_names_node(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
+    fault = namespace_fault(node.namespace or "")
+    if fault:
+        message = f"namespace {node.namespace!a} of '{node.name}' {fault}"
+        yield Finding(node, message, "namespace")
 
 
 @rule("JML402", Severity.ERROR, "topic of two types")
@@ -138,8 +157,14 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
                     )
 
 
-@rule("JML404", Severity.ERROR, "impossible quality of service")
-def qos_values(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML404",
+    Severity.ERROR,
+    "impossible quality of service",
+    each=ros.QoSProfile,
+    needs=("history",),
+)
+def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
     """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
 
     ROS 2 counts nanoseconds in 64 bits: no time is longer than 292 years. More than 10000 messages
@@ -149,46 +174,56 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<qos depth="1"/>`
     """
-    for profile in subject.instances(ros.QoSProfile, needs=("history",)):
-        lowest = 1 if profile.history.name == "keep_last" else 0
-        if profile.depth < lowest:
-            yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
-        elif profile.depth > _DEEPEST:
-            message = f"depth {profile.depth} keeps more messages than {_DEEPEST}"
-            hint = "1 to 100 is usual: what is late is of no use"
-            yield Finding(profile, message, "depth", hint, severity=Severity.WARNING)
-        for feature, value in (
-            ("deadline", profile.deadline),
-            ("lifespan", profile.lifespan),
-            ("leaseDuration", profile.leaseDuration),
-        ):
-            if not 0 <= value <= _LONGEST:
-                yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
+    lowest = 1 if profile.history.name == "keep_last" else 0
+    if profile.depth < lowest:
+        yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
+    elif profile.depth > _DEEPEST:
+        message = f"depth {profile.depth} keeps more messages than {_DEEPEST}"
+        hint = "1 to 100 is usual: what is late is of no use"
+        yield Finding(profile, message, "depth", hint, severity=Severity.WARNING)
+    for feature, value in (
+        ("deadline", profile.deadline),
+        ("lifespan", profile.lifespan),
+        ("leaseDuration", profile.leaseDuration),
+    ):
+        if not 0 <= value <= _LONGEST:
+            yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
-@rule("JML405", Severity.ERROR, "impossible parameter value")
-def parameter_values(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML405",
+    Severity.ERROR,
+    "impossible parameter value",
+    each=ros.Parameter,
+    needs=("name", "type"),
+)
+def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
     """The default of a parameter is of its type and within its range.
 
     Bad: `<parameters name="gain" type="double" value="high"/>`
 
     Good: `<parameters name="gain" type="double" value="0.5" maximum="1.0"/>`
     """
-    for parameter in subject.instances(ros.Parameter, needs=("name", "type")):
-        if parameter.value is None:
-            continue
-        fault = _parameter_fault(parameter)
-        if fault:
-            message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
-            yield Finding(parameter, message, "value")
-        for feature, limit in (("minimum", parameter.minimum), ("maximum", parameter.maximum)):
-            if not math.isfinite(limit):
-                message = f"{feature} of parameter '{parameter.name}' is not finite"
-                yield Finding(parameter, message, feature)
+    if parameter.value is None:
+        return
+    fault = _parameter_fault(parameter)
+    if fault:
+        message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
+        yield Finding(parameter, message, "value")
+    for feature, limit in (("minimum", parameter.minimum), ("maximum", parameter.maximum)):
+        if not math.isfinite(limit):
+            message = f"{feature} of parameter '{parameter.name}' is not finite"
+            yield Finding(parameter, message, feature)
 
 
-@rule("JML406", Severity.ERROR, "illegal ROS interface")
-def interfaces(subject: Subject) -> Iterator[Finding]:
+@rule(
+    "JML406",
+    Severity.ERROR,
+    "illegal ROS interface",
+    each=tuple(kind for kind, *_ in _SPELLINGS),
+    needs=("name",),
+)
+def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
 
     Packages and fields are of lower case with single underscores, types are in CamelCase,
@@ -200,34 +235,35 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
 
     Good: `<messages name="WheelSpeeds">` with a field named front_left
     """
-    kinds: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
-        (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
-        (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
-        (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
-        (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
-        (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
-        (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
-    )
-    for kind, pattern, noun, hint in kinds:
-        for element in subject.instances(kind, needs=("name",)):
-            name = element.name
-            if name is not None and not pattern.fullmatch(name):
-                yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
-            elif noun == "type" and (name or "").lower() in DEVICES:
-                message = f"type name '{name}' is a device name on Windows"
-                yield Finding(element, message, "name", "its file would have that name")
-    for field in subject.instances(ros.Field, needs=("name", "arrayKind")):
-        if keyword.iskeyword(field.name or ""):
-            yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
-        array, size = field.arrayKind.name, field.arraySize
-        is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
-        if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
-            message = f"'{field.name}' is a {array} of size {size}"
-            yield Finding(field, message, "arraySize")
+    spelling = next(each for each in _SPELLINGS if isinstance(element, each[0]))
+    pattern, noun, hint = spelling[1:]
+    name = element.name
+    if name is not None and not pattern.fullmatch(name):
+        yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
+    elif noun == "type" and (name or "").lower() in DEVICES:
+        message = f"type name '{name}' is a device name on Windows"
+        yield Finding(element, message, "name", "its file would have that name")
 
 
-@rule("JML407", Severity.ERROR, "impossible frequency")
-def frequencies(subject: Subject) -> Iterator[Finding]:
+@interfaces.also(ros.Field, needs=("name", "arrayKind"))
+def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
+    if keyword.iskeyword(field.name or ""):
+        yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+    array, size = field.arrayKind.name, field.arraySize
+    is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
+    if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
+        message = f"'{field.name}' is a {array} of size {size}"
+        yield Finding(field, message, "arraySize")
+
+
+@rule(
+    "JML407",
+    Severity.ERROR,
+    "impossible frequency",
+    each=(ros.Node, bridge.Bridge),
+    needs=("name",),
+)
+def frequencies(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
     """A frequency in calls each second is finite, not negative and at most 1000.
 
     0 means no timer.
@@ -236,33 +272,31 @@ def frequencies(subject: Subject) -> Iterator[Finding]:
 
     Good: `<nodes name="controller" frequency="20.0"/>`
     """
-    for node in _nodes(subject):
-        if not 0 <= node.frequency <= _HIGHEST_FREQUENCY:
-            message = f"frequency {node.frequency:g} of '{node.name}'"
-            yield Finding(node, f"{message} is not in 0..1000", "frequency")
+    if not 0 <= node.frequency <= _HIGHEST_FREQUENCY:
+        message = f"frequency {node.frequency:g} of '{node.name}'"
+        yield Finding(node, f"{message} is not in 0..1000", "frequency")
 
 
-@rule("JML408", Severity.ERROR, "impossible constant")
-def constant_values(subject: Subject) -> Iterator[Finding]:
+@rule("JML408", Severity.ERROR, "impossible constant", each=ros.Constant, needs=("name", "type"))
+def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
     """The value of a constant of an interface is of its type.
 
     Bad: `<constants name="LIMIT" type="uint8" value="256"/>`
 
     Good: `<constants name="LIMIT" type="uint8" value="255"/>`
     """
-    for constant in subject.instances(ros.Constant, needs=("name", "type")):
-        # A byte is no number to rclpy, but its constants are.
-        kind = "uint8" if constant.type.name == "byte" else constant.type.name
-        fault = constant_fault(constant.value or "", primitive(kind))
-        if not fault and kind in TEXTS:
-            fault = _text_fault(constant.value or "", kind)
-        if fault:
-            message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
-            yield Finding(constant, message, "value")
+    # A byte is no number to rclpy, but its constants are.
+    kind = "uint8" if constant.type.name == "byte" else constant.type.name
+    fault = constant_fault(constant.value or "", primitive(kind))
+    if not fault and kind in TEXTS:
+        fault = _text_fault(constant.value or "", kind)
+    if fault:
+        message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
+        yield Finding(constant, message, "value")
 
 
-@rule("JML410", Severity.ERROR, "impossible default")
-def default_values(subject: Subject) -> Iterator[Finding]:
+@rule("JML410", Severity.ERROR, "impossible default", each=ros.PrimitiveField, needs=_TYPE)
+def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
     """A default has the type of its field, and can be written in an interface definition.
 
     Arrays are written as JSON. A text contains no # and no line end, which would end it in a
@@ -272,16 +306,15 @@ def default_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
     """
-    for field in subject.instances(ros.PrimitiveField, needs=_TYPE):
-        if field.defaultValue is None:
-            continue
-        array = (field.arrayKind.name, field.arraySize)
-        kind = FieldType(field.type.name, "", field.stringBound, *array)
-        try:
-            write_value(field.defaultValue, kind, is_default=True)
-        except ValueTextError as error:
-            message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
-            yield Finding(field, message, "defaultValue")
+    if field.defaultValue is None:
+        return
+    array = (field.arrayKind.name, field.arraySize)
+    kind = FieldType(field.type.name, "", field.stringBound, *array)
+    try:
+        write_value(field.defaultValue, kind, is_default=True)
+    except ValueTextError as error:
+        message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
+        yield Finding(field, message, "defaultValue")
 
 
 @rule("JML430", Severity.ERROR, "ROS type that is too large")
@@ -302,13 +335,20 @@ def type_extents(subject: Subject) -> Iterator[Finding]:
         yield Finding(excess.field, message, "messageType")
 
 
-def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
+def _topics(subject: Subject) -> list[list[Endpoint]]:
+    """Returns the ends of each topic."""
+    return subject.once(_find_topics)
+
+
+def _find_topics(subject: Subject) -> list[list[Endpoint]]:
+    found: list[list[Endpoint]] = []
     for group in subject.systems(("name", "namespace")):
         by_topic: dict[str, list[Endpoint]] = defaultdict(list)
         for end in endpoints(group):
             if subject.is_read(end.element):
                 by_topic[end.topic].append(end)
-        yield from by_topic.values()
+        found += by_topic.values()
+    return found
 
 
 def _text_fault(text: str, kind: str) -> str:
