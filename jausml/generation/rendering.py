@@ -239,8 +239,7 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
         reading: How the model was read of its documents, where options change what it says.
     """
     own = sum(len(each.data) for each in model.documents if not each.is_library)
-    packages = {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets}
-    if own < LARGE or not packages <= _CODE:
+    if own < LARGE or not are_own(targets):
         return render(model, targets)
     wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
     named = digest([str(model.documents[0].path), *wanted])
@@ -255,6 +254,11 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     artifacts = render(model, targets)
     keep(name, state, [asdict(each) | {"kind": each.kind.value} for each in artifacts])
     return artifacts
+
+
+def are_own(targets: Iterable[Target[Any]]) -> bool:
+    """Tells whether all targets are those of jausml, so that `tool` knows what they make."""
+    return {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets} <= _CODE
 
 
 def _artifact(raw: dict[str, Any]) -> Artifact:

@@ -159,7 +159,7 @@ def command(
     if question is not None and (known := question.answer()) is not None:
         _tell(map(tuple, known))
         return
-    from jausml.generation import with_code
+    from jausml.generation import are_own, with_code
     from jausml.language.validation.formats import RENDERERS, text
 
     selection = _selected(names, whole_library=whole_library)
@@ -193,7 +193,7 @@ def command(
     _tell(_conclusion(result))
     if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
         raise click.exceptions.Exit(PROBLEMS)
-    if question is not None:
+    if question is not None and are_own((*selection.targets, *selection.renewed)):
         with noting(seen):
             look("real", folder)
             look_below(folder)
