@@ -5,14 +5,11 @@ The only importer of multigen. Nothing here touches the output folder.
 
 from __future__ import annotations
 
-import sys
 import traceback
 from dataclasses import asdict
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
-from importlib.resources import files
-from pathlib import Path
+from importlib.metadata import PackageNotFoundError
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import jinja2
@@ -25,7 +22,7 @@ from jausml.generation.checks import CANNOT_PARSE, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.languages.python import Modules
 from jausml.generation.target import FileTask, TextTask
-from jausml.language.model.cache import keep, kept
+from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.model.model import without_collector
 from jausml.language.semantics.subject import remembering
 
@@ -228,8 +225,8 @@ def _laid_out(text: str) -> str:
 LARGE = 1 << 18
 """Bytes of a model of which the files are kept: those of a smaller one are rendered in a second."""
 
-_CODE = ("jausml", "jausml_generators", "jausml.metamodels")
-_LIBRARIES = ("jinja2", "pyecore", "pyecoregen")
+_CODE = frozenset({"jausml", "jausml_generators"})
+"""The packages whose files `tool` tells apart."""
 
 
 def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> list[Artifact]:
@@ -242,8 +239,7 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
         reading: How the model was read of its documents, where options change what it says.
     """
     own = sum(len(each.data) for each in model.documents if not each.is_library)
-    packages = {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets}
-    if own < LARGE or not packages <= set(_CODE):
+    if own < LARGE or not are_own(targets):
         return render(model, targets)
     wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
     named = digest([str(model.documents[0].path), *wanted])
@@ -258,6 +254,11 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     artifacts = render(model, targets)
     keep(name, state, [asdict(each) | {"kind": each.kind.value} for each in artifacts])
     return artifacts
+
+
+def are_own(targets: Iterable[Target[Any]]) -> bool:
+    """Tells whether all targets are those of jausml, so that `tool` knows what they make."""
+    return {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets} <= _CODE
 
 
 def _artifact(raw: dict[str, Any]) -> Artifact:
@@ -275,23 +276,3 @@ def _artifact(raw: dict[str, Any]) -> Artifact:
 def _documents(model: Model) -> Iterator[str]:
     for each in model.documents:
         yield f"{each.path} {each.display} {each.given} {sha256(each.data).hexdigest()}"
-
-
-def tool() -> Iterator[str]:
-    """Yields what says which program renders: versions, and all files of it, as in a checkout."""
-    yield f"{__version__} {sys.version}"
-    yield from map(version, _LIBRARIES)
-    for package in _CODE:
-        folder = Path(str(files(package)))
-        for path in sorted(folder.rglob("*")):
-            if "__pycache__" not in path.parts and path.is_file():
-                yield f"{path.relative_to(folder)} {sha256(path.read_bytes()).hexdigest()}"
-
-
-def digest(texts: Iterable[str]) -> str:
-    """Returns the digest of some texts, which tells them apart however they are cut."""
-    found = sha256()
-    for each in texts:
-        data = each.encode("utf-8", "surrogateescape")
-        found.update(b"%d " % len(data) + data)
-    return found.hexdigest()

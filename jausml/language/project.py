@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 from threading import Lock
@@ -26,6 +26,7 @@ from jausml.language.model.library import (
 )
 from jausml.language.model.project import (
     InputError,
+    Reading,
     files_at,
     made_project,
     model_files,
@@ -208,23 +209,6 @@ def stored_files(root: Path) -> dict[str, bytes]:
 
 
 _ADDRESS = re.compile(r"\d+\.\d+\.\d+")
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """How models are read.
-
-    Attributes:
-        project_root: Folder that references may not leave; None for the one around the files.
-        bridge_address: JAUS id of a bridge that carries all maps of a text; None for none.
-        frequency: Messages each second of that bridge; None for the default.
-    """
-
-    project_root: str | os.PathLike[str] | None = None
-    allow_outside: bool = False
-    projects: Mapping[str, str | os.PathLike[str]] = field(default_factory=dict)
-    bridge_address: str | None = None
-    frequency: float | None = None
 
 
 def read_project(

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.generation.native import COMPILERS, compiler
-from jausml.generation.rendering import digest, tool
-from jausml.language.model.cache import keep, kept
+from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError

@@ -14,6 +14,7 @@ import pytest
 
 from jausml.generation import generate, load_targets, render, render_again, select
 from jausml.generation import rendering as again
+from jausml.language.model import cache
 from jausml.language.validation.engine import check_project
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -86,9 +87,9 @@ def test_each_thing_that_files_are_made_of_counts(car, rendered, monkeypatch):
     makes(every)
     car.write_bytes(car.read_bytes() + b"\n")
     makes(every)
-    monkeypatch.setattr(again, "__version__", "0.0")
+    monkeypatch.setattr(cache, "__version__", "0.0")
     makes(every)
-    template = again.files("jausml_generators") / "bridge" / "templates" / "base.py.j2"
+    template = cache.files("jausml_generators") / "bridge" / "templates" / "base.py.j2"
     read = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b"\n" * (path == template))
     makes(every)
@@ -110,7 +111,7 @@ def test_what_cannot_be_told_apart_is_rendered(car, rendered, monkeypatch):
     def unknown(_):
         raise PackageNotFoundError
 
-    monkeypatch.setattr(again, "version", unknown)
+    monkeypatch.setattr(cache, "version", unknown)
     (messages,) = select(load_targets(), ["messages"]).targets
     assert render_again(model_of(car), [messages], HOW) == render(model_of(car), [messages])
     render_again(model_of(car), [messages], HOW)
@@ -190,7 +191,7 @@ def test_a_kept_file_that_somebody_has_changed_is_not_written(car, tmp_path, ren
 def test_the_verb_keeps_files_of_a_large_model_and_looks_anew_where_that_is_asked(tmp_path):
     large = tmp_path / "large.ros2jaus"
     large.write_text(f"{CAR.read_text('utf-8')}\n// {'x' * (1 << 18)}\n", encoding="utf-8")
-    cache = tmp_path / "cache" / "jausml"
+    kept = tmp_path / "cache" / "jausml"
 
     def run(*options):
         command = [sys.executable, "-m", "jausml", "generate", str(large), "-o", "out", *options]
@@ -198,9 +199,9 @@ def test_the_verb_keeps_files_of_a_large_model_and_looks_anew_where_that_is_aske
 
     assert run("--check").returncode == 1
     assert run("--no-cache").returncode == 0
-    assert not cache.exists()
+    assert not kept.exists()
     assert run().returncode == 0
-    (file,) = cache.iterdir()
+    (file,) = kept.glob("artifacts-*")
     before = tree(tmp_path / "out")
     shutil.rmtree(tmp_path / "out")
     assert run().returncode == 0
@@ -208,4 +209,4 @@ def test_the_verb_keeps_files_of_a_large_model_and_looks_anew_where_that_is_aske
     assert run("--check").returncode == 0
     file.unlink()
     assert run("--no-cache").returncode == run("--check").returncode == 0
-    assert not list(cache.iterdir())
+    assert not list(kept.glob("artifacts-*"))

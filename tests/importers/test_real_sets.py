@@ -15,8 +15,9 @@ from jausml.language.importers.jsidl.scopes import pick_version
 from jausml.language.importers.jsidl.services import services_by_urn
 from jausml.language.model import read_models
 from jausml.language.model.comparison import ON_THE_WIRE, Policy, compare
+from jausml.language.model.project import Reading
 from jausml.language.model.xmi.writer import write_model
-from jausml.language.project import Reading, library
+from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.validation.engine import check_project
 

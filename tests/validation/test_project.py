@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.project import InputError
-from jausml.language.project import Reading, find_models, read_project
+from jausml.language.model.project import InputError, Reading
+from jausml.language.project import find_models, read_project
 from jausml.language.validation.engine import check_project
 
 MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"

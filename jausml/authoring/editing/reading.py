@@ -10,7 +10,6 @@ import sys
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,12 +39,11 @@ _MARKS = (b"<<<<<<< ", b">>>>>>> ")
 _LINE_END = re.compile(rb"\r\n|\n|\r")
 
 
-@lru_cache(maxsize=64)
 def parsed_text(text: str) -> Parsed:
-    """Returns the syntax tree of a text; that of a text just seen is kept."""
-    from jausml.language.text.reading.parsing import parse  # noqa: PLC0415 - takes a while to load
+    """Returns the syntax tree of a text; parsed is what changed since it was seen before."""
+    from jausml.language.text.reading import pieces  # noqa: PLC0415 - takes a while to load
 
-    return parse(text)
+    return pieces.parsed_text(text)
 
 
 NOTATIONS = (Ros2Jaus(parse=parsed_text),)

@@ -16,7 +16,7 @@ from jausml.authoring.editor.context import (
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
-from jausml.authoring.editor.workbench import names_in, pieces_parsed
+from jausml.authoring.editor.workbench import names_in
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -24,6 +24,7 @@ from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
+from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.tree import (
     Assignment,
     Direction,
@@ -106,7 +107,7 @@ class CompletionList:
 def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
     """Returns what can stand at a place."""
     text = bench.text(path)
-    context = context_at(text, pieces_parsed(text), place)
+    context = context_at(text, roughly_parsed(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:

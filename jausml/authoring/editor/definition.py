@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.context import Part, Place, context_at, is_within
 from jausml.authoring.editor.names import Declaration, find
-from jausml.authoring.editor.workbench import imported_file, names_in, pieces_parsed
+from jausml.authoring.editor.workbench import imported_file, names_in
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import (
     Assignment,
@@ -172,7 +173,7 @@ class Definition:
 
 def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
-    found = [each for each in pieces_parsed(text).tokens if is_within(span_of(each), place)]
+    found = [each for each in roughly_parsed(text).tokens if is_within(span_of(each), place)]
     return next((each for each in found if each.type not in _PUNCTUATION), None)
 
 
@@ -189,7 +190,7 @@ def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
     if reference is not None:
         return _in_models(bench, path, reference)
     token = word_at(text, place)
-    context = context_at(text, pieces_parsed(text), place)
+    context = context_at(text, roughly_parsed(text), place)
     if token is None or context.part not in (Part.SOURCE, Part.TARGET):
         return None
     sides = sides_at(bench, path, context)
@@ -217,7 +218,7 @@ def meant(bench: Workbench, path: Path, reference: Reference) -> tuple[Path, Dec
 
 
 def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
-    for item in pieces_parsed(bench.text(path)).document.items:
+    for item in roughly_parsed(bench.text(path)).document.items:
         if isinstance(item, Import) and is_within(item.target.span, place):
             file = imported_file(item, path)
             return Definition(file, Span()) if file is not None and file.is_file() else None

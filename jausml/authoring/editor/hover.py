@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editor.context import Part, Place, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
-from jausml.authoring.editor.workbench import names_in, pieces_parsed
+from jausml.authoring.editor.workbench import names_in
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
@@ -46,7 +47,7 @@ def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, pieces_parsed(text), place)
+    context = context_at(text, roughly_parsed(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:

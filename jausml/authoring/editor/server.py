@@ -24,13 +24,13 @@ from jausml.authoring.editor.workbench import (
     Problem,
     Workbench,
     all_problems,
-    parsed_text,
     syntax_problems,
 )
 from jausml.authoring.editor.workspace_edits import Fix, RenameError, fixes, rename, renamed_span
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX
+from jausml.language.text.reading.pieces import parsed_text
 from jausml.language.text.reading.shaping import span_of
 from jausml.language.text.tree import Span
 from jausml.language.text.writing.layout import lay_out

@@ -20,7 +20,7 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.project import Index, Models, library, own_instances, stored_files
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
-from jausml.language.text.reading.parsing import Parsed, joined, parse, parse_segment, segments_of
+from jausml.language.text.reading.pieces import parsed_text, roughly_parsed
 from jausml.language.text.tree import Import, Span, Text
 from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
@@ -40,43 +40,10 @@ ElementT = TypeVar("ElementT", bound="EObject")
 _WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 
-class _Pieces:
-    """The pieces of the text that was parsed last, which mostly is an earlier state of the next."""
-
-    def __init__(self) -> None:
-        self._last: dict[tuple[int, str], Parsed] = {}
-
-    def parsed(self, text: str) -> Parsed:
-        """Returns the tree of a text; where something is wrong, the pieces behind do not suffer."""
-        last = self._last
-        found = {each: last.get(each) or parse_segment(*each) for each in segments_of(text)}
-        self._last = found
-        return joined(list(found.values()))
-
-
-_PIECES = _Pieces()
-
-
-@lru_cache(maxsize=32)
-def pieces_parsed(text: str) -> Parsed:
-    """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
-
-    It is that of `parsed_text` unless there are syntax errors, which are not those to be shown.
-    """
-    return _PIECES.parsed(text)
-
-
-@lru_cache(maxsize=32)
-def parsed_text(text: str) -> Parsed:
-    """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
-    parsed = pieces_parsed(text)
-    return parse(text) if parsed.faults else parsed
-
-
 @lru_cache(maxsize=32)
 def names_in(text: str) -> Names:
     """Returns the names in a text; those of a text just seen are kept."""
-    return names_of(pieces_parsed(text).document)
+    return names_of(roughly_parsed(text).document)
 
 
 _NOTATIONS = (Ros2Jaus(parse=parsed_text),)
@@ -174,7 +141,7 @@ class Workbench:
 
     def tree(self, path: Path) -> SyntaxTree:
         """Returns the syntax tree of a text."""
-        return pieces_parsed(self.text(path)).document
+        return roughly_parsed(self.text(path)).document
 
     def module_of(self, path: Path, element: EObject) -> str:
         """Returns what a text imports for an element; empty for one that it knows."""

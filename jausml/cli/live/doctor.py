@@ -22,7 +22,7 @@ from jausml.cli.shared.terminal import painted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.live.machine import Finding
 
 

@@ -142,7 +142,7 @@ def command(
     done), 2 usage or environment, 3 internal error.
     """
     from jausml.generation import GenerationError, NoSystemError
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.live.recording.bags import MCAP, is_bag
     from jausml.live.recording.mcap_files import RecordingError, TimeSpan
 

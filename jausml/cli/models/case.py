@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from jausml.language.model import Diagnostic
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
     from jausml.safety_case.argument import SafetyCase
     from jausml.safety_case.comparing import Former

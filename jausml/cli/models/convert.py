@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
+    from jausml.language.model.project import Reading
     from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.project import Reading
     from jausml.language.text.reading.parsing import Parsed
 
 _XMI, _TEXT = SUFFIXES

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from jausml.authoring.differences.matching import Matching
     from jausml.language.model.diagnostics import Diagnostic, Location
     from jausml.language.model.model import Model
+    from jausml.language.model.project import Reading
     from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.project import Reading
 
 FORMATS = ("text", "json", "svg", "html")
 _PICTURES = ("svg", "html")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ros import InterfacePackage
     from jausml.language.model.model import Model
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
 
 JSIDL_SUFFIXES = (".xml", ".jsidl")

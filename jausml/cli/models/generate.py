@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,23 +10,25 @@ import click
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import (
     bridge_options,
+    cache_option,
     checked,
     fail,
     model_argument,
     reading_options,
-    show_findings,
 )
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.generation import Artifact, NoSystemError, Plan, Result, Selection, Target
+    from jausml.language.model.answers import Question
     from jausml.language.model.model import Model
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
 
-    Rendering = Callable[..., list[Artifact]]
+    Line = tuple[str, bool]
+    """What is printed, with its line end, and whether on stderr."""
 
 _FEW = 3
 """Files of a package that are listed one by one when the same becomes of them."""
@@ -107,11 +108,7 @@ class WholeLibraryOption(click.Option):
     metavar="HZ",
     help="Frequency of every bridge, for connections that state no rate.",
 )
-@click.option(
-    "--no-cache",
-    is_flag=True,
-    help="Render all files of a large model, also those that were rendered of the same before.",
-)
+@cache_option
 @reading_options
 @bridge_options
 @quiet_option("Do not list files; with --check, list those that would change.")
@@ -138,6 +135,9 @@ def command(
     afterwards, except by --fix, which prints what it changes. They are read, not run: what no
     longer fits the generated code is an error where it ends the program, else a warning.
 
+    What came of a run is kept in the cache of the user, and told again at once while neither the
+    model nor a file in OUT changes.
+
     If the same happens to many files of a package, they are listed as one line. Unchanged files are
     not listed. `jausml --verbose generate` lists every file.
 
@@ -145,45 +145,81 @@ def command(
     something would change; --check and --strict: or your own files no longer fit the model), 2
     usage or environment, 3 internal error.
     """
-    from jausml.generation import with_code
-    from jausml.language.validation.formats import RENDERERS
+    from jausml.language.model.looking import look, look_below, noting
 
     is_report = output_format != "text" or output is not None
     mode = _mode(modes, fix=fix, is_report=is_report)
     _check_frequency(frequency)
     folder = _out_folder(model, out)
+    # What says whether a workspace is right looks for itself.
+    is_kept = mode == "write" and not no_cache
+    is_usual = is_kept and not (fix or adopt or force or verbosity().verbose)
+    asked = (model, out, names, whole_library, strict, frequency, reading, quiet, verbosity())
+    question = _question(asked) if is_usual else None
+    if question is not None and (known := question.answer()) is not None:
+        _tell(map(tuple, known))
+        return
+    from jausml.generation import are_own, with_code
+    from jausml.language.validation.formats import RENDERERS, text
+
     selection = _selected(names, whole_library=whole_library)
-    report = checked([model], reading, is_one=True, frequency=frequency)
+    with noting() as seen:
+        report = checked([model], reading, is_one=True, frequency=frequency)
     is_bad = report.has_errors or (strict and report.has_warnings)
-    if not is_report:
-        show_findings(report)
+    findings = [] if is_report else [(painted_findings(text.render(report)), True)]
+    _tell(findings)
     if is_bad:
         if is_report:
             write_report(RENDERERS[output_format](report), output)
         fail(report, "nothing generated")
-    is_written = mode == "write"
+    rendering = _Rendering(reading, frequency, is_kept=is_kept)
     result = _generated(
         report.model,
         selection,
         folder,
         adopt=adopt,
         force=force,
-        write=is_written,
+        write=mode == "write",
         fix=fix,
-        # What says whether a workspace is right looks for itself.
-        rendering=_rendering((reading, frequency) if is_written and not no_cache else None),
+        rendering=rendering,
     )
     if is_report:
         write_report(RENDERERS[output_format](with_code(report, result, folder)), output)
     else:
-        _report_fixes(result)
-        _report_drift(result, folder)
-        _show(result.plan, mode, quiet=quiet)
+        _tell(_fixes(result))
+        _tell(_changes(result, folder, mode, quiet=quiet))
     if fix and result.drift and not result.fixed:
         remark("--fix changed nothing: how these fit again is for you to decide")
-    _conclude(result)
+    _tell(_conclusion(result))
     if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
         raise click.exceptions.Exit(PROBLEMS)
+    if question is not None and are_own((*selection.targets, *selection.renewed)):
+        with noting(seen):
+            look("real", folder)
+            look_below(folder)
+            again = _generated(report.model, selection, folder, write=False, rendering=rendering)
+            look_below(folder)
+        if again.plan.is_up_to_date:
+            lines = [*findings, *_changes(again, folder, mode, quiet=quiet), *_conclusion(again)]
+            question.keep(lines, seen)
+
+
+def _question(asked: Sequence[object]) -> Question | None:
+    """Returns what is asked of the installed targets; None where others than ours may change."""
+    from importlib.metadata import entry_points
+
+    from jausml.language.model.answers import Question
+
+    # To load targets takes long; their names tell enough of them.
+    targets = sorted((each.name, each.value) for each in entry_points(group="jausml.targets"))
+    if not all(module.startswith("jausml_generators.") for _, module in targets):
+        return None
+    return Question(("generate", *asked, *targets))
+
+
+def _tell(lines: Iterable[Line]) -> None:
+    for line, err in lines:
+        click.echo(line, nl=False, err=err)
 
 
 def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
@@ -199,9 +235,11 @@ def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
 
 
 def _check_frequency(frequency: float | None) -> None:
+    if frequency is None:
+        return
     from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
 
-    if frequency is not None and not 0 < frequency <= MAXIMUM_RATE:
+    if not 0 < frequency <= MAXIMUM_RATE:
         raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
 
 
@@ -278,11 +316,25 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
         raise click.ClickException(f"cannot generate from this model: {error}") from error
 
 
-def _rendering(read: tuple[Reading, float | None] | None) -> Rendering:
-    """Returns what renders: anew, or again where it is known how the model was read."""
-    from jausml.generation import render, render_again
+class _Rendering:
+    """Renders a model once, and has then what was made.
 
-    return render if read is None else partial(render_again, reading=repr(read))
+    Args:
+        is_kept: Whether files of a large model may be those that were rendered of the same before.
+    """
+
+    def __init__(self, reading: Reading, frequency: float | None, *, is_kept: bool) -> None:
+        self._how = repr((reading, frequency)) if is_kept else ""
+        self._made: list[Artifact] | None = None
+
+    def __call__(self, model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
+        """Returns the files of targets."""
+        from jausml.generation import render, render_again
+
+        if self._made is None:
+            again = self._how
+            self._made = render_again(model, targets, again) if again else render(model, targets)
+        return self._made
 
 
 def _no_system(error: NoSystemError) -> str:
@@ -297,50 +349,48 @@ def _no_system(error: NoSystemError) -> str:
     return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 
-def _report_fixes(result: Result) -> None:
+def _fixes(result: Result) -> Iterator[Line]:
     for each in result.fixed:
         edit, place = each.edit, f"{result.plan.out / each.path}:{each.edit.line}"
         old, new = (" ".join(text.split()) for text in (edit.old, edit.new))
-        click.echo(f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}", err=True)
+        yield f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}\n", True
 
 
-def _report_drift(result: Result, folder: Path) -> None:
+def _changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> Iterator[Line]:
+    """Yields what no longer fits, and what becomes of files."""
+    from jausml.generation import unified_diff
     from jausml.language.validation.formats.text import lines_of
 
     for finding in result.drift:
         (line,) = lines_of(finding.diagnostic(folder))
-        click.echo(painted_findings(line), err=True)
+        yield f"{painted_findings(line)}\n", True
         if finding.stub:
-            click.echo(finding.stub, err=True, nl=not finding.stub.endswith("\n"))
-
-
-def _show(plan: Plan, mode: str, *, quiet: bool) -> None:
-    """Tells what becomes of files."""
-    from jausml.generation import unified_diff
-
+            yield finding.stub if finding.stub.endswith("\n") else f"{finding.stub}\n", True
     if mode == "diff":
-        click.echo(unified_diff(plan), nl=False)
+        yield unified_diff(result.plan), False
     elif verbosity().verbose:
-        _list(plan)
+        yield from _list(result.plan)
     elif not quiet or mode == "check":
-        _list_changes(plan)
+        yield from _list_changes(result.plan)
 
 
-def _conclude(result: Result) -> None:
+def _conclusion(result: Result) -> Iterator[Line]:
     for action in result.plan.refused:
-        click.echo(f"{result.plan.out / action.path}: error: {action.reason}", err=True)
-    remark(_summary(result))
+        yield f"{result.plan.out / action.path}: error: {action.reason}\n", True
+    if verbosity().quiet:
+        return
+    yield f"{_summary(result)}\n", True
     if result.drift and not result.fixed and any(each.edits for each in result.drift):
-        remark("--fix changes your files where it is certain how")
+        yield "--fix changes your files where it is certain how\n", True
 
 
-def _list(plan: Plan) -> None:
+def _list(plan: Plan) -> Iterator[Line]:
     for action in plan.actions:
-        click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
+        yield f"{action.kind.value:6} {action.path} ({action.reason})\n", False
 
 
-def _list_changes(plan: Plan) -> None:
-    """Tells what is not kept; many files of a package with one fate are one line."""
+def _list_changes(plan: Plan) -> Iterator[Line]:
+    """Yields what is not kept; many files of a package with one fate are one line."""
     from jausml.generation import ActionKind
 
     fates: dict[tuple[str, str, str], list[str]] = {}
@@ -351,10 +401,10 @@ def _list_changes(plan: Plan) -> None:
             fates.setdefault(fate, []).append(action.path)
     for (kind, package, reason), paths in fates.items():
         if package and len(paths) > _FEW:
-            click.echo(f"{kind:6} {package}/ ({len(paths)} files, {reason})")
+            yield f"{kind:6} {package}/ ({len(paths)} files, {reason})\n", False
             continue
         for path in paths:
-            click.echo(f"{kind:6} {path} ({reason})")
+            yield f"{kind:6} {path} ({reason})\n", False
 
 
 def _summary(result: Result) -> str:

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project import OneDocument, Reading
+    from jausml.language.model.project import Reading
+    from jausml.language.project import OneDocument
     from jausml.mutating.outcomes import Campaign
     from jausml.mutating.running import Settings
 

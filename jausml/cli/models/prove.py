@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.language.model import Model
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
     from jausml.proving.results import MapResult
     from jausml.proving.round_trips import RoundTrip

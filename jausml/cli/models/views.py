@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.diagrams.graph import Graph
 

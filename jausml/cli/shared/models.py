@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.language.model import Model, ReadResult
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
     from jausml.live.messages import Catalogue
 
@@ -71,6 +71,13 @@ def only_system(argument: str) -> str:
 
     with _usable_input():
         return from_here(Index(_project(argument)).only_system())
+
+
+cache_option = click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Find out everything anew, also what is known because nothing has changed.",
+)
 
 
 def models_argument(command: Callable[..., None]) -> Callable[..., None]:
@@ -159,7 +166,7 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
         bridge_frequency: float | None = None,
         **others: object,
     ) -> None:
-        from jausml.language.project import Reading
+        from jausml.language.model.project import Reading
 
         reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
         command(*arguments, reading=reading, **others)

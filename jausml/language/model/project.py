@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.language.model.inputs import leads_out, open_input
 from jausml.language.model.library import SUFFIXES, library_root, shipped_as
+from jausml.language.model.looking import look
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 MARKER = ".project"
 """The file that makes a folder a project; `jausml init` writes one, as Eclipse does."""
@@ -28,7 +30,9 @@ def project_folder(path: Path) -> Path | None:
     none above the checkout, which is the project itself where it has no such file.
     """
     marks = (MARKER, _CHECKOUT)
-    return next((each for each in path.parents if any((each / m).exists() for m in marks)), None)
+    return next(
+        (each for each in path.parents if any(look("exists", each / m) for m in marks)), None
+    )
 
 
 def made_project(folder: Path) -> Path | None:
@@ -36,13 +40,13 @@ def made_project(folder: Path) -> Path | None:
 
     A checkout alone may hold models of all kinds, which do not belong together.
     """
-    found = project_folder(Path(os.path.realpath(folder)) / "any")
-    return found if found is not None and (found / MARKER).is_file() else None
+    found = project_folder(Path(look("real", folder)) / "any")
+    return found if found is not None and look("is_file", found / MARKER) else None
 
 
 def enclosing_project(path: Path) -> Path | None:
     """Returns the nearest folder above a file that is an Eclipse project, None without one."""
-    return next((each for each in path.parents if (each / MARKER).is_file()), None)
+    return next((each for each in path.parents if look("is_file", each / MARKER)), None)
 
 
 def find_project_root(paths: Iterable[Path]) -> Path:
@@ -52,12 +56,12 @@ def find_project_root(paths: Iterable[Path]) -> Path:
     that holds the file; else the current folder, when all files lie in it; else the folder that all
     files share. It is no narrower than the project: parts of a checkout refer to each other.
     """
-    real = [Path(os.path.realpath(path)) for path in paths]
+    real = [Path(look("real", path)) for path in paths]
     folders = [path.parent for path in real]
     if not folders:
         return Path.cwd()
     for folder in (folders[0], *folders[0].parents):
-        if (folder / _CHECKOUT).exists():
+        if look("exists", folder / _CHECKOUT):
             return folder
     project = enclosing_project(real[0])
     if project is not None:
@@ -83,6 +87,7 @@ def walk(
         OSError: A folder cannot be read, unless `onerror` is another.
     """
     for parent, subfolders, names in os.walk(folder, onerror=onerror):
+        look("entries", parent)
         subfolders[:] = sorted(filter(_is_shown, subfolders))
         for name in sorted(names):
             if name.endswith(suffixes) and _is_shown(name):
@@ -113,9 +118,9 @@ def is_model_file(file: str, root: Path, suffixes: tuple[str, ...] = SUFFIXES) -
     """
     if not file.endswith(suffixes) or not all(map(_is_shown, file.split("/"))):
         return False
-    real = os.path.realpath(root / file)
+    real = look("real", root / file)
     # A device or pipe would keep its reader waiting.
-    if os.path.exists(real) and not os.path.isfile(real):  # noqa: PTH110, PTH113 -- many
+    if look("exists", real) and not look("is_file", real):
         return False
     library = os.path.realpath(library_root()) + os.sep
     if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
@@ -125,6 +130,23 @@ def is_model_file(file: str, root: Path, suffixes: tuple[str, ...] = SUFFIXES) -
 
 def _is_shown(name: str) -> bool:
     return not name.startswith(".") and name not in _BUILT
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How models are read.
+
+    Attributes:
+        project_root: Folder that references may not leave; None for the one around the files.
+        bridge_address: JAUS id of a bridge that carries all maps of a text; None for none.
+        frequency: Messages each second of that bridge; None for the default.
+    """
+
+    project_root: str | os.PathLike[str] | None = None
+    allow_outside: bool = False
+    projects: Mapping[str, str | os.PathLike[str]] = field(default_factory=dict)
+    bridge_address: str | None = None
+    frequency: float | None = None
 
 
 class InputError(Exception):
@@ -142,7 +164,7 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
 def files_at(path: str, suffixes: tuple[str, ...], hint: str = "") -> Sequence[str]:
     """Returns a file, or the files with certain endings below a folder, sorted."""
     try:
-        if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
+        if look("is_folder", path):
             found = sorted(walk(path, suffixes))
             _refuse_links(path, found)
             if not found:
@@ -164,7 +186,7 @@ def shown(path: str | Path) -> str:
 def _refuse_links(folder: str, found: Sequence[str]) -> None:
     """Refuses files of a walk that are links out of the project: nobody has named them."""
     links = [each for each in found if os.path.islink(each)]  # noqa: PTH114 - as above
-    root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
+    root = Path(look("real", find_project_root([Path(folder) / "any"]))) if links else None
     for each in links:
         if root is not None and leads_out(each, root):
             raise InputError(

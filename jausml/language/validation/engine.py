@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model import ReadResult
     from jausml.language.model.model import Model
-    from jausml.language.project import Reading
+    from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Finding, Part, Rule
 
 

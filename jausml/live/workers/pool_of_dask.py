@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from distributed import Client, KilledWorker, get_worker
 from distributed.diagnostics.plugin import WorkerPlugin
 
-from jausml.generation.rendering import digest, tool
+from jausml.language.model.cache import digest, tool
 from jausml.live.workers.pool_processes import PoolError, PoolProcesses
 
 if TYPE_CHECKING:

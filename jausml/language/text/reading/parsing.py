@@ -4,14 +4,10 @@ The parser is lark's LALR parser, fed token by token. At an error it drops the i
 and goes on with what comes behind it in the same list: the next item that begins a line, or the
 bracket that ends the list. Brackets that are missing are added, those too many are left out; a
 clause of a map that begins a line tells that the list before it lacks its bracket.
-
-A segment ends with the line on which a bracket ends an element of the text. Segments can be parsed
-one by one, so that what was not changed need not be parsed again.
 """
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,9 +23,9 @@ from jausml.language.text.reading.scanning import (
     suggestion,
 )
 from jausml.language.text.reading.shaping import Items, span_of
-from jausml.language.text.tree import DEEPEST, LONGEST, Span, SyntaxTree
+from jausml.language.text.tree import DEEPEST, LONGEST, Element, Span, SyntaxTree
 
-__all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse"]
+__all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse", "parse_part"]
 
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
@@ -50,16 +46,29 @@ class Parsed:
     tokens: list[Token] = field(default_factory=list)
 
 
-def parse(text: str, first_line: int = 1) -> Parsed:
-    """Reads a text, perhaps with a byte order mark, that begins on some line; never raises."""
+def parse(text: str) -> Parsed:
+    """Reads a text, perhaps with a byte order mark; never raises."""
     text = text.removeprefix("\ufeff")
     if len(text) > LONGEST:
         fault = SyntaxFault(Span(), f"the text is longer than {LONGEST:,} characters")
         return Parsed(SyntaxTree(), [fault])
-    scanned = scan(text, first_line)
+    return parse_part(text)
+
+
+def parse_part(
+    text: str, line: int = 1, *, is_first: bool = True, in_block: bool = False
+) -> Parsed:
+    """Reads a part of a text.
+
+    Args:
+        line: The line on which it begins; positions are those in the whole text.
+        is_first: Whether no item stands before it; else one does, on the line before.
+        in_block: Whether it consists of items of a block, and not of those of a text.
+    """
+    scanned = scan(text, line)
     run = _Run(scanned.tokens)
-    document = run.document()
-    attach(document, scanned.comments)
+    document = run.block() if in_block else run.document()
+    attach(document, scanned.comments, 0 if is_first else line - 1)
     faults = scanned.faults + run.faults
     faults.sort(key=lambda fault: (fault.span.line, fault.span.column))
     return Parsed(document, faults, scanned.tokens)
@@ -76,8 +85,8 @@ class _Run:
         self._values: list[Any] = self._parser.parser_state.value_stack
         self._states: list[Any] = self._parser.parser_state.state_stack
 
-    def document(self) -> SyntaxTree:
-        """Reads all tokens."""
+    def document(self, *, is_block: bool = False) -> SyntaxTree:
+        """Reads all tokens, and ends the block before if they are in one."""
         position = depth = 0
         while position < len(self._tokens):
             token = self._tokens[position]
@@ -97,16 +106,24 @@ class _Run:
             else:
                 position += 1
                 depth -= token.type in _OPENERS
-        return self._end(position)
+        return self._end(position, is_block=is_block)
 
-    def _end(self, position: int) -> SyntaxTree:
+    def block(self) -> SyntaxTree:
+        """Reads all tokens as items of a block."""
+        self._parser.feed_token(self._token("WORD"))
+        self._parser.feed_token(self._token("LBRACE"))
+        document = self.document(is_block=True)
+        around = document.items[0] if document.items else None
+        return SyntaxTree(list(around.items) if isinstance(around, Element) else [])
+
+    def _end(self, position: int, *, is_block: bool) -> SyntaxTree:
         """Ends the document, with the brackets that are missing."""
         if position < len(self._tokens):
             is_deep = len(self.faults) < MOST_FAULTS
             deep = f"brackets are nested more than {DEEPEST} deep"
             message = deep if is_deep else "so much is wrong above that the rest is not read"
             self.faults.append(SyntaxFault(span_of(self._tokens[position]), message))
-        elif not self._accepts("$END"):
+        elif not self._accepts("RBRACE" if is_block else "$END"):
             self._report(position)
         self._complete_item()
         self._drop_item()
@@ -316,61 +333,3 @@ class _Run:
 def _kind(value: Any) -> str:
     """Returns the type of a token, and nothing for what was made of several."""
     return value.type if isinstance(value, Token) else ""
-
-
-_CUT = re.compile(
-    r"""
-    (?P<skipped> "(?:\\[^\n]|[^"\\\n])*"? | `(?:\\[^\n]|[^`\\\n])*`? | //[^\n]* | /\*.*?(?:\*/|\Z) )
-    | (?P<opening> [{(\[] )
-    | (?P<closing> [})\]] ) (?P<end> [ \t]* (?://[^\n]*)? \n )?
-    """,
-    re.VERBOSE | re.DOTALL,
-)
-_NOTHING = re.compile(r"(?: \s | //[^\n]* | /\*.*?(?:\*/|\Z) )*\Z", re.VERBOSE | re.DOTALL)
-_EMPTY_LINE = re.compile(r"[ \t]*\n")
-
-
-def segments_of(text: str) -> list[tuple[int, str]]:
-    """Cuts a text into segments.
-
-    Returns:
-        The line on which each begins, from 1, and its text.
-    """
-    if "\r" in text or len(text) > LONGEST:
-        return [(1, text)]
-    found = []
-    start, line, depth = 0, 1, 0
-    for match in _CUT.finditer(text):
-        if match["opening"]:
-            depth += 1
-        elif match["closing"]:
-            depth = max(depth - 1, 0)
-            end = match.end()
-            if match["end"] and not depth and match["closing"] == "}":
-                found.append((line, text[start:end]))
-                line += text.count("\n", start, end)
-                start = end
-    if found and _NOTHING.match(text, start):
-        # Comments at the end belong to what is before them.
-        line, last = found.pop()
-        start -= len(last)
-    return [*found, (line, text[start:])]
-
-
-def parse_segment(line: int, text: str) -> Parsed:
-    """Reads a segment; positions are those in the whole text."""
-    parsed = parse(text, line)
-    if line > 1 and parsed.document.items:
-        # An empty line before it tells it from the segment before.
-        parsed.document.items[0].spaced = bool(_EMPTY_LINE.match(text))
-    return parsed
-
-
-def joined(segments: list[Parsed]) -> Parsed:
-    """Returns what parsing the whole text gives, if there is no error in it."""
-    document = SyntaxTree(
-        [item for each in segments for item in each.document.items],
-        [comment for each in segments for comment in each.document.closing],
-    )
-    faults = [fault for each in segments for fault in each.faults]
-    return Parsed(document, faults, [token for each in segments for token in each.tokens])

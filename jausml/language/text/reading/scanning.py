@@ -271,10 +271,14 @@ class _Body:
     end: tuple[int, int]
 
 
-def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
-    """Puts comments to the items of a document, and tells items that stand behind an empty line."""
+def attach(document: SyntaxTree, comments: Sequence[Token], line: int = 0) -> None:
+    """Puts comments to the items of a document, and tells items that stand behind an empty line.
+
+    Args:
+        line: The last line of an item before it; 0 for none.
+    """
     far = (1 << 60, 0)
-    _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
+    _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments), line)
 
 
 def _ordinary(comment: Token) -> str:
@@ -289,14 +293,13 @@ def _ordinary(comment: Token) -> str:
     return "\n".join([first, *cut])
 
 
-def _distribute(body: _Body, comments: list[Token]) -> list[Token]:
-    """Puts comments to the items of a list.
+def _distribute(body: _Body, comments: list[Token], line: int = 0) -> list[Token]:
+    """Puts comments to the items of a list, behind an item that ends on a line.
 
     Returns:
         Those that the list has no place for.
     """
     pending = list(reversed(comments))
-    line = 0
     for item in body.items:
         start, end = _start(item), _end(item)
         leading = _take(pending, start)
