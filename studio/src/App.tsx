@@ -1,4 +1,4 @@
-import { useEffect } from "react";
+import { type ReactNode, useEffect } from "react";
 import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
@@ -9,6 +9,7 @@ import { Generate } from "./panels/generate/Generate";
 import { Live } from "./panels/live/Live";
 import { Log } from "./panels/log/Log";
 import { MapEditor } from "./panels/map/MapEditor";
+import { Outline } from "./panels/outline/Outline";
 import { Palette } from "./panels/palette/Palette";
 import { Problems } from "./panels/problems/Problems";
 import { Source } from "./panels/source/Source";
@@ -31,33 +32,34 @@ export function App() {
     <div className="studio" style={asProperties(sizes, right)}>
       <Header />
       <Banners />
-      <aside className="left" aria-label="Palette">
-        <Palette />
+      <aside className="left" aria-label="What there is">
+        <Left />
+        <Splitter
+          side="left"
+          label="Width of the palette"
+          size={sizes.left}
+          onSize={(left) => resize({ left })}
+        />
       </aside>
       <Middle />
       <aside className="right" aria-label="What is chosen">
         <Right />
+        <Splitter
+          side={right}
+          label="Width of the properties"
+          size={sizes[right]}
+          onSize={(size) => resize({ [right]: size })}
+        />
       </aside>
-      <Bottom isFolded={sizes.isFolded} onFold={fold} />
-      <Splitter
-        side="left"
-        label="Width of the palette"
-        size={sizes.left}
-        onSize={(left) => resize({ left })}
-      />
-      <Splitter
-        side={right}
-        label="Width of the properties"
-        size={sizes[right]}
-        onSize={(size) => resize({ [right]: size })}
-      />
-      <Splitter
-        side="bottom"
-        label="Height of the lower panel"
-        size={sizes.bottom}
-        onSize={(bottom) => resize({ bottom, isFolded: false })}
-        onFold={fold}
-      />
+      <Bottom isFolded={sizes.isFolded} onFold={fold}>
+        <Splitter
+          side="bottom"
+          label="Height of the lower panel"
+          size={sizes.bottom}
+          onSize={(bottom) => resize({ bottom, isFolded: false })}
+          onFold={fold}
+        />
+      </Bottom>
       <Dialogs />
       <Said />
     </div>
@@ -84,6 +86,23 @@ function Middle() {
   );
 }
 
+function Left() {
+  const left = useStudio((studio) => studio.left);
+  return (
+    <Tabs
+      label="Show of what there is"
+      tabs={[
+        ["palette", "Palette"],
+        ["outline", "Outline"],
+      ]}
+      chosen={left}
+      onChoose={(tab) => update({ left: tab })}
+    >
+      {left === "outline" ? <Outline /> : <Palette />}
+    </Tabs>
+  );
+}
+
 function Right() {
   const right = useStudio((studio) => studio.right);
   return (
@@ -101,7 +120,13 @@ function Right() {
   );
 }
 
-function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
+interface BottomProps {
+  isFolded: boolean;
+  onFold: () => void;
+  children: ReactNode;
+}
+
+function Bottom({ isFolded, onFold, children }: BottomProps) {
   const bottom = useStudio((studio) => studio.bottom);
   const tabs: [BottomTab, string][] = [
     ["problems", useProblemsTitle()],
@@ -133,6 +158,7 @@ function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void })
       >
         <Panel />
       </Tabs>
+      {children}
     </section>
   );
 }
