@@ -1,4 +1,4 @@
-import { lazy, Suspense, useEffect } from "react";
+import { lazy, type ReactNode, Suspense, useEffect } from "react";
 import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
@@ -10,6 +10,7 @@ import { Generate } from "./panels/generate/Generate";
 import { Live } from "./panels/live/Live";
 import { Log } from "./panels/log/Log";
 import { MapEditor } from "./panels/map/MapEditor";
+import { Outline } from "./panels/outline/Outline";
 import { Palette } from "./panels/palette/Palette";
 import { Problems } from "./panels/problems/Problems";
 import { Source } from "./panels/source/Source";
@@ -36,33 +37,34 @@ export function App() {
     <div className="studio" style={asProperties(sizes, right)}>
       <Header />
       <Banners />
-      <aside className="left" aria-label="Palette">
-        <Palette />
+      <aside className="left" aria-label="What there is">
+        <Left />
+        <Splitter
+          side="left"
+          label="Width of the palette"
+          size={sizes.left}
+          onSize={(left) => resize({ left })}
+        />
       </aside>
       <Middle />
       <aside className="right" aria-label="What is chosen">
         <Right />
+        <Splitter
+          side={right}
+          label="Width of the properties"
+          size={sizes[right]}
+          onSize={(size) => resize({ [right]: size })}
+        />
       </aside>
-      <Bottom isFolded={sizes.isFolded} onFold={fold} />
-      <Splitter
-        side="left"
-        label="Width of the palette"
-        size={sizes.left}
-        onSize={(left) => resize({ left })}
-      />
-      <Splitter
-        side={right}
-        label="Width of the properties"
-        size={sizes[right]}
-        onSize={(size) => resize({ [right]: size })}
-      />
-      <Splitter
-        side="bottom"
-        label="Height of the lower panel"
-        size={sizes.bottom}
-        onSize={(bottom) => resize({ bottom, isFolded: false })}
-        onFold={fold}
-      />
+      <Bottom isFolded={sizes.isFolded} onFold={fold}>
+        <Splitter
+          side="bottom"
+          label="Height of the lower panel"
+          size={sizes.bottom}
+          onSize={(bottom) => resize({ bottom, isFolded: false })}
+          onFold={fold}
+        />
+      </Bottom>
       <Dialogs />
       {/* Who may command has the stop at hand, whatever else is shown. */}
       {(isOperating || hasRight()) && (
@@ -95,6 +97,23 @@ function Middle() {
   );
 }
 
+function Left() {
+  const left = useStudio((studio) => studio.left);
+  return (
+    <Tabs
+      label="Show of what there is"
+      tabs={[
+        ["palette", "Palette"],
+        ["outline", "Outline"],
+      ]}
+      chosen={left}
+      onChoose={(tab) => update({ left: tab })}
+    >
+      {left === "outline" ? <Outline /> : <Palette />}
+    </Tabs>
+  );
+}
+
 function Right() {
   const right = useStudio((studio) => studio.right);
   return (
@@ -112,7 +131,13 @@ function Right() {
   );
 }
 
-function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
+interface BottomProps {
+  isFolded: boolean;
+  onFold: () => void;
+  children: ReactNode;
+}
+
+function Bottom({ isFolded, onFold, children }: BottomProps) {
   const chosen = useStudio((studio) => studio.bottom);
   const isMachine = useStudio((studio) => studio.view.startsWith("machine:"));
   const tabs: [BottomTab, string][] = [
@@ -147,6 +172,7 @@ function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void })
       >
         <Panel />
       </Tabs>
+      {children}
     </section>
   );
 }

@@ -2,6 +2,9 @@
 
 import type { Graph, GraphEdge, GraphNode, GraphPort, Ref } from "./protocol";
 
+/** Kind of the box that stands for a closed frame. */
+export const CLOSED = "closed";
+
 /** Key of a node, a port, an edge or a frame of the shown graph. */
 export type PartKey = string;
 
@@ -117,17 +120,26 @@ function carried(part: Part, before: Graph, after: Graph): PartKey | null {
   }
   if (part.of === "group") {
     const group = again(part.id, before.groups, after.groups);
-    return group && groupKey(group.id);
+    if (group) return groupKey(group.id);
+    const closed = again(part.id, before.groups, after.nodes);
+    return closed && nodeKey(closed.id);
   }
   const box = part.of === "node" ? part.id : part.node;
   const node = again(box, before.nodes, after.nodes);
+  if (!node && part.of === "node") {
+    // The box of a closed frame becomes the frame.
+    const opened = again(box, before.nodes, after.groups);
+    if (opened) return groupKey(opened.id);
+  }
   if (!node || part.of === "node") return node && nodeKey(node.id);
   const rows = indexOf(before).nodes.get(box)?.ports ?? [];
   const port = again(part.id, rows, node.ports);
   return port ? portKey(node.id, port.id) : nodeKey(node.id);
 }
 
-function again<T extends { id: string; key: string }>(id: string, before: T[], after: T[]) {
+type Keyed = { id: string; key: string };
+
+function again<T extends Keyed>(id: string, before: Keyed[], after: T[]): T | null {
   const key = before.find((each) => each.id === id)?.key;
   return after.find((each) => each.key === key) ?? null;
 }

@@ -11,8 +11,10 @@ import type {
   Graph,
   GraphEnd,
   KeptEdit,
+  LayoutKey,
   LegalEnd,
   LiveState,
+  Point,
   Problems,
   Project,
   Ref,
@@ -89,6 +91,7 @@ export interface Walk {
 
 export type BottomTab = "problems" | "generate" | "live" | "step" | "log";
 export type MiddleTab = "diagram" | "table" | "members";
+export type LeftTab = "palette" | "outline";
 export type RightTab = "form" | "source";
 
 export interface Studio {
@@ -101,6 +104,14 @@ export interface Studio {
   graph: Graph | null;
   /** Revision that the graph shows. */
   revision: number;
+  /** Number of the picture that the graph is, 0 where the server has none of it. */
+  picture: number;
+  /** Whether its findings are those of its revision. */
+  isChecked: boolean;
+  /** Keys of the frames that are shown with what is in them. */
+  opened: LayoutKey[];
+  /** The middle of what shall be seen next. */
+  centre: Point | null;
   /** What the graph is worth, null where nothing was said of it. */
   freshness: Freshness | null;
   /** Why there is no graph, empty if there is one. */
@@ -135,6 +146,7 @@ export interface Studio {
   /** The machine that is stepped, null while none is. */
   walk: Walk | null;
   bottom: BottomTab;
+  left: LeftTab;
   middle: MiddleTab;
   right: RightTab;
 }
@@ -148,6 +160,10 @@ export const BEGINNING: Studio = {
   view: "",
   graph: null,
   revision: 0,
+  picture: 0,
+  isChecked: true,
+  opened: [],
+  centre: null,
   freshness: null,
   graphFault: "",
   selection: [],
@@ -170,6 +186,7 @@ export const BEGINNING: Studio = {
   filter: "",
   walk: null,
   bottom: "problems",
+  left: "palette",
   middle: "diagram",
   right: "form",
 };

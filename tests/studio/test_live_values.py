@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 
 import pytest
+from large_systems import large_system
 
-from jausml.authoring.studio.live import HISTORY, Places, live_values, places_of
+from jausml.authoring.studio.live import HISTORY, live_values
+from jausml.authoring.studio.live_places import Places, places_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.folding import (
@@ -216,3 +218,23 @@ def test_a_model_without_a_system_shows_nothing(tmp_path):
     model = read_models([path], notations=NOTATIONS).model
     assert places_of(model) == Places()
     assert live_values(SystemState(), Places())["boxes"] == {}
+
+
+def test_a_closed_frame_is_told_as_the_worst_that_is_in_it(tmp_path):
+    file = tmp_path / "large.ros2jaus"
+    file.write_text(large_system(30, 2), encoding="utf-8")
+    model = read_models([file], notations=NOTATIONS).model
+    places = places_of(model)
+    bridge, host = places.frames[places.rows["/bridge0", "velocity0"]]
+    state = expected(declarations_of(model), components_of(model), 0.0)
+    heard = DiagnosticStatus(0, "/bridge0: velocity0", "running", "100.1.200", VALUES)
+    boxes = live_values(fold_statuses(state, [heard], 7.0), places)["boxes"]
+    assert boxes[bridge]["level"] != "ok"
+    assert "1 ok" in boxes[bridge]["text"]
+    assert "1 ok" in boxes[host]["text"]
+    assert "ok" not in boxes[next(f for f in boxes if f.endswith("@bridges.1!frame"))]["text"]
+    assert boxes[host]["gone"] is False
+
+
+def test_no_frames_are_told_of_a_system_that_is_not_large(places):
+    assert places.frames == {}

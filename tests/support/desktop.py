@@ -55,9 +55,24 @@ class Desktop:
 
     def place(self, name):
         """Where a box stands in the diagram, in whole pixels."""
-        node = self.page.locator(".react-flow__node").filter(has=self.box(name))
+        return self.stands(self.page.locator(".react-flow__node").filter(has=self.box(name)))
+
+    def stands(self, node):
+        """Where a part of the diagram stands in it, in whole pixels."""
         moved = node.evaluate("node => node.style.transform")
         return [round(float(each)) for each in re.findall(r"-?[\d.]+(?=px)", moved)]
+
+    def zoom_into(self, part, is_near):
+        """Goes nearer to the upper left of a part until something is so."""
+        place = part.bounding_box()
+        left, top = max(place["x"], 0) + 12, max(place["y"], 0) + 12
+        self.page.mouse.move(left, top)
+        for _ in range(200):
+            if is_near():
+                return
+            self.page.mouse.wheel(0, -60)
+            self.page.wait_for_timeout(400)
+        raise AssertionError("it is not nearer")
 
     def title(self, name):
         return self.box(name).locator(".title")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections import OrderedDict, defaultdict, deque
+from collections import OrderedDict, deque
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
+from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
@@ -25,20 +26,14 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
-from jausml.views.diagrams.bundling import framed, is_crowded
-from jausml.views.diagrams.layout.columns import Columns
-from jausml.views.diagrams.layout.graphviz import Graphviz
-from jausml.views.diagrams.layout.sheet import LayoutError
-from jausml.views.diagrams.writers import values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
     from jausml.authoring.editing.records import Change, Entry
     from jausml.language.model.model import Model
-    from jausml.views.diagrams.graph import Graph
 
 _MOST_KEPT = 64
 
@@ -113,63 +108,6 @@ def _file(command: Command) -> str:
     if isinstance(command, Create | Place):
         return command.file
     return refs.split(command.owner if isinstance(command, Add) else command.element)[0]
-
-
-_LOG = logging.getLogger(__name__)
-
-
-@dataclass
-class _View:
-    """What is known of a view; the lock is held while it is drawn.
-
-    Whether it is crowded is decided when its boxes get their places: no edit moves them.
-    """
-
-    lock: threading.Lock = field(default_factory=threading.Lock)
-    standing: values.Standing = field(default_factory=values.Standing)
-    is_crowded: bool = False
-
-
-class Drawings:
-    """Views as pages draw them: what stands stays until someone asks to arrange it."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._views: dict[tuple[str, str], _View] = defaultdict(_View)
-        self._engine = Graphviz()
-
-    def draw(self, file: str, graph: Graph, moved: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
-        """Returns a graph with sizes and places."""
-        view = self._view(file, graph.view)
-        with view.lock:
-            try:
-                return self._drawn(view, graph, moved)
-            except LayoutError:
-                raise
-            except Exception:
-                # What is remembered of former pictures must not keep the view from being shown.
-                _LOG.exception("the view %s of %s is drawn anew", graph.view, file)
-                view.standing = values.Standing()
-                return self._drawn(view, graph, moved)
-
-    def _drawn(
-        self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
-    ) -> dict[str, Any]:
-        if not view.standing.shown:
-            view.is_crowded = is_crowded(graph)
-        if view.is_crowded:
-            return values.render(framed(graph), Columns(), moved, view.standing)
-        return values.render(graph, self._engine, moved, view.standing)
-
-    def forget(self, file: str, name: str) -> None:
-        """Forgets where the boxes of a view stand."""
-        view = self._view(file, name)
-        with view.lock:
-            view.standing = values.Standing()
-
-    def _view(self, file: str, name: str) -> _View:
-        with self._lock:
-            return self._views[file, name]
 
 
 _MOST_SHOWN = 8

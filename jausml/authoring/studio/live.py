@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.authoring.studio.live_places import Places, places_of
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.network import fault, identified, silence_log
@@ -18,13 +18,11 @@ from jausml.live.peers.query_client import NoAnswer
 from jausml.live.systems.folding import expected
 from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import Level, components_of, declarations_of, node_of, state_as_json
+from jausml.live.systems.state import Level, components_of, declarations_of, state_as_json
 from jausml.live.systems.tables import cell, state_text
-from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
-from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from jausml.language.model import Model
@@ -36,51 +34,6 @@ if TYPE_CHECKING:
 
 HISTORY = 30
 """Latest rates of a connection that the page is told."""
-
-
-@dataclass(frozen=True)
-class Places:
-    """Where the page shows what a model has.
-
-    `rows`: the row of a connection, by bridge and name. `controls`: edges of control, and the JAUS
-    ids of who controls and who is controlled.
-    """
-
-    rows: Mapping[tuple[str, str], str] = field(default_factory=dict)
-    edges: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    boxes: Mapping[str, str] = field(default_factory=dict)
-    controls: Mapping[str, tuple[str, str]] = field(default_factory=dict)
-
-
-def places_of(model: Model) -> Places:
-    """Returns where the system view of a model shows what."""
-    if SYSTEM not in view_names(model, library=False):
-        return Places()
-    context = Context(model, SYSTEM, ())
-    boxes = {
-        context.id_of(each): str(each.address)
-        for each in model.instances(jaus.Component, library=False)
-        if each.address
-    }
-    edges: dict[str, list[str]] = defaultdict(list)
-    controls = {}
-    for edge in graph_of(model, SYSTEM).edges:
-        for end in (edge.source, edge.target):
-            edges[end.port].append(edge.id)
-        ends = boxes.get(edge.source.node), boxes.get(edge.target.node)
-        if edge.kind == "control" and ends[0] is not None and ends[1] is not None:
-            controls[edge.id] = (ends[0], ends[1])
-    rows = {
-        (node_of(owner), str(each.name)): context.id_of(each)
-        for owner in model.instances(bridge.Bridge, library=False)
-        for each in (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
-    }
-    return Places(
-        rows,
-        {row: tuple(edges[row]) for row in rows.values()},
-        {address: box for box, address in boxes.items()},
-        controls,
-    )
 
 
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:
@@ -96,10 +49,34 @@ def live_values(state: SystemState, places: Places) -> dict[str, Any]:
         each["row"] = row_of(connection, places) or ""
     for each in values["components"]:
         each["box"] = places.boxes.get(each["id"], "")
+    edges, boxes = _edges(state, places), _boxes(state, places)
     return {
         **values,
-        "edges": {**_edges(state, places), **_controls(state, places)},
-        "boxes": _boxes(state, places),
+        "edges": {**edges, **_controls(state, places)},
+        "boxes": {**boxes, **_closed(edges, boxes, places)},
+    }
+
+
+def _closed(
+    edges: Mapping[str, Any], boxes: Mapping[str, Any], places: Places
+) -> dict[str, dict[str, Any]]:
+    """Returns how frames are: as the worst that is in them, with how many are how."""
+    inside: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for name, each in (*boxes.items(), *edges.items()):
+        for frame in places.frames.get(name, ()):
+            inside[frame].append(each)
+    return {frame: _worst(found) for frame, found in inside.items()}
+
+
+def _worst(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    level = max((Level(each["level"]) for each in found), key=lambda each: each.weight)
+    counts = Counter("gone" if each["gone"] else each["level"] for each in found)
+    return {
+        "level": level.value,
+        "gone": bool(counts["gone"]),
+        "state": "",
+        "controller": "",
+        "text": ", ".join(f"{count} {word}" for word, count in sorted(counts.items())),
     }
 
 

@@ -132,7 +132,8 @@ def framed(graph: Graph) -> Graph:
 
     It is for a page that is edited, where what is not shown could not be changed.
 
-    What runs on another host than the bridge stays in the frame of its host.
+    What runs on another host than the bridge stays in the frame of its host. Nodes that are not
+    modelled run on no host that is known.
     """
     homes = bridges_around(graph)
     nodes = graph.by_id
@@ -141,7 +142,7 @@ def framed(graph: Graph) -> Graph:
         graph,
         nodes=tuple(
             replace(each, group=f"{home}{FRAME}")
-            if (home := homes[each.id]) and nodes[home].group == each.group
+            if (home := homes[each.id]) and _is_beside(each, nodes[home])
             else each
             for each in graph.nodes
         ),
@@ -151,6 +152,10 @@ def framed(graph: Graph) -> Graph:
         ),
         is_crowded=True,
     )
+
+
+def _is_beside(node: Node, bridge: Node) -> bool:
+    return node.kind == "others" or node.group == bridge.group
 
 
 def bridges_around(graph: Graph) -> dict[str, str]:

@@ -3,6 +3,7 @@
 import type { Ref } from "../protocol";
 import { elementOf, indexOf, nameOf, type PartKey } from "../selection";
 import { state, update } from "../store";
+import { ask, tried } from "./asking";
 import { openFile } from "./showing";
 
 /** Selects parts of the graph; the last one is shown in the form. */
@@ -17,6 +18,14 @@ export function choose(element: Ref): void {
   const { graph } = state();
   const key = graph ? indexOf(graph).byElement.get(element) : undefined;
   take(element, key ? [key] : []);
+  if (element && graph?.folded && !key) void lookAt(element);
+}
+
+/** Brings what stands in a closed frame into sight, by which it is opened. */
+async function lookAt(element: Ref): Promise<void> {
+  const { file, view } = state();
+  const { place } = (await tried(ask("where", { file, view, element }))) ?? {};
+  if (place && state().chosen === element && state().view === view) update({ centre: place });
 }
 
 function take(chosen: Ref | "", selection: PartKey[]): void {

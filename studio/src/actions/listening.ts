@@ -5,7 +5,7 @@ import type { KeptEdit, Notification, Notifications, Problems, Project } from ".
 import { type Outside, say, state, update } from "../store";
 import { ask } from "./asking";
 import { keepDraft } from "./drafting";
-import { openFile, refresh } from "./showing";
+import { openFile, refresh, takeProblems } from "./showing";
 
 export const listener: Listener = {
   onLink(link: Link, project: Project | null, reason: string) {
@@ -32,7 +32,7 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   },
   problems(params) {
     const before = state().problems;
-    update({ problems: params });
+    takeProblems(params);
     const words = spoken(params);
     if (!before || spoken(before) !== words) say(words);
   },

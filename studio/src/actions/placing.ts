@@ -5,7 +5,7 @@ import type { Command, EditResult, LayoutKey, Point } from "../protocol";
 import { say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
-import { show } from "./showing";
+import { takePicture } from "./showing";
 
 /** Keeps boxes of the view where the user put them. */
 export function place(positions: Record<LayoutKey, Point>): Promise<EditResult | null> {
@@ -45,9 +45,9 @@ export function offerHosts(): void {
 
 /** Lets the layout place every box anew. */
 export async function arrange(): Promise<void> {
-  const { file, view } = state();
-  const answer = await tried(ask("arrange", { file, view }));
+  const { file, view, opened } = state();
+  const answer = await tried(ask("arrange", { file, view, opened }));
   if (!answer || state().view !== view) return;
-  show(answer.graph, answer.revision);
+  takePicture(answer);
   say("Arranged.");
 }

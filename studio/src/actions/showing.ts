@@ -2,22 +2,30 @@
 
 import { matching } from "../canvas/following";
 import { CallError, INTERNAL_ERROR, LOST } from "../connection";
-import type { Freshness, Graph } from "../protocol";
-import { carriedOver, elementOf } from "../selection";
+import type { Freshness, Graph, LayoutKey, Problems, ViewResult } from "../protocol";
+import { carriedOver, elementOf, indexOf } from "../selection";
 import { state, update } from "../store";
 import { ask, messageOf, tried } from "./asking";
+import { changed } from "./differences";
 
 /** Shows a file, at a view of it or at its first. */
 export async function openFile(file: string, view = ""): Promise<void> {
   if (!file) return update({ file, views: [], view: "", graph: null, chosen: "", selection: [] });
   update({ file });
-  void tried(ask("problems", { file })).then((problems) => {
-    if (problems && state().file === file) update({ problems });
-  });
-  if (!(await loadViews(file))) return;
-  const { views } = state();
-  const found = views.find((each) => each.name === view) ?? views[0];
-  await openView(found?.name ?? "");
+  if (await loadViews(file)) {
+    const { views } = state();
+    const found = views.find((each) => each.name === view) ?? views[0];
+    await openView(found?.name ?? "");
+  }
+  // The picture first: to judge a large system takes longer than to draw it.
+  const problems = await tried(ask("problems", { file }));
+  if (problems && state().file === file) takeProblems(problems);
+}
+
+/** Shows what is wrong, in the graph too, where that was drawn before it was known. */
+export function takeProblems(problems: Problems): void {
+  update({ problems });
+  if (!state().isChecked && problems.revision === state().revision) void draw();
 }
 
 async function loadViews(file: string): Promise<boolean> {
@@ -29,7 +37,8 @@ async function loadViews(file: string): Promise<boolean> {
 
 /** Shows a view of the file. */
 export async function openView(view: string): Promise<void> {
-  update({ view, graph: null, graphFault: "", selection: [], bright: null, legal: null });
+  const empty = { graph: null, picture: 0, opened: [], selection: [], bright: null, legal: null };
+  update({ view, graphFault: "", ...empty });
   await load();
 }
 
@@ -37,16 +46,28 @@ let loading: Promise<void> | null = null;
 let isOutdated = false;
 
 /** Loads the views and the graph anew; calls while one is under way are answered by one more. */
-export async function refresh(): Promise<void> {
+export function refresh(): Promise<void> {
+  return again(async () => {
+    if (await loadViews(state().file)) await load();
+  });
+}
+
+/** Loads the graph anew. */
+export function draw(): Promise<void> {
+  return again(load);
+}
+
+async function again(work: () => Promise<void>): Promise<void> {
   if (loading) {
     isOutdated = true;
     return loading;
   }
   loading = (async () => {
-    do {
+    await work();
+    while (isOutdated) {
       isOutdated = false;
       if (await loadViews(state().file)) await load();
-    } while (isOutdated);
+    }
   })();
   try {
     await loading;
@@ -56,11 +77,11 @@ export async function refresh(): Promise<void> {
 }
 
 async function load(): Promise<void> {
-  const { file, view } = state();
+  const { file, view, opened, picture: base } = state();
   if (!file || !view) return;
   try {
-    const { graph, revision, freshness } = await ask("view", { file, view });
-    if (state().file === file && state().view === view) show(graph, revision, freshness);
+    const answer = await ask("view", { file, view, opened, base });
+    if (state().file === file && state().view === view) takePicture(answer);
   } catch (error) {
     if (state().file !== file || state().view !== view) return;
     if (error instanceof CallError && error.code === LOST) return;
@@ -71,12 +92,32 @@ async function load(): Promise<void> {
   }
 }
 
+/** Shows a picture, or what has changed in the one that is shown. */
+export function takePicture(answer: ViewResult): void {
+  const { graph: shown, picture: base } = state();
+  const { changes, picture = 0, checked = true, revision, freshness } = answer;
+  const graph = changes && shown && changes.base === base ? changed(shown, changes) : answer.graph;
+  update({ picture: graph ? picture : 0, isChecked: checked });
+  if (graph) show(graph, revision, freshness);
+  else isOutdated = true; // it differs from a picture that is not shown: all of it is asked for
+}
+
+/** Shows what is in these frames, and in these alone. */
+export function openFrames(opened: LayoutKey[]): void {
+  update({ opened });
+  void draw();
+}
+
 /** Shows a graph; what was selected in the one before is found again. */
 export function show(graph: Graph, revision: number, freshness: Freshness | null = null): void {
   const before = state();
-  const selection = before.graph ? carriedOver(before.selection, before.graph, graph) : [];
+  let selection = before.graph ? carriedOver(before.selection, before.graph, graph) : [];
+  // What was chosen is selected when the frame around it is opened, and stays when that is closed.
+  const chosen = indexOf(graph).byElement.get(before.chosen);
+  if (!selection.length && graph.folded && chosen) selection = [chosen];
   const last = selection.at(-1);
-  const wasPart = before.graph && before.selection.length > 0;
+  const wasPart =
+    before.graph && before.selection.length > 0 && !(graph.folded && revision === before.revision);
   update({
     graph,
     revision,

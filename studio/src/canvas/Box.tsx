@@ -1,12 +1,15 @@
-import { Handle, type NodeProps, Position } from "@xyflow/react";
+import { Handle, type NodeProps, Position, useStore } from "@xyflow/react";
 import { memo } from "react";
 import { beginRename, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
-import { nodeKey, type PartKey, portKey } from "../selection";
+import { CLOSED, nodeKey, type PartKey, portKey } from "../selection";
 import { active, isPresent, type Studio, update, useStudio } from "../store";
 import { type BoxNode, handleId } from "./flow";
 import { domId, liveClass, liveText, Mark, severityOf, told } from "./marks";
+
+/** Zoom below which no row can be read, and none is drawn. */
+const FAR = 0.28;
 
 /** A box with its rows, as large as the server says. */
 export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
@@ -16,7 +19,9 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const live = useStudio((studio) => studio.live?.boxes[node.id]);
   const isNow = useStudio((studio) => isPresent(studio, node.id));
   const severity = severityOf(node.findings);
+  const isFar = useStore((flow) => flow.transform[2] < FAR) && node.kind !== CLOSED;
   const [own = "", ...rows] = states.split(BETWEEN);
+  const isBare = isFar && !rows.some((each) => each.includes("active"));
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
@@ -34,11 +39,13 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
             {line}
           </div>
         ))}
+        {live && node.kind === CLOSED && <div className="live-inside">{liveText(live)}</div>}
       </div>
-      {live && <div className="live-text">{liveText(live)}</div>}
-      {node.ports.map((port, at) => (
-        <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
-      ))}
+      {live && node.kind !== CLOSED && <div className="live-text">{liveText(live)}</div>}
+      {!isBare &&
+        node.ports.map((port, at) => (
+          <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
+        ))}
       <Ends port="" y={node.head / 2} isWhole />
     </div>
   );

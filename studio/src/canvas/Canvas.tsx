@@ -1,6 +1,7 @@
 import {
   ConnectionMode,
   type EdgeChange,
+  MiniMap,
   type NodeChange,
   type OnConnectEnd,
   type OnConnectStart,
@@ -15,7 +16,7 @@ import { beginDrawing, connect, endDrawing, select } from "../actions";
 import { useCanvasKeys } from "../keyboard/canvasKeys";
 import type { Graph } from "../protocol";
 import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
-import { active, state, useStudio } from "../store";
+import { active, state, update, useStudio } from "../store";
 import { Box } from "./Box";
 import { useDragging, useDropping } from "./dragging";
 import { EmptyHint, Nothing } from "./EmptyHint";
@@ -33,6 +34,7 @@ import {
   withStates,
 } from "./flow";
 import { Line } from "./Line";
+import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
 import { FIT, Tools } from "./Tools";
@@ -41,8 +43,12 @@ import { FIT, Tools } from "./Tools";
 const NODE_TYPES = { box: Box, frame: Frame };
 const EDGE_TYPES = { line: Line };
 const MANY_BOXES = 100;
+/** So many are seen at a glance without a map. */
+const FEW_BOXES = 8;
 /** Below this zoom labels cannot be read, and are not drawn. */
 const FAR = 0.45;
+/** Zoom at which a box is shown that was asked for by name. */
+const READABLE = 0.7;
 
 /** The diagram of the chosen view. */
 export function Canvas() {
@@ -75,6 +81,7 @@ function Diagram({ graph }: { graph: Graph }) {
   const dragging = useDragging(graph, setMoved);
   const dropping = useDropping(graph);
   useInSight(graph, here);
+  useLevels(graph);
 
   const onNodesChange = useCallback(
     (changes: NodeChange<FlowNode>[]) => {
@@ -133,7 +140,7 @@ function Diagram({ graph }: { graph: Graph }) {
         edgesFocusable={false}
         zoomOnDoubleClick={false}
         onlyRenderVisibleElements={graph.nodes.length > MANY_BOXES}
-        minZoom={0.05}
+        minZoom={leastZoom(graph)}
         maxZoom={3}
         fitView
         fitViewOptions={FIT}
@@ -160,10 +167,30 @@ function Diagram({ graph }: { graph: Graph }) {
             </marker>
           </defs>
         </svg>
+        <Zoom />
+        {graph.nodes.length > FEW_BOXES && (
+          <MiniMap pannable zoomable ariaLabel="Map of the diagram" nodeClassName={classInMap} />
+        )}
       </ReactFlow>
       {graph.nodes.length === 0 && <EmptyHint />}
     </div>
   );
+}
+
+const classInMap = (node: FlowNode): string =>
+  node.type === "frame" ? "in-map frame" : `in-map ${node.data.node.kind}`;
+
+/** A zoom at which the whole can be seen, also in a small window. */
+function leastZoom(graph: Graph): number {
+  return Math.min(0.05, 150 / Math.max(graph.width, graph.height, 1));
+}
+
+/** Tells the style sheet the zoom, by which titles of closed frames are as large far away as near. */
+function Zoom() {
+  const zoom = useStore((flow) => flow.transform[2]);
+  const element = useStore((flow) => flow.domNode);
+  useEffect(() => element?.style.setProperty("--zoom", zoom.toFixed(4)), [element, zoom]);
+  return null;
 }
 
 /** Places of boxes while they are moved; a new graph has them itself. */
@@ -231,6 +258,12 @@ function useInSight(graph: Graph, here: PartKey | null) {
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
   const last = useRef<PartKey | null>(null);
+  const centre = useStudio((studio) => studio.centre);
+  useEffect(() => {
+    if (!centre || !width) return;
+    update({ centre: null });
+    void flow.setCenter(...centre, { zoom: Math.max(flow.getZoom(), READABLE), duration: 0 });
+  }, [centre, width, flow]);
   useEffect(() => {
     if (!here || here === last.current || !width) return;
     last.current = here;

@@ -1,13 +1,15 @@
 import { useReactFlow } from "@xyflow/react";
 import { type KeyboardEvent, useEffect } from "react";
-import { arrange, filterBy, focusOn, removeSelected, select } from "../actions";
+import { arrange, filterBy, focusOn, place, removeSelected, select } from "../actions";
 import type { Graph } from "../protocol";
+import { CLOSED, indexOf, partOf } from "../selection";
 import { state, useStudio } from "../store";
+import { ALIGNMENTS, type Alignment, aligned } from "./aligning";
 import { matches } from "./following";
+import { boxesOf } from "./frames";
 
-/** The tools above the diagram cover none of it. */
 export const FIT = {
-  padding: { top: "44px", right: 0.07, bottom: 0.05, left: 0.07 },
+  padding: 0.05,
   maxZoom: 1.2,
 } as const;
 
@@ -20,6 +22,9 @@ export function Tools({ graph }: { graph: Graph }) {
   const filter = useStudio((studio) => studio.filter);
   const isFocused = useStudio((studio) => studio.bright !== null && !studio.filter);
   const isChosen = useStudio((studio) => studio.selection.length > 0);
+  const several = useStudio((studio) => studio.selection).filter(
+    (key) => partOf(key).of === "node",
+  );
   const found = filter ? matches(graph, filter) : [];
 
   useEffect(() => {
@@ -27,6 +32,16 @@ export function Tools({ graph }: { graph: Graph }) {
     document.addEventListener(FIT_EVENT, fit);
     return () => document.removeEventListener(FIT_EVENT, fit);
   }, [flow]);
+
+  function align(way: Alignment) {
+    const { nodes } = indexOf(graph);
+    const boxes = boxesOf(graph, several).flatMap((id) => nodes.get(id) ?? []);
+    const places = aligned(
+      boxes.filter((each) => each.kind !== CLOSED),
+      way,
+    );
+    if (Object.keys(places).length) void place(places);
+  }
 
   function onFilterKey(event: KeyboardEvent) {
     if (event.key === "Escape") {
@@ -65,6 +80,20 @@ export function Tools({ graph }: { graph: Graph }) {
       <button type="button" onClick={() => void arrange()} title="Place all boxes anew (a)">
         Arrange
       </button>
+      <select
+        aria-label="Align the chosen boxes"
+        title="Align the chosen boxes, or spread them"
+        value=""
+        disabled={several.length < 2}
+        onChange={(event) => align(event.currentTarget.value as Alignment)}
+      >
+        <option value="">Align…</option>
+        {Object.entries(ALIGNMENTS).map(([way, words]) => (
+          <option key={way} value={way}>
+            {words}
+          </option>
+        ))}
+      </select>
       <button
         type="button"
         aria-pressed={isFocused}

@@ -2,7 +2,7 @@
 
 import { type Edge, type Node, type NodeHandle, Position, type XYPosition } from "@xyflow/react";
 import type { Graph, GraphEdge, GraphEnd, GraphGroup, GraphNode } from "../protocol";
-import { edgeKey, groupKey, indexOf, nodeKey, type PartKey } from "../selection";
+import { CLOSED, edgeKey, groupKey, indexOf, nodeKey, type PartKey } from "../selection";
 
 export type BoxNode = Node<{ node: GraphNode }, "box">;
 export type FrameNode = Node<{ group: GraphGroup }, "frame">;
@@ -41,7 +41,17 @@ export function toNodes(graph: Graph): FlowNode[] {
   return [...frames, ...graph.nodes.map(toNode)];
 }
 
+const made = new WeakMap<GraphNode, BoxNode>();
+
+/** A box that is the same in the next picture is not drawn anew. */
 function toNode(node: GraphNode): BoxNode {
+  const known = made.get(node) ?? makeNode(node);
+  made.set(node, known);
+  return known;
+}
+
+function makeNode(node: GraphNode): BoxNode {
+  const isClosed = node.kind === CLOSED;
   return {
     id: node.id,
     type: "box",
@@ -51,6 +61,8 @@ function toNode(node: GraphNode): BoxNode {
     measured: { width: node.width, height: node.height },
     handles: handlesOf(node),
     data: { node },
+    draggable: !isClosed,
+    connectable: !isClosed,
   };
 }
 

@@ -6,7 +6,7 @@ import { place, select } from "../actions";
 import { boxesOf } from "../canvas/frames";
 import { type Direction, jump, step } from "../canvas/navigation";
 import type { Graph, LayoutKey, Point } from "../protocol";
-import { indexOf, nodeKey, type PartKey, partOf, portKey } from "../selection";
+import { CLOSED, indexOf, nodeKey, type PartKey, partOf, portKey } from "../selection";
 import { active, state } from "../store";
 import { isTyping, nameOfKey } from "./keys";
 import { PART_KEYS, press } from "./partKeys";
@@ -109,7 +109,8 @@ function useNudge(graph: Graph, setMoved: SetMoved) {
       for (const id of boxesOf(graph, state().selection)) {
         const node = indexOf(graph).nodes.get(id);
         const at = waiting.current.get(id) ?? node;
-        if (at) waiting.current.set(id, { x: Math.round(at.x + dx), y: Math.round(at.y + dy) });
+        if (at && node?.kind !== CLOSED)
+          waiting.current.set(id, { x: Math.round(at.x + dx), y: Math.round(at.y + dy) });
       }
       setMoved((before) => new Map([...before, ...waiting.current]));
       clearTimeout(timer.current);

@@ -44,6 +44,7 @@ export const HELP: readonly HelpGroup[] = [
       ["Ctrl+Z", "undo"],
       ["Ctrl+Shift+Z, Ctrl+Y", "do again"],
       ["Ctrl+F", "filter the diagram by name; Enter goes to the next that fits"],
+      ["G", "go to any element: the outline, and its search"],
       ["M", "fill the map that is shown from what corresponds"],
       ["F6, Shift+F6", "to the next part of the page, or the one before"],
       ["F8, Pause", "STOP, for who may command, wherever the focus is"],

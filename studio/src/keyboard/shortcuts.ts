@@ -26,6 +26,7 @@ const SHORTCUTS: Record<string, () => void> = {
   "Ctrl+Shift+Z": () => void redo(),
   "Ctrl+Y": () => void redo(),
   "Ctrl+F": findByName,
+  G: toOutline,
   M: () => document.dispatchEvent(new Event(FILL_EVENT)),
   "?": () => update({ dialog: { kind: "help" } }),
 };
@@ -34,6 +35,11 @@ function findByName(): void {
   // The field comes with the diagram, and takes the very next key.
   flushSync(() => update({ middle: "diagram" }));
   document.getElementById("filter")?.focus();
+}
+
+function toOutline(): void {
+  flushSync(() => update({ left: "outline" }));
+  document.querySelector<HTMLElement>(".outline input")?.focus();
 }
 
 const PARTS = [

@@ -93,6 +93,8 @@ export interface Graph {
   downwards: boolean;
   /** Lines have no room for labels. */
   crowded: boolean;
+  /** Its frames are closed unless they are asked for. */
+  folded?: boolean;
   width: number;
   height: number;
   findings: Finding[];
@@ -101,8 +103,32 @@ export interface Graph {
   edges: GraphEdge[];
 }
 
+/** What has changed in a list of parts: those that are put take the place of those of their id. */
+export interface PartChanges<T> {
+  put: T[];
+  gone: string[];
+  /** The ids in their order, where parts that are new do not come last. */
+  order: string[] | null;
+}
+
+/** What makes a picture of the one before it. */
+export interface GraphChanges {
+  /** Number of the picture before it. */
+  base: number;
+  nodes: PartChanges<GraphNode>;
+  groups: PartChanges<GraphGroup>;
+  edges: PartChanges<GraphEdge>;
+  /** All that is no list of parts. */
+  rest: Omit<Graph, "nodes" | "groups" | "edges">;
+}
+
+/** A picture, or what has changed since the one that the page has. */
 export interface ViewResult {
   revision: number;
   freshness?: Freshness;
-  graph: Graph;
+  /** Whether its findings are those of its revision. */
+  checked?: boolean;
+  picture?: number;
+  graph?: Graph;
+  changes?: GraphChanges;
 }

@@ -7,16 +7,18 @@ import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps"
 import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
-import type { FileInfo, Freshness, Project, Ref, ViewInfo } from "./project";
-import type { FileText, Source } from "./sources";
+import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
+import type { FileText, OutlineRow, Source } from "./sources";
 import type { ChosenStep, Stepping } from "./steps";
 
 /** Requests: parameters and results by method. */
 export interface Methods {
   hello: [{ token: string }, Project];
   views: [{ file: string }, { views: ViewInfo[] }];
-  view: [{ file: string; view: string }, ViewResult];
-  arrange: [{ file: string; view: string }, ViewResult];
+  view: [{ file: string; view: string; opened: LayoutKey[]; base: number }, ViewResult];
+  /** Where the box of an element stands, whether it is shown or not. */
+  where: [{ file: string; view: string; element: Ref }, { place: Point | null }];
+  arrange: [{ file: string; view: string; opened: LayoutKey[] }, ViewResult];
   edit: [{ commands: Command[]; label: string; base?: number; dry?: boolean }, EditResult];
   undo: [Record<string, never>, { revision: number; entry: Entry | null }];
   redo: [Record<string, never>, { revision: number; entry: Entry | null }];
@@ -45,6 +47,8 @@ export interface Methods {
   text: [{ file: string }, FileText];
   /** The innermost element whose text has the character at an offset of a file. */
   at: [{ file: string; offset: number }, { element: Ref | "" }];
+  /** All elements of a file as a tree, of which the inside of some is told, or what a search finds. */
+  outline: [{ file: string; query: string; opened: Ref[] }, { rows: OutlineRow[] }];
   members: [{ file: string; view: string }, { sides: MapSide[] }];
   /** How a member of a map may be filled without a source. */
   fill: [

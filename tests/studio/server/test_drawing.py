@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from jausml.authoring.studio.context import Drawings
+from jausml.authoring.studio.drawing import Drawings
 from jausml.views.diagrams.graph import Graph, Node
 
 if TYPE_CHECKING:

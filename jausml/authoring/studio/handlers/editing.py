@@ -168,13 +168,15 @@ def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str,
     return {"revision": context.project.revision}
 
 
-def _arrange(context: StudioContext, file: str, view: str) -> dict[str, Any]:
+def _arrange(
+    context: StudioContext, file: str, view: str, opened: tuple[str, ...] = ()
+) -> dict[str, Any]:
     placed = context.project.positions(file, view)
     if placed:
         forget = Place(file, view, dict.fromkeys(placed))
         context.changed(context.project.do([forget], f"Arrange {view}"))
     context.drawings.forget(file, view)
-    return showing.view(context, file, view)
+    return showing.view(context, file, view, opened)
 
 
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:

@@ -14,16 +14,20 @@ from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
+from jausml.authoring.studio.drawing import difference
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
 from jausml.authoring.studio.rpc import REFUSED, Method, RpcError, files_as_json, freshness_as_json
+from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
 from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
+from jausml.views.diagrams.folding import MOST_SHOWN
 from jausml.views.diagrams.layout.sheet import LayoutError
-from jausml.views.diagrams.views import UnknownViewError, graph_of, maps, view_names
+from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
+from jausml.views.diagrams.views.system import participants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -45,11 +49,13 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
         "hello": Method(partial(_hello, context)),
         "views": Method(partial(_views, context)),
         "view": Method(partial(view, context)),
+        "where": Method(partial(_where, context)),
         "faults": Method(partial(_faults, context)),
         "problems": Method(partial(_problems_of, context)),
         "text": Method(partial(_text, context)),
         "source": Method(partial(_source, context)),
         "at": Method(partial(_at, context)),
+        "outline": Method(partial(_outline, context)),
         "members": Method(partial(_members, context)),
     }
 
@@ -89,13 +95,18 @@ def _views(context: StudioContext, file: str) -> dict[str, Any]:
     return {"views": views}
 
 
-def view(context: StudioContext, file: str, view: str) -> dict[str, Any]:
-    """Returns a view, drawn as it stands."""
+def view(
+    context: StudioContext, file: str, view: str, opened: tuple[str, ...] = (), base: int = 0
+) -> dict[str, Any]:
+    """Returns a view, drawn as it stands.
+
+    `opened`: keys of the frames of a large system of which the inside is shown. `base`: number of
+    the picture that the page has: it gets what has changed since, or all where that is not known.
+    """
     context.viewed_files.add(file)
-    verdict = context.verdicts.of(file)
     key = file, view
     try:
-        answer = _drawn(context, file, view, verdict)
+        answer = _drawn(context, file, view, opened)
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
     except Exception as error:
@@ -106,19 +117,49 @@ def view(context: StudioContext, file: str, view: str) -> dict[str, Any]:
         why = f"the view cannot be drawn now ({type(error).__name__}): see Faults in the history"
         old = Freshness("stale", kept["revision"], why)
         return {**kept, "freshness": freshness_as_json(old)}
+    before = context.drawings.numbered(file, view, base)
+    answer["picture"] = context.drawings.number(file, answer["graph"])
     context.pictures[key] = answer
-    return answer
+    if before is None:
+        return answer
+    changed = {"base": base, **difference(before, answer["graph"])}
+    return {**{name: each for name, each in answer.items() if name != "graph"}, "changes": changed}
 
 
-def _drawn(context: StudioContext, file: str, view: str, verdict: Verdict) -> dict[str, Any]:
-    graph = graph_of(verdict.result.model, view, verdict.report.diagnostics, context.project.root)
-    moved = context.project.positions(file, view)
-    drawn = context.drawings.draw(file, graph, moved)
+def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]) -> dict[str, Any]:
+    revision = context.project.revision
+    result, freshness = context.project.read(file)
+    sent, _ = context.sent_verdicts.get(file, (None, None))
+    verdict: Verdict | None = None
+    if sent is not None and sent.revision == revision:
+        verdict = sent
+    elif view != SYSTEM or len(participants(result.model)) <= MOST_SHOWN:
+        verdict = context.verdicts.of(file)
+    if verdict is not None:
+        revision, result, freshness = (
+            verdict.revision,
+            verdict.result,
+            context.freshness(verdict),
+        )
+    # Nobody waits for the verdict on a large system: its page asks again when it is there.
+    diagnostics = tuple(verdict.report.diagnostics) if verdict is not None else ()
+    of = revision, diagnostics
+    drawn = context.drawings.again(file, view, opened, of)
+    if drawn is None:
+        graph = graph_of(result.model, view, diagnostics, context.project.root)
+        moved = context.project.positions(file, view)
+        drawn = context.drawings.draw(file, graph, moved, opened, of)
     return {
-        "revision": verdict.revision,
-        "freshness": freshness_as_json(context.freshness(verdict)),
+        "revision": revision,
+        "freshness": freshness_as_json(freshness),
+        "checked": verdict is not None,
         "graph": drawn,
     }
+
+
+def _where(context: StudioContext, file: str, view: str, element: str) -> dict[str, Any]:
+    """Returns where the box of an element stands, nothing where the view does not show it."""
+    return {"place": context.drawings.where(file, view, element)}
 
 
 def _problems_of(context: StudioContext, file: str) -> dict[str, Any]:
@@ -228,6 +269,14 @@ def _at(context: StudioContext, file: str, offset: int) -> dict[str, Any]:
         return {"element": ""}
     scope = context.scope_of(file)
     return {"element": scope.ref(element_at(scope.model, offset))}
+
+
+def _outline(
+    context: StudioContext, file: str, query: str = "", opened: tuple[str, ...] = ()
+) -> dict[str, Any]:
+    """Returns the elements of a file as a tree, or those that a search finds."""
+    scope = context.scope_of(file)
+    return {"rows": search(scope, query) if query.strip() else outline(scope, opened)}
 
 
 def _members(context: StudioContext, file: str, view: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from jausml.views.diagrams.layout.sheet import Places
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml.views.diagrams.layout.sheet import Box, Frame, Point, Sheet
+    from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Point, Sheet
 
 LANE = 130
 """Room between columns, through which lines go."""
@@ -55,13 +55,16 @@ class Columns:
 
 class _Work:
     def __init__(self, sheet: Sheet) -> None:
-        self._sheet = sheet
         self._boxes: dict[str, list[Box]] = defaultdict(list)
         self._frames: dict[str, list[Frame]] = defaultdict(list)
         for box in sheet.boxes:
             self._boxes[box.group].append(box)
         for frame in sheet.frames:
             self._frames[frame.parent].append(frame)
+        self._lines: dict[str, list[Line]] = defaultdict(list)
+        for line in sheet.lines:
+            for name in {line.source[0], line.target[0]}:
+                self._lines[name].append(line)
 
     def content(self, frame: str) -> _Block:
         """Returns what stands in a frame: columns, or frames and boxes side by side."""
@@ -69,9 +72,8 @@ class _Work:
         inner = [block for each in self._frames[frame] for block in self._framed(each)]
         if not inner:
             return self._columns(boxes)
-        joined = {end for line in self._sheet.lines for end in (line.source[0], line.target[0])}
-        loose = [each for each in boxes if each.id not in joined]
-        rest = self._columns([each for each in boxes if each.id in joined])
+        loose = [each for each in boxes if each.id not in self._lines]
+        rest = self._columns([each for each in boxes if each.id in self._lines])
         return _packed([*inner, *([rest] if rest.corners else ()), *map(_alone, loose)])
 
     def _framed(self, frame: Frame) -> Iterable[_Block]:
@@ -112,21 +114,22 @@ class _Work:
         self, boxes: Sequence[Box], others: Sequence[Box], tops: Mapping[str, float]
     ) -> dict[str, float]:
         """Returns how high boxes would stand best, infinite for those that no line joins."""
-        own = {each.id for each in boxes}
         rows = {
             (box.id, row): tops[box.id] + down
             for box in others
             for row, down in box.middles().items()
         }
-        heights: dict[str, list[float]] = defaultdict(list)
-        for line in self._sheet.lines:
-            for end, other in ((line.source, line.target), (line.target, line.source)):
-                if end[0] in own and other in rows:
-                    heights[end[0]].append(rows[other])
-        return {
-            each: sum(heights[each]) / len(heights[each]) if heights[each] else float("inf")
-            for each in own
-        }
+        return {each.id: self._middle(each.id, rows) for each in boxes}
+
+    def _middle(self, box: str, rows: Mapping[tuple[str, str], float]) -> float:
+        """Returns the middle of the rows to which the lines of a box lead."""
+        heights = [
+            rows[other]
+            for line in self._lines.get(box, ())
+            for end, other in ((line.source, line.target), (line.target, line.source))
+            if end[0] == box and other in rows
+        ]
+        return sum(heights) / len(heights) if heights else float("inf")
 
 
 def _alone(box: Box) -> _Block:

@@ -5,6 +5,7 @@ An engine places a whole sheet anew whatever changed; this finds room for single
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,6 +21,8 @@ GAP, COLUMN_GAP = 24, 80
 
 FRAME_MARGIN = 12
 """Room between a frame and what stands in it."""
+
+_CELL = 512
 
 
 class Area(NamedTuple):
@@ -131,13 +134,16 @@ class _Ground:
         self._parents = {each.id: each.parent for each in sheet.frames}
         self._has_columns = not sheet.downwards and len({b.column for b in sheet.boxes}) > 1
         self._areas: dict[str, Area] = {}
+        self._cells: dict[tuple[int, int], list[Area]] = defaultdict(list)
         self._frames: dict[str, Area] = {}
         self.corners: dict[str, Point] = {}
 
     def put(self, box: Box, corner: Point) -> None:
         """Places a box."""
         self.corners[box.id] = corner
-        self._areas[box.id] = area_of(box, corner)
+        area = self._areas[box.id] = area_of(box, corner)
+        for cell in _cells(area):
+            self._cells[cell].append(area)
         self._frames = {}
 
     def peers(self, box: Box) -> list[_End]:
@@ -205,7 +211,9 @@ class _Ground:
     def is_bare(self, box: Box, corner: Point) -> bool:
         """Tells whether no box stands where one would."""
         area = area_of(box, corner)
-        return not any(area.overlaps(each) for each in self._areas.values())
+        return not any(
+            area.overlaps(each) for cell in _cells(area) for each in self._cells.get(cell, ())
+        )
 
     def _has_room(self, box: Box, corner: Point) -> bool:
         """Tells whether a box has room, and the frames around it, which grow with it."""
@@ -241,6 +249,13 @@ class _Ground:
         if not self._frames:
             self._frames = frames_around(self._sheet, self.corners)
         return self._frames
+
+
+def _cells(area: Area) -> Iterator[tuple[int, int]]:
+    """Yields the cells of a grid that an area has a part in: what overlaps shares one."""
+    for column in range(int(area.left // _CELL), int(area.right // _CELL) + 1):
+        for row in range(int(area.top // _CELL), int(area.bottom // _CELL) + 1):
+            yield column, row
 
 
 def _centred(box: Box, other: Area) -> float:

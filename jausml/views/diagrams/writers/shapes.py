@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import unicodedata
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, severity
@@ -158,8 +159,11 @@ _WIDTHS = (
 )
 _OTHER, _WIDE = 667, 1000
 _BOLD = 1.07
+_MOST_TEXTS = 1 << 14
+"""Texts that are remembered: each edit of a page asks for the same ones."""
 
 
+@lru_cache(maxsize=_MOST_TEXTS)
 def width(text: str, size: float, *, bold: bool = False) -> float:
     """Returns the width of a text in pixels.
 
@@ -169,6 +173,7 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
     return round(thousandths * size / 1000 * (_BOLD if bold else 1), 1)
 
 
+@lru_cache(maxsize=_MOST_TEXTS)
 def cut(text: str, longest: int) -> str:
     """Returns a text on one line, cut where it is too long; what cannot be shown is replaced."""
     flat = "".join(

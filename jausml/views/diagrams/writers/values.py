@@ -13,12 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
     from jausml.views.diagrams.layout.settling import Area
@@ -42,13 +43,67 @@ class Standing:
     routes: dict[_Way, Route] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Settled:
+    """A graph whose parts have their places, whether they are told or not.
+
+    `fixed`: ids of the boxes that users placed.
+    """
+
+    graph: Graph
+    sheet: Sheet
+    corners: Mapping[str, Point]
+    frames: Mapping[str, Area]
+    routes: Mapping[str, Route | None]
+    fixed: Collection[str]
+
+    def values(self, opened: Collection[str] | None = None) -> dict[str, Any]:
+        """Returns it as JSON has values.
+
+        `opened`: keys of the frames of which the inside is told; None for all.
+        """
+        graph, corners, frames = self.graph, self.corners, self.frames
+        boxes = {each.id: each for each in self.sheet.boxes}
+        areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in self.sheet.boxes)]
+        shown = graph if opened is None else folded(graph, opened)
+        return {
+            "view": graph.view,
+            "title": graph.title,
+            "element": graph.element,
+            "downwards": graph.downwards,
+            "crowded": graph.is_crowded,
+            "folded": opened is not None,
+            "width": round(max((each.right for each in areas), default=0)),
+            "height": round(max((each.bottom for each in areas), default=0)),
+            "findings": _findings(graph.findings),
+            "nodes": [
+                _closed(each, frames[each.id])
+                if each.kind == CLOSED
+                else _node(each, boxes[each.id], corners[each.id], is_moved=each.id in self.fixed)
+                for each in shown.nodes
+            ],
+            "groups": [_group(each, frames[each.id]) for each in shown.groups if each.id in frames],
+            "edges": [_edge(each, self.routes.get(each.id)) for each in shown.edges],
+        }
+
+
 def render(
     graph: Graph,
     engine: Engine,
     moved: Mapping[str, tuple[int, int]] | None = None,
     standing: Standing | None = None,
 ) -> dict[str, Any]:
-    """Returns a graph with sizes and places, as JSON has values.
+    """Returns a graph with sizes and places, as JSON has values; see `settled`."""
+    return settled(graph, engine, moved, standing).values()
+
+
+def settled(
+    graph: Graph,
+    engine: Engine,
+    moved: Mapping[str, tuple[int, int]] | None = None,
+    standing: Standing | None = None,
+) -> Settled:
+    """Returns a graph with sizes and places.
 
     The engine places what is drawn for the first time. Later what stands stays, and what is new
     comes beside what it is joined with. `standing`: where its parts stood; it is told where they
@@ -70,7 +125,9 @@ def render(
     # A box that users moved goes back to where it stood when they undo that.
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
     standing.shown = {keys[each.id]: (each.kind, corners[each.id]) for each in graph.nodes}
-    return _values(graph, sheet, corners, fixed, standing)
+    routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
+    frames = surrounding(sheet, corners, routes)
+    return Settled(graph, sheet, corners, frames, routes, fixed)
 
 
 def _sheet(graph: Graph) -> Sheet:
@@ -132,33 +189,35 @@ def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _
     return found
 
 
-def _values(
-    graph: Graph, sheet: Sheet, corners: Mapping[str, Point], fixed: set[str], standing: Standing
-) -> dict[str, Any]:
-    boxes = {each.id: each for each in sheet.boxes}
-    routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
-    frames = surrounding(sheet, corners, routes)
-    areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in sheet.boxes)]
+def _closed(node: Node, area: Area) -> dict[str, Any]:
+    height = round(area.bottom - area.top)
     return {
-        "view": graph.view,
-        "title": graph.title,
-        "element": graph.element,
-        "downwards": graph.downwards,
-        "crowded": graph.is_crowded,
-        "width": round(max((each.right for each in areas), default=0)),
-        "height": round(max((each.bottom for each in areas), default=0)),
-        "findings": _findings(graph.findings),
-        "nodes": [
-            _node(each, boxes[each.id], corners[each.id], is_moved=each.id in fixed)
-            for each in graph.nodes
-        ],
-        "groups": [_group(each, frames[each.id]) for each in graph.groups if each.id in frames],
-        "edges": [_edge(each, routes[each.id]) for each in graph.edges],
+        **_texts(node),
+        "x": round(area.left),
+        "y": round(area.top),
+        "width": round(area.right - area.left),
+        "height": height,
+        "head": height,
+        "moved": False,
+        "ports": [],
     }
 
 
 def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, Any]:
     tops = box.tops()
+    return {
+        **_texts(node),
+        "x": corner[0],
+        "y": corner[1],
+        "width": box.width,
+        "height": box.height,
+        "head": box.head,
+        "moved": is_moved,
+        "ports": [_port(each, tops[each.id]) for each in node.ports],
+    }
+
+
+def _texts(node: Node) -> dict[str, Any]:
     return {
         "id": node.id,
         "element": node.element,
@@ -170,13 +229,6 @@ def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, A
         "column": node.column,
         "details": list(map(list, node.details)),
         "findings": _findings(node.findings),
-        "x": corner[0],
-        "y": corner[1],
-        "width": box.width,
-        "height": box.height,
-        "head": box.head,
-        "moved": is_moved,
-        "ports": [_port(each, tops[each.id]) for each in node.ports],
     }
 
 

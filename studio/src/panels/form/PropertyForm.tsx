@@ -80,7 +80,7 @@ export function PropertyForm() {
       onSubmit={(event) => event.preventDefault()}
     >
       <header>
-        <h3>{form.title}</h3>
+        <h2>{form.title}</h2>
         <span className="class">{form.class}</span>
         <Help subject={form.class}>{form.documentation}</Help>
         {form.owner !== "" && (

@@ -114,7 +114,7 @@ export function Generate() {
 function Drift({ plan }: { plan: Plan }) {
   return (
     <div className="drift">
-      <h4>Your files that no longer fit the model</h4>
+      <h2>Your files that no longer fit the model</h2>
       <ul>
         {plan.drift.map((each) => (
           <li key={`${each.path} ${each.line} ${each.message}`}>

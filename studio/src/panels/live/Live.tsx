@@ -204,11 +204,11 @@ function LastMessage({ row }: { row: string }) {
         {value.age === null ? "no message yet" : `${figure(value.age, "s")} ago`}
       </span>
       <div>
-        <h5>JAUS</h5>
+        <h2>JAUS</h2>
         <pre>{value.jaus}</pre>
       </div>
       <div>
-        <h5>ROS</h5>
+        <h2>ROS</h2>
         <pre>{value.ros}</pre>
       </div>
     </div>

@@ -96,9 +96,9 @@ export function MemberTree(props: Props) {
 
   return (
     <div className="member-tree" ref={tree}>
-      <h4>
+      <h2>
         {side.title} <small>{side.side === "jaus" ? "JAUS" : "ROS"}</small>
-      </h4>
+      </h2>
       <div role="tree" aria-label={`Members of ${side.title}`}>
         {shown.map((row) => (
           <Member

@@ -19,7 +19,7 @@ export function TryIt({ file, map, revision }: Props) {
   return (
     <section className="try-it" aria-label="Try it">
       <header>
-        <h4>Try it</h4>
+        <h2>Try it</h2>
         {(["to_ros", "to_jaus"] as const).map((each) => (
           <button
             type="button"

@@ -152,7 +152,7 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
         draggable={item.drop !== undefined}
         title={item.documentation}
         ref={(element) => {
-          if (isActive) element?.scrollIntoView?.({ block: "nearest" });
+          if (isActive && element) scrollInList(element);
         }}
         onDragStart={onDragStart}
         onClick={onPoint}
@@ -162,19 +162,26 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
         {item.note && <span className="offer-note">{item.note}</span>}
         {isActive && item.documentation && <small>{item.documentation}</small>}
         {isActive && (
-          <button
-            type="button"
-            className="small"
-            tabIndex={-1}
-            onClick={onAdd}
-            aria-label={`Add ${item.label}`}
-          >
+          // No button: an option has nothing in it that takes keys of its own.
+          <span className="add" aria-hidden="true" onClick={onAdd}>
             Add
-          </button>
+          </span>
         )}
       </div>
     </>
   );
+}
+
+/** Brings an offer into the sight of its list; the page around it stays where it is. */
+function scrollInList(element: HTMLElement) {
+  const list = element.parentElement;
+  if (!list) return;
+  const [top, bottom] = [
+    element.offsetTop - list.offsetTop,
+    element.offsetTop - list.offsetTop + element.offsetHeight,
+  ];
+  if (top < list.scrollTop) list.scrollTop = top;
+  else if (bottom > list.scrollTop + list.clientHeight) list.scrollTop = bottom - list.clientHeight;
 }
 
 async function lookUp(file: string, wanted: Recent, onto: Ref): Promise<PaletteItem> {

@@ -54,7 +54,7 @@ const look = EditorView.theme({
   ".cm-activeLine, .cm-activeLineGutter": {
     backgroundColor: "color-mix(in srgb, var(--ink) 5%, transparent)",
   },
-  ".cm-chosen": { backgroundColor: "color-mix(in srgb, var(--chosen) 16%, transparent)" },
+  ".cm-chosen": { backgroundColor: "color-mix(in srgb, var(--chosen) 8%, transparent)" },
   "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground":
     {
       background: "color-mix(in srgb, var(--chosen) 35%, transparent)",
@@ -99,6 +99,7 @@ export function basics(notation: "xmi" | "text", isEditable: boolean): Extension
     EditorState.tabSize.of(4),
     isEditable ? editing : [],
     EditorView.contentAttributes.of({
+      tabindex: "0",
       "aria-label": isEditable ? "Text of the file" : "Text of the file, read-only",
     }),
   ];

@@ -58,7 +58,7 @@ interface WhereProps {
 function Where({ standing, said, onSay }: WhereProps) {
   return (
     <div>
-      <h4>{standing.component} is in</h4>
+      <h2>{standing.component} is in</h2>
       <p aria-live="polite">
         <strong>{standing.state}</strong>
         <br />
@@ -111,7 +111,7 @@ function Choices({ standing, onChoose }: ChoicesProps) {
         if (offered.length === 0) return null;
         return (
           <div key={kind}>
-            <h4>{title}</h4>
+            <h2>{title}</h2>
             <ul className="choices">
               {offered.map((each) => (
                 <li key={`${each.actor} ${each.what}`}>
@@ -138,7 +138,7 @@ interface TakenProps {
 function Taken({ standing, path, onBack }: TakenProps) {
   return (
     <div>
-      <h4>What has happened</h4>
+      <h2>What has happened</h2>
       <button type="button" disabled={path.length === 0} onClick={() => onBack(path.length - 1)}>
         Back
       </button>{" "}

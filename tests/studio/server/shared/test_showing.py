@@ -45,3 +45,39 @@ def test_problems_of_the_example_are_none(page: Page) -> None:
     found = page.ask("problems", file=FILE)
     assert [each for each in found["problems"] if each["severity"] == "error"] == []
     assert found["files"] == [FILE]
+
+
+def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
+    rows = page.ask("outline", file=FILE)["rows"]
+    assert [each["depth"] for each in rows[:2]] == [0, 1]
+    assert {"host", "placement", "bridge"} <= {each["kind"] for each in rows}
+    bridge = next(each for each in rows if each["kind"] == "bridge")
+    assert bridge["inner"]
+    assert not bridge["is_open"]
+    opened = page.ask("outline", file=FILE, opened=[bridge["element"]])["rows"]
+    assert len(opened) == len(rows) + bridge["inner"]
+    found = page.ask("outline", file=FILE, query="placement")["rows"]
+    assert [each["kind"] for each in found] == ["placement"]
+    assert page.ask("form", element=found[0]["element"])["class"] == "system.Placement"
+
+
+def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page: Page) -> None:
+    first = page.ask("view", file=FILE, view="system")
+    again = page.ask("view", file=FILE, view="system", base=first["picture"])
+    assert "graph" not in again
+    assert again["changes"]["base"] == first["picture"]
+    for name in ("nodes", "groups", "edges"):
+        assert again["changes"][name] == {"put": [], "gone": [], "order": None}
+    assert "graph" in page.ask("view", file=FILE, view="system", base=first["picture"] + 1000)
+
+
+def test_a_box_is_found_by_the_element_of_its_row(page: Page) -> None:
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    bridge = next(each for each in graph["nodes"] if each["kind"] == "bridge")
+    row = bridge["ports"][0]["element"]
+    # Where several boxes have a row of it, the first is looked at.
+    node = next(each for each in graph["nodes"] if row in [row["element"] for row in each["ports"]])
+    left, top = page.ask("where", file=FILE, view="system", element=row)["place"]
+    assert node["x"] < left < node["x"] + node["width"]
+    assert node["y"] < top < node["y"] + node["height"]
+    assert page.ask("where", file=FILE, view="system", element="x.xmi#y")["place"] is None

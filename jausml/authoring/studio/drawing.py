@@ -1,0 +1,186 @@
+"""Drawings: views as pages draw them, and what has changed from one picture to the next."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import OrderedDict, defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from jausml.views.diagrams.bundling import framed, is_crowded
+from jausml.views.diagrams.folding import is_large
+from jausml.views.diagrams.layout.columns import Columns
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.writers import values
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+
+    from jausml.views.diagrams.graph import Graph, Node
+    from jausml.views.diagrams.layout.sheet import Point
+
+_LOG = logging.getLogger(__name__)
+
+_MOST_PICTURES = 8
+"""Pictures of a view that are remembered: as many pages get differences."""
+
+_INTO = 60
+"""Pixels from the corner of a box to where one looks at it."""
+
+_LISTS = ("nodes", "groups", "edges")
+
+
+@dataclass
+class _View:
+    """What is known of a view; the lock is held while it is drawn.
+
+    Whether it is crowded, and whether its frames may be closed, is decided when its boxes get
+    their places: no edit moves them.
+    """
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    standing: values.Standing = field(default_factory=values.Standing)
+    is_crowded: bool = False
+    is_large: bool = False
+    settled: values.Settled | None = None
+    of: object = None
+    pictures: OrderedDict[int, dict[str, Any]] = field(default_factory=OrderedDict)
+    count: int = 0
+
+    def seen(self, opened: Collection[str]) -> Collection[str] | None:
+        """Returns which frames are opened, None where all are."""
+        return opened if self.is_large else None
+
+
+class Drawings:
+    """Views as pages draw them: what stands stays until someone asks to arrange it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._views: dict[tuple[str, str], _View] = defaultdict(_View)
+        self._engine = Graphviz()
+
+    def draw(
+        self,
+        file: str,
+        graph: Graph,
+        moved: Mapping[str, tuple[int, int]],
+        opened: Collection[str] = (),
+        of: object = None,
+    ) -> dict[str, Any]:
+        """Returns a graph with sizes and places.
+
+        `opened`: keys of the frames of a large system that are shown with what is in them. `of`:
+        what the graph was made of; see `again`.
+        """
+        view = self._view(file, graph.view)
+        with view.lock:
+            view.settled = None
+            try:
+                settled = self._settled(view, graph, moved)
+            except LayoutError:
+                raise
+            except Exception:
+                # What is remembered of former pictures must not keep the view from being shown.
+                _LOG.exception("the view %s of %s is drawn anew", graph.view, file)
+                view.standing = values.Standing()
+                settled = self._settled(view, graph, moved)
+            view.settled, view.of = settled, of
+            return settled.values(view.seen(opened))
+
+    def again(
+        self, file: str, name: str, opened: Collection[str], of: object
+    ) -> dict[str, Any] | None:
+        """Returns the last picture with other frames opened.
+
+        None where a graph of something else was drawn last, or nothing.
+        """
+        view = self._view(file, name)
+        with view.lock:
+            if view.settled is None or view.of is None or view.of != of:
+                return None
+            return view.settled.values(view.seen(opened))
+
+    def _settled(
+        self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
+    ) -> values.Settled:
+        if not view.standing.shown:
+            view.is_crowded = is_crowded(graph)
+        engine = Columns() if view.is_crowded else self._engine
+        shown = framed(graph) if view.is_crowded else graph
+        if not view.standing.shown:
+            view.is_large = is_large(shown)
+        return values.settled(shown, engine, moved, view.standing)
+
+    def number(self, file: str, picture: dict[str, Any]) -> int:
+        """Remembers a picture that a page is sent, and returns its number."""
+        view = self._view(file, picture["view"])
+        with view.lock:
+            view.count += 1
+            view.pictures[view.count] = picture
+            while len(view.pictures) > _MOST_PICTURES:
+                view.pictures.popitem(last=False)
+            return view.count
+
+    def numbered(self, file: str, name: str, number: int) -> dict[str, Any] | None:
+        """Returns a picture that a page was sent, None when it is remembered no more."""
+        view = self._view(file, name)
+        with view.lock:
+            return view.pictures.get(number)
+
+    def where(self, file: str, name: str, element: str) -> Point | None:
+        """Returns a point in the box of an element, None where the view has none."""
+        view = self._view(file, name)
+        with view.lock:
+            if view.settled is None:
+                return None
+            node = _box_of(view.settled.graph, element)
+            if node is None:
+                return None
+            left, top = view.settled.corners[node.id]
+            return left + _INTO, top + _INTO
+
+    def forget(self, file: str, name: str) -> None:
+        """Forgets where the boxes of a view stand."""
+        view = self._view(file, name)
+        with view.lock:
+            view.standing = values.Standing()
+            view.settled = None
+
+    def _view(self, file: str, name: str) -> _View:
+        with self._lock:
+            return self._views[file, name]
+
+
+def _box_of(graph: Graph, element: str) -> Node | None:
+    nodes = graph.by_id
+    for node in graph.nodes:
+        if element in (node.element, *(port.element for port in node.ports)):
+            return node
+    groups = {each.id for each in graph.groups if each.element == element}
+    inside = [each for each in graph.nodes if each.group in groups]
+    lines = [nodes[each.source.node] for each in graph.edges if each.element == element]
+    return next(iter(inside + lines), None)
+
+
+def difference(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what makes a picture of the one before it: parts that are new or gone, by id.
+
+    Parts that are put take the place of those of their id, or come behind the others; where that
+    is not their order, it is told.
+    """
+    changed: dict[str, Any] = {
+        "rest": {name: value for name, value in after.items() if name not in _LISTS}
+    }
+    for name in _LISTS:
+        old = {each["id"]: each for each in before[name]}
+        new = {each["id"]: each for each in after[name]}
+        order = [*(each for each in old if each in new), *(each for each in new if each not in old)]
+        changed[name] = {
+            "put": [each for key, each in new.items() if old.get(key) != each],
+            "gone": [each for each in old if each not in new],
+            "order": None if order == list(new) else list(new),
+        }
+    return changed

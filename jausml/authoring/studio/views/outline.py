@@ -1,0 +1,100 @@
+"""The outline of a file: all its elements as a tree, of which so much is told as is open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.authoring.proposals.elements import label_of
+from jausml.language.semantics.names import in_words
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+    from jausml.authoring.proposals.elements import Scope
+    from jausml.language.metamodel.classes.ecore import EObject
+
+_MOST_INNER, _MOST_FOUND = 200, 100
+"""Rows that are told of one owner, and that a search tells: nobody reads so many."""
+
+
+@dataclass(frozen=True)
+class OutlineRow:
+    """An element in the outline; one without an element tells how many more there are.
+
+    `inner`: how many elements it owns. `note`: of what it is, where that is not above it.
+    """
+
+    element: str
+    label: str
+    kind: str
+    depth: int
+    inner: int = 0
+    is_open: bool = False
+    note: str = ""
+
+
+def outline(scope: Scope, opened: Collection[str]) -> list[OutlineRow]:
+    """Returns the elements of a file whose owners are open, in the order of the file.
+
+    `opened`: refs of elements.
+    """
+    roots = scope.model.documents[0].roots if scope.model.documents else []
+    return [row for root in roots for row in _rows(scope, root, 0, frozenset(opened))]
+
+
+def _rows(
+    scope: Scope, element: EObject, depth: int, opened: Collection[str]
+) -> Iterator[OutlineRow]:
+    ref, inner = scope.ref(element), scope.model.owned(element)
+    is_open = bool(inner) and (depth == 0 or ref in opened)
+    yield _row(scope, element, depth, len(inner), is_open=is_open)
+    if not is_open:
+        return
+    for each in inner[:_MOST_INNER]:
+        yield from _rows(scope, each, depth + 1, opened)
+    if len(inner) > _MOST_INNER:
+        label = f"{len(inner) - _MOST_INNER} more: search for them"
+        yield OutlineRow("", label, "", depth + 1)
+
+
+def search(scope: Scope, query: str) -> list[OutlineRow]:
+    """Returns the elements of a file whose name or kind has all words, names first."""
+    words = query.lower().split()
+    named, others = [], []
+    for element in scope.model.elements_of(scope.model.documents[0]):
+        name = label_of(element).lower()
+        if all(each in name for each in words):
+            named.append(element)
+        elif all(each in f"{name} {_kind(element)}" for each in words):
+            others.append(element)
+    found = [*named, *others]
+    rows = [
+        _row(scope, each, 0, len(scope.model.owned(each)), note=_path(each))
+        for each in found[:_MOST_FOUND]
+    ]
+    if len(found) > _MOST_FOUND:
+        rows.append(OutlineRow("", f"{len(found) - _MOST_FOUND} more: type more of it", "", 0))
+    return rows
+
+
+def _row(
+    scope: Scope,
+    element: EObject,
+    depth: int,
+    inner: int,
+    *,
+    is_open: bool = False,
+    note: str = "",
+) -> OutlineRow:
+    ref, label = scope.ref(element), label_of(element)
+    return OutlineRow(ref, label, _kind(element), depth, inner, is_open, note)
+
+
+def _kind(element: EObject) -> str:
+    return in_words(element.eClass.name)
+
+
+def _path(element: EObject) -> str:
+    owner = element.eContainer()
+    return label_of(owner) if owner is not None else ""

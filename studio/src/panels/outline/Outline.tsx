@@ -1,0 +1,133 @@
+import { type KeyboardEvent, useRef, useState } from "react";
+import { choose } from "../../actions";
+import type { OutlineRow, Ref } from "../../protocol";
+import { update, useStudio } from "../../store";
+import { Fault } from "../base/parts";
+import { useRevision } from "../base/studio";
+import { useAnswer } from "../base/useAnswer";
+import { useSettled } from "../base/useSettled";
+
+const PAUSE_MS = 80;
+const NOTHING: Ref[] = [];
+
+/** Everything that the file has, also what no diagram shows, as a tree with a search. */
+export function Outline() {
+  const file = useStudio((studio) => studio.file);
+  const chosen = useStudio((studio) => studio.chosen);
+  const revision = useRevision();
+  const [typed, setTyped] = useState("");
+  const [opened, setOpened] = useState<{ file: string; refs: Ref[] }>({ file, refs: NOTHING });
+  const refs = opened.file === file ? opened.refs : NOTHING;
+  const query = useSettled(typed.trim(), PAUSE_MS);
+  const params = file ? { file, query, opened: refs } : null;
+  // What was told before something was opened stays until the answer comes.
+  const { value, error } = useAnswer("outline", params, revision, `${file} ${query}`);
+  const rows = value?.rows ?? [];
+  const [at, setAt] = useState("");
+  const tree = useRef<HTMLDivElement>(null);
+  const active = rows.find((each) => each.element === at) ?? rows[0];
+
+  function focus(row: OutlineRow | undefined) {
+    if (!row?.element) return;
+    setAt(row.element);
+    tree.current?.querySelector<HTMLElement>(`[data-ref="${CSS.escape(row.element)}"]`)?.focus();
+  }
+
+  function toggle({ element }: OutlineRow, isOpen: boolean) {
+    const others = refs.filter((each) => each !== element);
+    if (element) setOpened({ file, refs: isOpen ? [...others, element] : others });
+  }
+
+  function take(row: OutlineRow) {
+    if (!row.element) return;
+    setAt(row.element);
+    update({ right: "form" });
+    choose(row.element);
+  }
+
+  function onKeyDown(event: KeyboardEvent, row: OutlineRow) {
+    if (event.ctrlKey || event.metaKey || event.altKey || !act(event.key, row)) return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** Does what a key means on a row; false for keys that mean nothing. */
+  function act(key: string, row: OutlineRow): boolean {
+    const index = rows.indexOf(row);
+    const mayOpen = row.inner > 0 && row.depth > 0 && !query;
+    if (key === "ArrowDown") focus(rows[index + 1]);
+    else if (key === "ArrowUp") focus(rows[index - 1]);
+    else if (key === "Home") focus(rows[0]);
+    else if (key === "End") focus(rows.findLast((each) => each.element));
+    else if (key === "ArrowRight" && mayOpen && !row.is_open) toggle(row, true);
+    else if (key === "ArrowRight") focus(rows[index + 1]);
+    else if (key === "ArrowLeft" && mayOpen && row.is_open) toggle(row, false);
+    else if (key === "ArrowLeft") focus(above(rows, index));
+    else if (key === "Enter" || key === " ") take(row);
+    else return false;
+    return true;
+  }
+
+  function onSearchKey(event: KeyboardEvent) {
+    if (event.key === "ArrowDown") focus(rows[0]);
+    else if (event.key === "Enter" && rows[0]) take(rows[0]);
+    else if (event.key === "Escape" && typed) setTyped("");
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  return (
+    <section className="outline" aria-label="Outline">
+      <input
+        type="search"
+        placeholder="Search: name or kind"
+        aria-label="Search all elements"
+        spellCheck={false}
+        value={typed}
+        onChange={(event) => setTyped(event.currentTarget.value)}
+        onKeyDown={onSearchKey}
+      />
+      <Fault>{error}</Fault>
+      <div role="tree" aria-label={`Elements of ${file}`} ref={tree}>
+        {rows.map((row, index) => (
+          <div
+            key={row.element || `more ${index}`}
+            role="treeitem"
+            data-ref={row.element}
+            aria-level={row.depth + 1}
+            aria-expanded={row.inner && !query ? row.is_open : undefined}
+            aria-selected={row.element !== "" && row.element === chosen}
+            aria-disabled={row.element === "" || undefined}
+            tabIndex={row === active ? 0 : -1}
+            className="outline-row"
+            style={{ paddingLeft: 4 + 14 * row.depth }}
+            onClick={() => take(row)}
+            onDoubleClick={() => row.depth > 0 && toggle(row, !row.is_open)}
+            onKeyDown={(event) => onKeyDown(event, row)}
+          >
+            <span
+              className="outline-twist"
+              aria-hidden="true"
+              onClick={(event) => {
+                event.stopPropagation();
+                if (row.depth > 0) toggle(row, !row.is_open);
+              }}
+            >
+              {row.inner && !query ? (row.is_open ? "▾" : "▸") : ""}
+            </span>
+            <span className="outline-label">{row.label}</span>{" "}
+            <small>{[row.kind, row.note && `in ${row.note}`].filter(Boolean).join(" ")}</small>
+          </div>
+        ))}
+        {value && rows.length === 0 && <p className="quiet">Nothing fits.</p>}
+      </div>
+    </section>
+  );
+}
+
+/** The element that owns that of a row. */
+function above(rows: readonly OutlineRow[], index: number): OutlineRow | undefined {
+  const depth = rows[index]?.depth ?? 0;
+  return rows.slice(0, index).findLast((each) => each.depth < depth);
+}

@@ -1,0 +1,163 @@
+"""Large pictures: what closed frames tell, and that nothing moves when they are opened."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+
+import pytest
+from large_systems import large_system
+
+from jausml.authoring.studio.drawing import Drawings, difference
+from jausml.language.model import read_models
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.text.notation import NOTATIONS
+from jausml.views.diagrams.bundling import framed
+from jausml.views.diagrams.folding import CLOSED, MOST_SHOWN, folded, frames_of, is_large
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
+from jausml.views.diagrams.views import graph_of
+
+GROUPS, HOSTS = 40, 3
+
+
+def node(name, group, *, kind="component", findings=(), rows=()):
+    ports = tuple(Port(each, each) for each in rows)
+    return Node(name, kind, name, ports=ports, group=group, key=name, findings=findings)
+
+
+def edge(name, source, target, kind="message", findings=()):
+    return Edge(name, End(source), End(target), kind, key=name, findings=findings)
+
+
+WRONG = Finding("error", "JML1", "wrong")
+ODD = Finding("warning", "JML2", "odd")
+
+SMALL = Graph(
+    "system",
+    "s",
+    (
+        node("a", "one", findings=(ODD,)),
+        node("b", "one", kind="bridge", rows=("r",)),
+        node("c", "two"),
+        node("d", ""),
+    ),
+    (
+        Group("host", "host", "host", key="host"),
+        Group("one", "bridge", "one", "host", key="one"),
+        Group("two", "bridge", "two", key="two"),
+    ),
+    (
+        edge("ab", "a", "b"),
+        edge("bc", "b", "c", findings=(WRONG,)),
+        edge("ac", "a", "c"),
+        edge("cd", "c", "d"),
+    ),
+)
+
+
+def test_a_closed_frame_tells_how_much_is_in_it_and_the_worst_of_it():
+    shown = folded(SMALL, ())
+    assert [(each.id, each.kind) for each in shown.nodes] == [
+        ("d", "component"),
+        ("host", CLOSED),
+        ("two", CLOSED),
+    ]
+    host = shown.by_id["host"]
+    assert host.subtitle == "1 component, 1 bridge, 3 lines"
+    assert dict(host.details) == {"frames": "1"}
+    assert host.findings == (Finding("error", "", "1 error, 1 warning in it"),)
+    assert shown.groups == ()
+
+
+def test_lines_between_closed_frames_are_one_and_a_single_one_stays_what_it_is():
+    edges = {each.id: each for each in folded(SMALL, ()).edges}
+    assert set(edges) == {"bc!bundle", "cd"}
+    assert (edges["bc!bundle"].source, edges["bc!bundle"].target) == (End("host"), End("two"))
+    assert edges["bc!bundle"].count == 2
+    assert edges["bc!bundle"].findings == (Finding("error", "", "1 error in it"),)
+    assert (edges["cd"].source, edges["cd"].target) == (End("two"), End("d"))
+
+
+def test_what_is_opened_is_shown_and_a_frame_in_a_closed_one_is_not_seen():
+    assert folded(SMALL, ("one",)) == folded(SMALL, ())
+    shown = folded(SMALL, ("host",))
+    assert [each.id for each in shown.groups] == ["host"]
+    assert {each.id for each in shown.nodes} == {"one", "two", "d"}
+    assert folded(SMALL, ("host", "one", "two")) == SMALL
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    file = tmp_path_factory.mktemp("large") / "large.ros2jaus"
+    file.write_text(large_system(GROUPS, HOSTS), encoding="utf-8")
+    return read_models([file], notations=NOTATIONS).model
+
+
+@pytest.fixture(scope="module")
+def graph(model):
+    return graph_of(model, "system")
+
+
+def test_a_system_is_large_by_its_boxes(graph):
+    assert len(graph.nodes) == GROUPS * 6 > MOST_SHOWN
+    assert is_large(framed(graph))
+    assert not is_large(SMALL)
+
+
+def test_each_box_stands_in_the_frame_of_its_bridge_on_its_host(graph):
+    around = frames_of(framed(graph))
+    assert all(len(each) == 2 for each in around.values())
+
+
+def test_opening_moves_nothing_and_tells_only_what_is_new(graph):
+    drawings = Drawings()
+    first = drawings.draw("m", graph, {}, (), of=1)
+    hosts = [each["key"] for each in first["nodes"]]
+    assert {each["kind"] for each in first["nodes"]} == {CLOSED}
+    assert len(hosts) == HOSTS
+    second = drawings.again("m", "system", hosts, of=1)
+    bridges = [each["key"] for each in second["nodes"]]
+    assert len(bridges) == GROUPS
+    whole = drawings.again("m", "system", (*hosts, *bridges), of=1)
+    assert len(whole["nodes"]) == len(graph.nodes)
+    assert len(whole["edges"]) == len(graph.edges)
+    places = {each["id"]: (each["x"], each["y"]) for each in (*first["nodes"], *second["nodes"])}
+    assert {each["id"]: (each["x"], each["y"]) for each in whole["groups"]} == places
+    one = drawings.again("m", "system", (*hosts, bridges[0]), of=1)
+    assert len(json.dumps(difference(second, one))) < len(json.dumps(whole)) / 20
+    assert drawings.again("m", "system", hosts, of=2) is None
+
+
+def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model):
+    component = next(each for each in model.documents[0].roots[0].components)
+    document = model.documents[0]
+    found = Diagnostic(
+        "JML1",
+        Severity.ERROR,
+        Location(document.display),
+        "wrong",
+        fragment=model.fragment(component),
+    )
+    drawn = Drawings().draw("m", graph_of(model, "system", [found]), {})
+    wrong = [each for each in drawn["nodes"] if each["findings"]]
+    assert [each["title"] for each in wrong] == ["host h0 (judp)"]
+    assert wrong[0]["findings"][0]["severity"] == "error"
+
+
+def test_a_picture_and_its_difference_are_the_next_picture(graph):
+    drawings = Drawings()
+    pictures = [drawings.draw("m", graph, {}, opened) for opened in ((), ("host:h0",), ())]
+    for before, after in pairwise(pictures):
+        assert applied(before, difference(before, after)) == after
+
+
+def applied(before, changes):
+    """What the page makes of a picture and what has changed."""
+    made = dict(changes["rest"])
+    for name in ("nodes", "groups", "edges"):
+        parts = {each["id"]: each for each in before[name]}
+        for each in changes[name]["gone"]:
+            del parts[each]
+        parts.update({each["id"]: each for each in changes[name]["put"]})
+        made[name] = [parts[each] for each in changes[name]["order"] or parts]
+    return made

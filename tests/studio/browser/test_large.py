@@ -1,0 +1,105 @@
+"""A system of ten thousand elements: only what is seen is sent, and is in the page."""
+
+from __future__ import annotations
+
+import pytest
+from browsers import BROWSER
+from desktop import Desktop
+from large_systems import large_system
+from playwright.sync_api import expect
+
+pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(900)]
+
+GROUPS, HOSTS = 476, 12
+"""21 elements a group, and those of the hosts."""
+
+SLOW = 300_000
+"""Milliseconds for what takes seconds on a computer that does nothing else."""
+
+MOST_PARTS, MOST_HEAP = 6_000, 100_000_000
+MOST_SENT = 250_000
+"""Bytes: the picture of all would be ten million."""
+
+
+class Wire:
+    """Counts what the server says."""
+
+    def __init__(self, page):
+        self.sizes = []
+        page.on("websocket", self._listen)
+
+    def _listen(self, socket):
+        socket.on("framereceived", lambda message: self.sizes.append(len(message)))
+
+    def since(self, count):
+        return sum(self.sizes[count:])
+
+
+def parts(page):
+    return page.evaluate("document.querySelectorAll('*').length")
+
+
+def heap(page):
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+    session.send("HeapProfiler.collectGarbage")
+    found = session.send("Performance.getMetrics")["metrics"]
+    return next(each["value"] for each in found if each["name"] == "JSHeapUsedSize")
+
+
+def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
+    open_studio, tmp_path
+):
+    file = tmp_path / "large.ros2jaus"
+    file.write_text(large_system(GROUPS, HOSTS), encoding="utf-8")
+    wires = []
+    desk = Desktop(open_studio(file, prepare=lambda page: wires.append(Wire(page))))
+    page, wire = desk.page, wires[0]
+    closed = page.locator(".box.closed")
+
+    # From afar each host is one box that tells how much runs there.
+    expect(closed).to_have_count(HOSTS, timeout=SLOW)
+    expect(closed.first).to_contain_text("160 components, 40 bridges")
+    assert wire.since(0) < MOST_SENT
+    assert parts(page) < MOST_PARTS
+    expect(desk.verdict).to_have_text("No problems.", timeout=SLOW)
+
+    # Nearer, a host shows its bridges.
+    desk.zoom_into(closed.first, lambda: page.locator(".frame.host").count() > 0)
+    bridge = page.locator(".box.closed .title", has_text="bridge").first
+    expect(bridge).to_be_attached(timeout=SLOW)
+    name = bridge.inner_text()
+    place = desk.place(name)
+
+    # What is in a bridge is found by its name, seen and chosen, and the bridge has not moved.
+    vehicle = name.replace("bridge", "vehicle") + "_0"
+    desk.tab("Outline")
+    search = page.get_by_role("searchbox", name="Search all elements")
+    search.fill(vehicle)
+    expect(page.get_by_role("treeitem", name=vehicle)).to_have_count(1, timeout=SLOW)
+    search.press("Enter")
+    expect(desk.box(vehicle)).to_be_in_viewport(timeout=SLOW)
+    expect(page.locator(".box.chosen .title")).to_have_text(vehicle, timeout=SLOW)
+    frame = page.locator(".frame", has=page.get_by_text(name, exact=True))
+    assert desk.stands(page.locator(".react-flow__node", has=frame).first) == place
+    assert parts(page) < MOST_PARTS
+    assert heap(page) < MOST_HEAP
+    assert wire.since(0) < 2 * MOST_SENT
+
+    # An edit sends what is different, and moves nothing.
+    other = vehicle.replace("_0", "_1")
+    before, count = desk.place(other), len(wire.sizes)
+    desk.diagram.focus()
+    desk.keyboard.press("F2")
+    desk.box_field().fill("renamed")
+    desk.box_field().press("Enter")
+    expect(desk.box("renamed")).to_have_count(1, timeout=SLOW)
+    assert "component renamed {" in file.read_text(encoding="utf-8")
+    assert desk.place(other) == before
+    expect(desk.verdict).to_have_text("No problems.", timeout=SLOW)
+    assert wire.since(count) < MOST_SENT
+
+    # Farther away again all is closed but the frames around what is chosen.
+    page.get_by_role("button", name="Fit").click()
+    expect(closed).to_have_count(HOSTS - 1 + 39, timeout=SLOW)
+    assert parts(page) < MOST_PARTS
