@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.language.metamodel.reactive import Engine, SelfAskingError, Watch
+from jausml.language.metamodel.reactive import Answers, Engine, SelfAskingError, Watch
 
 
 class Chain:
     """Answers each of which asks for the one before; the first one reads a value."""
 
     def __init__(self):
-        self.engine = Engine(is_noting=True)
+        self.engine = Engine()
         self.watch = Watch(self.engine)
         self.value = 1
 
@@ -67,10 +67,10 @@ def test_nothing_runs_where_nothing_has_changed():
     assert chain.engine.runs == runs
 
 
-@pytest.mark.parametrize("is_noting", [True, False])
-def test_an_answer_that_asks_for_itself_is_an_error_that_names_it(is_noting):
+@pytest.mark.parametrize("kind", [Engine, Answers])
+def test_an_answer_that_asks_for_itself_is_an_error_that_names_it(kind):
     chain = Chain()
-    chain.engine.is_noting = is_noting
+    chain.engine = kind()
     for _ in range(2):
         with pytest.raises(SelfAskingError, match=r"Chain\.ring asks for its own answer"):
             chain.engine.ask((chain.ring, 0))

@@ -65,19 +65,46 @@ class _Raised:
         self.error = error
 
 
+class Answers:
+    """The answers to calls, which hold to its end: nothing that they read changes meanwhile."""
+
+    def __init__(self) -> None:
+        self._known: dict[Call, Any] = {}
+
+    def ask(self, call: Call) -> Any:
+        """Returns the answer of a call, which raises what the call raises.
+
+        `SelfAskingError`: it asks for its own answer.
+        """
+        value = self._known.get(call)
+        if value is None and call not in self._known:
+            self._known[call] = _RUNNING
+            try:
+                value = call[0](*call[1:])
+            except Exception as error:
+                value = _Raised(error)
+            except BaseException:
+                del self._known[call]
+                raise
+            self._known[call] = value
+        if value is _RUNNING:
+            raise SelfAskingError(call)
+        if value.__class__ is _Raised:
+            raise value.error.with_traceback(None)
+        return value
+
+
 class Engine:
-    """The answers to calls.
+    """The answers to calls, and what each has read and asked.
 
     Attributes:
-        is_noting: Whether it is noted what nodes read and ask; else answers hold to the end.
-        now: The node that runs, where that is noted.
+        now: The node that runs.
         runs: How many nodes have run.
     """
 
-    def __init__(self, *, is_noting: bool) -> None:
+    def __init__(self) -> None:
         self.now: Node | None = None
         self.runs = 0
-        self.is_noting = is_noting
         self._nodes: dict[Call, Node] = {}
         self._woken: dict[Node, None] = {}
         self._left: set[Node] = set()
@@ -180,9 +207,7 @@ class Engine:
 
     def _run(self, node: Node) -> None:
         self._cut(node)
-        before = self.now
-        if self.is_noting:
-            self.now = node
+        before, self.now = self.now, node
         self.runs += 1
         node.state = _RUNNING
         value: Any

@@ -14,7 +14,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.metamodel.reactive import Engine
+from jausml.language.metamodel.reactive import Answers, Engine
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ def _joined(first: _Unread, second: _Unread) -> _Unread:
     return None if first is None or second is None else first | second
 
 
-_ENGINE: ContextVar[Engine | None] = ContextVar("engine", default=None)
+_ENGINE: ContextVar[Answers | Engine | None] = ContextVar("engine", default=None)
 
 
 @contextmanager
@@ -181,7 +181,7 @@ def remembering(engine: Engine | None = None) -> Iterator[None]:
 
     `engine`: remembers it, and may know more from before; by default one that ends with it.
     """
-    token = _ENGINE.set(Engine(is_noting=False) if engine is None else engine)
+    token = _ENGINE.set(Answers() if engine is None else engine)
     try:
         yield
     finally:
@@ -215,7 +215,7 @@ class RememberedProperty(Generic[OwnerT, FoundT]):
     def __get__(self, owner: OwnerT, kind: type[OwnerT]) -> FoundT:
         engine = _ENGINE.get()
         found: FoundT
-        if engine is not None and engine.is_noting:
+        if isinstance(engine, Engine):
             found = engine.ask((self._find, owner))
         else:
             found = owner.__dict__[self._find.__name__] = self._find(owner)

@@ -69,7 +69,7 @@ class _Standing:
     """What a judge keeps."""
 
     def __init__(self, rules: Sequence[Rule], metamodels: Metamodels) -> None:
-        self.engine = Engine(is_noting=True)
+        self.engine = Engine()
         self.mirror = Mirror(metamodels, self.engine)
         self._rules = rules
         self._judging = Judging(rules, metamodels)
