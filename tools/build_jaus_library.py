@@ -391,13 +391,19 @@ def message_element(tag: str, service: str, facts: Facts) -> Element:
     return element
 
 
-def service_element(facts: Facts, places: Mapping[tuple[str, str], str], file: str) -> Element:
+def service_element(
+    facts: Facts,
+    places: Mapping[tuple[str, str], str],
+    file: str,
+    owners: Mapping[str, str],
+) -> Element:
     """Returns a service as an element.
 
     Args:
         facts: The service.
         places: File and id (`file#id`) of every service by URN and version.
         file: The file that the element is written to.
+        owners: Ids of the messages of its set by their names.
     """
     name = facts["name"]
     attributes = {
@@ -419,7 +425,7 @@ def service_element(facts: Facts, places: Mapping[tuple[str, str], str], file: s
         ("outputs", facts["output"]),
     ):
         element.children += [message_element(tag, name, message) for message in messages]
-    element.children += behaviour_elements(f"{facts['urn']} {facts['version']}")
+    element.children += behaviour_elements(facts, owners)
     return element
 
 
@@ -437,25 +443,76 @@ def _unlisted(service: Facts) -> list[Facts]:
     ]
 
 
-def behaviour_elements(key: str) -> Iterator[Element]:
-    """Yields the internal events and the machine of a core service by its URN and version.
+def behaviour_elements(facts: Facts, owners: Mapping[str, str]) -> Iterator[Element]:
+    """Yields the internal events and the machine of a core service.
 
     The names of states are paths, so that those of inherited services need not be said again.
+
+    Args:
+        owners: Ids of the messages of its set by their names.
     """
+    key = f"{facts['urn']} {facts['version']}"
     section = machines()[key] if machines().has_section(key) else {}
-    for name in section.get("events", "").split():
+    events = section.get("events", "").split()
+    for name in events:
         body = [field_element("body", event_bodies()[name])] if name in event_bodies() else []
         yield Element("events", {"name": name}, body)
     paths = section.get("states", "").split()
-    states = []
+    rows = [each.strip().split(" | ") for each in section.get("transitions", "").splitlines()]
+    rows = [each for each in rows if len(each) > 1]
+    around = dict.fromkeys(_path_of(state) for state, *_ in rows)
+    states = {path: Element("states", {"name": path}) for path in around if path not in paths}
     for path in paths:
         outer = path.rpartition(".")[0]
         first = next(each for each in paths if each.rpartition(".")[0] == outer)
-        states.append(Element("states", {"name": path}))
+        states[path] = Element("states", {"name": path})
         if path == first:
-            states[-1].attributes["initial"] = "true"
+            states[path].attributes["initial"] = "true"
+    for state, *row in rows:
+        tag = "defaults" if state.endswith("*") else "transitions"
+        states[_path_of(state)].children.append(_transition(tag, row, owners))
     if states:
-        yield Element("machines", {"name": "ReceiveFSM"}, states)
+        yield Element("machines", {"name": "ReceiveFSM"}, list(states.values()))
+
+
+_READY = "Receiving.Ready"
+
+
+def _path_of(state: str) -> str:
+    return ".".join(filter(None, (_READY, state.removesuffix(" *").strip("-"))))
+
+
+def _transition(tag: str, row: Sequence[str], owners: Mapping[str, str]) -> Element:
+    trigger, guard, target, sent = row
+    element = Element(tag)
+    element.attributes["message" if trigger in owners else "event"] = owners.get(trigger, trigger)
+    if guard != "-":
+        element.attributes["guard"] = guard
+    kind = {"-": "internal", "before": "pop"}.get(target)
+    if trigger == "SetEmergency":
+        kind = "push"  # to which the end of the emergency leads back
+    if kind is not None:
+        element.attributes["kind"] = kind
+    if target not in ("-", "before"):
+        element.attributes["target"] = f"{_READY}.{target}"
+    for each in sent.split(", ") if sent != "-" else ():
+        name, _, other = each.partition(" (")
+        is_answer = trigger in owners and not other
+        element.children.append(_sending(name, owners, is_answer=is_answer))
+    return element
+
+
+def _sending(sent: str, owners: Mapping[str, str], *, is_answer: bool) -> Element:
+    """Returns the action that sends a message, with the code that it carries."""
+    message, *codes = words = sent.split()
+    name = "".join(["send", message, *(each.title().replace("_", "") for each in codes)])
+    action = Element("actions", {"name": name})
+    arguments = [f"'{each}'" for each in words]
+    if is_answer:
+        action.attributes["sends"] = owners[message]
+        arguments.append("transportData")
+    action.children = [Element("arguments", text=each) for each in arguments]
+    return action
 
 
 @cache
@@ -495,7 +552,12 @@ def service_set(place: SetFile, services: Sequence[Facts], places: Mapping[Any, 
     )
     if place.version != "1.0":
         root.attributes["version"] = place.version
-    root.children += [service_element(facts, places, place.file) for facts in services]
+    owners = {
+        message["name"]: f"{facts['name']}.{message['name']}"
+        for facts in services
+        for message in (*facts["input"], *facts["output"])
+    }
+    root.children += [service_element(facts, places, place.file, owners) for facts in services]
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', *root.lines(), ""])
 
 

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
     "views/analysis/assumptions.py",
-    "generation/rendering.py",
+    "language/model/cache.py",
     "cli/shared/known/__init__.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",

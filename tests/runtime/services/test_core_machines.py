@@ -1,8 +1,7 @@
 """The core services do what their machines say (AS5710A): each transition is played.
 
-The library has the states of these machines alone, as models refine them; the runtime has their
-behaviour. core_machines.txt says the behaviour; where the definitions of others are there, it is
-held against them, and always against the runtime. What the runtime does otherwise is `OTHERWISE`.
+The library has these machines. Where the definitions of others are there, it is held against them,
+and always against the runtime. What the runtime does otherwise is `OTHERWISE`.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ import pytest
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.importers.jsidl import import_jsidl
+from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
 from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
 from jausml.runtime.component.modelled import CORE_STATES
@@ -38,7 +38,9 @@ from jausml.runtime.services.discovery_messages import (
 from .state_tables import Row, Stage, after, controlled, ready
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.metamodel.classes import jaus
 
 OF_OTHERS = Path(__file__).parents[4] / "shared" / "jsidl" / "urn.jaus.jss.core-v1.1"
 SERVICES = ("AccessControl", "Discovery", "Events", "Liveness", "Management")
@@ -71,28 +73,27 @@ class Transition(NamedTuple):
 
 
 READY = "Receiving.Ready"
-LINES = Path(__file__).with_name("core_machines.txt").read_text(encoding="utf-8").splitlines()
-TABLE = [Transition(*line.split(" | ")) for line in LINES if not line.startswith("#")]
 
 
 def lies_in(path: str, outer: str) -> bool:
     return path == outer or path.startswith(f"{outer}.")
 
 
-# -- the table and the definitions of others ------------------------------------------------------
+# -- the library and the definitions of others ----------------------------------------------------
 
 
-def of_others() -> Iterator[Transition]:
-    """Yields the transitions of the definitions of the JAUS Tool Set."""
-    result = import_jsidl(sorted(OF_OTHERS.rglob("*.xml")))
-    services = [each for root in result.sets for each in root.services if each.name in SERVICES]
+def transitions(services: Iterable[jaus.Service]) -> Iterator[Transition]:
+    """Yields the transitions of core services."""
     for service in services:
-        (machine,) = (each for each in service.machines if each.name == "ReceiveFSM")
-        for path, state in states_of(machine):
-            inside = path.removeprefix(READY).strip(".") or "-"
-            for name, of_state in ((inside, state.transitions), (f"{inside} *", state.defaults)):
-                for each in of_state:
-                    yield transition(service.name, name, each)
+        for machine in (each for each in service.machines if each.name == "ReceiveFSM"):
+            for path, state in states_of(machine):
+                inside = path.removeprefix(READY).strip(".") or "-"
+                for name, of_state in (
+                    (inside, state.transitions),
+                    (f"{inside} *", state.defaults),
+                ):
+                    for each in of_state:
+                        yield transition(service.name, name, each)
 
 
 def transition(service, state, element) -> Transition:
@@ -113,12 +114,18 @@ def transition(service, state, element) -> Transition:
     )
 
 
+TABLE = list(transitions(each for each in newest_services().values() if each.name in SERVICES))
+
+
 @pytest.mark.skipif(not OF_OTHERS.exists(), reason="definitions of other tools are absent")
-def test_the_table_is_that_of_the_definitions_of_others():
-    assert list(of_others()) == TABLE
+def test_the_library_is_as_the_definitions_of_others():
+    result = import_jsidl(sorted(OF_OTHERS.rglob("*.xml")))
+    services = [each for root in result.sets for each in root.services if each.name in SERVICES]
+    assert len(TABLE) == 67
+    assert sorted(transitions(services)) == sorted(TABLE)
 
 
-def test_states_and_messages_of_the_table_are_those_of_the_library():
+def test_transitions_lead_to_states_that_models_refine():
     states = core_machine(None).states
     for each in TABLE:
         assert each.path in states

@@ -88,11 +88,13 @@ def core_machine(service: jaus.Service | None) -> CoreMachine:
 
 
 def core_events() -> frozenset[str]:
-    """Returns the names of the internal events of the core services.
+    """Returns the names of the internal events of the core services that others may take.
 
-    Those of Transport carry messages, which a machine takes and sends as messages.
+    Those of Transport carry messages, which a machine takes and sends as messages; each of those of
+    Events concerns one event of one client.
     """
-    of_core = (each for urn, each in newest_services().items() if urn != f"{CORE}Transport")
+    kept = (f"{CORE}Transport", f"{CORE}Events")
+    of_core = (each for urn, each in newest_services().items() if urn not in kept)
     return frozenset(str(e.name) for each in of_core for e in each.events)
 
 
@@ -101,10 +103,12 @@ def _core_machines() -> Mapping[str, CoreMachine]:
     """Returns the machines of the core services by URN, each with what it inherits."""
     found = {}
     for urn, service in newest_services().items():
-        chain = [each for each in lineage(service) if each.machines]
-        states = (s for each in reversed(chain) for m in each.machines for s in m.states)
-        if chain:
-            found[urn] = CoreMachine(str(chain[0].name), tuple(str(each.name) for each in states))
+        states: dict[str, str] = {}
+        for each in reversed(list(lineage(service))):
+            for state in (state for machine in each.machines for state in machine.states):
+                states.setdefault(str(state.name), str(each.name))
+        if states:
+            found[urn] = CoreMachine(list(states.values())[-1], tuple(states))
     return found
 
 
