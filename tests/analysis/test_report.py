@@ -246,8 +246,11 @@ def test_what_is_shaped_costs_less_and_waits_longer(system):
 
 def test_services_and_actions_are_told_beside_the_connections(live_system):
     report = report_of(live_system("waypoint_lists.ros2jaus"), Assumptions())
-    robot, station, tracker = report.bridges
+    robot, station, tracker, spooler, dispatcher = report.bridges
     (follow,), (through,), (path,) = robot.calls, station.calls, tracker.calls
+    (missions,), (goals,) = spooler.calls, dispatcher.calls
+    assert (missions.direction, goals.direction) == ("jausToRos", "rosToJaus")
+    assert goals.peers == ("spooler",)
     assert (follow.kind, follow.direction, follow.peers) == ("action", "jausToRos", ())
     assert (through.ros_name, through.type) == ("navigate_through_poses", "NavigateThroughPoses")
     assert through.messages[0] == "SetLocalWaypoint"

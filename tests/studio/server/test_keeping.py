@@ -191,6 +191,8 @@ def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
 
     with monkeypatch.context() as patched, context.faults.kept():
         patched.setattr(showing, "graph_of", fail)
+        (folder / FILE).write_text(f"{TEXT}\n", encoding="utf-8")
+        context.refresh()
         seen = showing.view(context, FILE, "system")
     assert seen["graph"] == first["graph"]
     assert seen["freshness"]["state"] == "stale"

@@ -145,7 +145,7 @@ class Pieces:
         return found
 
 
-@cache
+@lru_cache(maxsize=1)
 def _pieces() -> Pieces:
     return Pieces()
 
