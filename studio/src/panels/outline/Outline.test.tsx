@@ -68,3 +68,10 @@ test("what no diagram shows is found by name, and how much more there is cannot 
   expect(state().chosen).toBe("robot.xmi#placement");
   expect(server.params("outline").at(-1)).toMatchObject({ query: "placement" });
 });
+
+test("Enter takes what was typed, and nothing that stands there while it is searched", async () => {
+  await screen.findByRole("treeitem", { name: /robot/ });
+  await userEvent.type(screen.getByRole("searchbox"), "placement{Enter}");
+  expect(state().chosen).toBe("");
+  await waitFor(() => expect(state().chosen).toBe("robot.xmi#placement"));
+});

@@ -1,4 +1,4 @@
-import { type KeyboardEvent, useRef, useState } from "react";
+import { type KeyboardEvent, useEffect, useRef, useState } from "react";
 import { choose } from "../../actions";
 import type { OutlineRow, Ref } from "../../protocol";
 import { update, useStudio } from "../../store";
@@ -25,7 +25,17 @@ export function Outline() {
   const rows = value?.rows ?? [];
   const [at, setAt] = useState("");
   const tree = useRef<HTMLDivElement>(null);
+  // Whoever presses Enter means what was typed, also where its rows are yet to come.
+  const [isTaken, setTaken] = useState(false);
+  const isCurrent = typed.trim() === query && value !== null;
   const active = rows.find((each) => each.element === at) ?? rows[0];
+
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the rows are those of what is current
+  useEffect(() => {
+    if (!isTaken || !isCurrent) return;
+    setTaken(false);
+    if (rows[0]) take(rows[0]);
+  }, [isTaken, isCurrent]);
 
   function focus(row: OutlineRow | undefined) {
     if (!row?.element) return;
@@ -70,7 +80,7 @@ export function Outline() {
 
   function onSearchKey(event: KeyboardEvent) {
     if (event.key === "ArrowDown") focus(rows[0]);
-    else if (event.key === "Enter" && rows[0]) take(rows[0]);
+    else if (event.key === "Enter") setTaken(true);
     else if (event.key === "Escape" && typed) setTyped("");
     else return;
     event.preventDefault();
@@ -85,7 +95,10 @@ export function Outline() {
         aria-label="Search all elements"
         spellCheck={false}
         value={typed}
-        onChange={(event) => setTyped(event.currentTarget.value)}
+        onChange={(event) => {
+          setTyped(event.currentTarget.value);
+          setTaken(false);
+        }}
         onKeyDown={onSearchKey}
       />
       <Fault>{error}</Fault>
