@@ -97,6 +97,7 @@ class OperatorUnit:
         self.sticks = Sticks(self._system, self.journal, declared)
         self._told_last: tuple[float, dict[str, Any]] | None = None
         self._commander: Commander | None = None
+        self._is_losing = False
         self._turn = RLock()
         self._state = Lock()
 
@@ -194,6 +195,8 @@ class OperatorUnit:
             raise NotAllowedError("this studio was started without --operate")
         self.operator  # noqa: B018 - it must be there
         with self._state:
+            if self._is_losing:
+                raise UnitError("what the page before commanded is being stopped; try again")
             if self._commander is None:
                 lease = Lease(powers.lease, lambda: self._silent(page))
                 self._commander = Commander(page, name, lease)
@@ -327,7 +330,14 @@ class OperatorUnit:
             if self._commander is not commander:
                 return
             self._commander = None
+            self._is_losing = True  # what is released at the end is nothing of the next page
             commander.lease.end()
+        try:
+            self._stop_and_release(commander, why)
+        finally:
+            self._is_losing = False
+
+    def _stop_and_release(self, commander: Commander, why: str) -> None:
         operator = self._system.running
         if operator is None:
             return
