@@ -14,6 +14,11 @@ from simulated_vehicle import VEHICLE, Vehicle, until
 from studio_client import LONGEST, RefusedError, begun, serving
 from websockets.exceptions import InvalidStatus
 
+from jausml.authoring.editing.project import Project
+from jausml.authoring.studio.operating.unit import OperatorUnit, Powers
+from jausml.authoring.studio.operating.watching import UnitError
+from jausml.live.peers.network import DEFAULT_GROUP, make_network
+from jausml.live.peers.query_client import NoAnswer
 from jausml.live.recording.mcap_files import McapRecording
 from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
@@ -468,3 +473,38 @@ def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: 
     topics = {channel.topic for _, channel, _ in McapRecording(str(path)).messages()}
     own = holding.project["state"]["own"]
     assert f"/jaus/{own}/SetWrenchEffort" in topics
+
+
+def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
+    tmp_path: Path, port: int, vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    unit = OperatorUnit(Project(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
+    address, refused = JausAddress.parse(VEHICLE), []
+    assert vehicle.efforts == []
+
+    def take(page: int) -> bool:
+        try:
+            unit.take(page, f"page {page}", address, 205)
+        except (UnitError, NoAnswer):
+            return False
+        return True
+
+    def stop_all(name: str, _targets: object) -> list[dict[str, str]]:
+        with pytest.raises(UnitError, match="is being stopped; try again") as caught:
+            unit.take(2, "ben", address, 205)
+        refused.append(caught.value)
+        return stopped(name, ())
+
+    unit.start()
+    try:
+        until(lambda: take(1))
+        stopped = unit.stop_all
+        monkeypatch.setattr(unit, "stop_all", stop_all)
+        unit.leave(1)
+        assert len(refused) == 1
+        monkeypatch.undo()
+        until(lambda: take(2))
+        assert [str(each.target) for each in unit.operator.holds] == [VEHICLE]
+    finally:
+        unit.stop()
