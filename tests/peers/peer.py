@@ -17,6 +17,10 @@ from jausml.runtime.wire.message import DecodeError
 LOOPBACK = "127.0.0.1"
 SERVICES = ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")
 STANDBY, READY, EMERGENCY = 2, 1, 5
+MANAGEMENT = tuple(
+    each.CODE.to_bytes(2, "little")
+    for each in (core.Shutdown, core.Standby, core.Resume, core.Reset, core.SetEmergency)
+)
 CONTROL_TIMEOUT = 1
 INPUTS = {
     each.CODE: each
@@ -39,6 +43,7 @@ class FaultyPeer:
         self.socket.bind((LOOPBACK, port))
         self.endpoints = {}
         self.seen = {}
+        self.lost = []
         self.reassembly = Reassembly(3.0, 1 << 20, Counters())
         self.sequence = 100
         self.controller = None
@@ -73,8 +78,14 @@ class FaultyPeer:
         if "dies of short datagrams" in self.faults and len(data) < 10:
             self.dead = True
         for packet in parse_datagram(data, Counters()):
-            if not self.dead:
+            if not self.dead and not self.loses(packet.payload):
                 self.packet(packet, sender)
+
+    def loses(self, payload):
+        is_command = payload[:2] in MANAGEMENT and "loses each first command" in self.faults
+        is_lost = is_command and payload not in self.lost
+        self.lost += [payload] * is_lost
+        return is_lost
 
     def packet(self, packet, sender):
         mine = packet.destination == self.address

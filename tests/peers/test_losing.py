@@ -16,12 +16,20 @@ from jausml.runtime import JausComponent
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.messages import ClearEmergency, QueryStatus, RequestControl, SetEmergency
+from jausml.runtime.messages import (
+    ClearEmergency,
+    QueryStatus,
+    RequestControl,
+    Resume,
+    SetEmergency,
+    Standby,
+)
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports
 
 TARGET = JausAddress(100, 1, 1)
+STANDBY = 2
 STOP = 1
 COMMAND = ("ocu", "command", "100.1.1", "SetWrenchEffort", '{"PropulsiveLinearEffortX": 50}')
 FOR_EVER = ("--rate", "50", "--duration", "600")
@@ -45,6 +53,16 @@ def meanwhile(action):
     thread.start()
     yield
     thread.join(30)
+
+
+def test_a_lost_command_of_management_is_sent_again(jausml, peer, free_port):
+    target = peer("loses each first command")
+    session = "control 100.1.1\nresume\nstandby\nrelease\n"
+    result = jausml("ocu", "--peer", f"100.1.1=127.0.0.1:{free_port}", input=session)
+    assert result.exit_code == 0, result.stdout
+    assert "100.1.1 is in READY" in result.stdout
+    assert target.lost == [each.encode() for each in (Resume(), Standby())]
+    assert target.state == STANDBY
 
 
 def test_an_emergency_ends_a_command_and_is_told(jausml, vehicle, rival, wait_until):

@@ -330,13 +330,16 @@ def send_command(
             course = Course(rate, duration, keep_sending=keep_sending)
             send(operator, hold, ready, course, warn)
         finally:
+            # What the user reads and the exit status say the same, whatever happens meanwhile.
+            is_lost = hold.is_lost
             if hold.sent:
-                (warn if hold.is_lost else remark)(outcome(entry.name, hold))
+                (warn if is_lost else remark)(outcome(entry.name, hold))
+            if not is_lost or hold.is_held:
+                console.release(target)
+            # Looked up last: it takes time in which nothing should be controlled.
             if hold.sent and (lack := operator.lack(target, entry.name)):
                 warn(f"warning: {target} may ignore {entry.name}: {lack}")
-            if not hold.is_lost or hold.is_held:
-                console.release(target)
-        if hold.is_lost:
+        if is_lost:
             raise click.exceptions.Exit(LOST)
 
 

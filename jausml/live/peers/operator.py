@@ -149,7 +149,11 @@ class Operator(AnsweringClient, WatchingClient):
         return str(request.client)
 
     def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
-        """Sends a command of Management and returns the state that follows; None without any."""
+        """Sends a command of Management and returns the state that follows; None without any.
+
+        The standard lets no message answer such a command, so that an acknowledgement alone tells
+        whether it has to be repeated.
+        """
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
         is_urgent = isinstance(message, SetEmergency | ClearEmergency)
@@ -157,7 +161,7 @@ class Operator(AnsweringClient, WatchingClient):
             message,
             target,
             priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
-            acknowledge=is_urgent,
+            acknowledge=True,
         )
         end = time.monotonic() + self.timeout
         while True:
