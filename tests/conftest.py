@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 import sys
 from collections import Counter
@@ -20,6 +21,7 @@ from jausml.generation.native import compiler
 
 if TYPE_CHECKING:
     from collections.abc import Generator
+    from pathlib import Path
 
     from xdist.remote import Producer
     from xdist.scheduler import Scheduling
@@ -55,6 +57,14 @@ def _keep_bytecode() -> None:
     """Lets workers and programs under test find compiled what others have imported."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leaves out files without sweeps where sweeps alone are chosen: reading all takes long."""
+    if config.option.markexpr != "slow" or not collection_path.match("test_*.py"):
+        return None
+    text = collection_path.read_text(encoding="utf-8")
+    return None if re.search(r"mark\.slow|import sweep", text) else True
 
 
 @pytest.hookimpl(wrapper=True)

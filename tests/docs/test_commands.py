@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from for_each import for_each
 from scripts import run_script
+from sweeps import sweep
 from type_support import CannotBuildError, built
 from warm import programs
 
@@ -46,7 +47,7 @@ WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", sweep(WITH_COMMANDS, every=5), ids=lambda page: page.stem)
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
