@@ -77,16 +77,9 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Puts files that take long first, so that no worker is left with one at the end."""
-    slow = {each.path for each in items if each.get_closest_marker("slow")}
-    items.sort(key=lambda each: each.path not in slow)
-
-
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
     """Keeps the garbage collector from walking through ten thousand tests again and again."""
-    gc.collect()
     gc.freeze()
     gc.set_threshold(5000, 20, 20)
 
