@@ -64,7 +64,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     if config.option.markexpr != "slow" or not collection_path.match("test_*.py"):
         return None
     text = collection_path.read_text(encoding="utf-8")
-    return None if re.search(r"mark\.slow|import sweep", text) else True
+    return None if re.search(r"mark\.slow|import sweep|slow=True", text) else True
 
 
 @pytest.hookimpl(wrapper=True)
