@@ -14,13 +14,17 @@ def sweep(values: Iterable[Any], *, every: int | Callable[[Any], bool]) -> list[
     """Returns values for `parametrize`, of which some guard and the others are slow.
 
     Args:
-        values: Values of one parameter, or tuples of those of several.
+        values: Values of one parameter, tuples of those of several, or what `pytest.param` made.
         every: Each so-manieth guards, beginning with the first; or what tells whether one does.
     """
-    found = []
-    for number, each in enumerate(values):
-        guards = every(each) if callable(every) else number % every == 0
-        own = each if isinstance(each, tuple) else (each,)
-        found.append(each if guards else pytest.param(*own, marks=pytest.mark.slow))
-    assert any(not hasattr(each, "marks") for each in found), "nothing guards"
-    return found
+    cases = list(values)
+    guards = [every(each) if callable(every) else at % every == 0 for at, each in enumerate(cases)]
+    assert any(guards), "nothing guards"
+    pairs = zip(cases, guards, strict=True)
+    return [each if is_guard else _slow(each) for each, is_guard in pairs]
+
+
+def _slow(each: Any) -> Any:
+    if hasattr(each, "marks"):
+        return each._replace(marks=[*each.marks, pytest.mark.slow])
+    return pytest.param(*(each if isinstance(each, tuple) else (each,)), marks=pytest.mark.slow)
