@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from for_each import for_each
+from nav2 import nav2
 from scripts import run_script
 from sweeps import sweep
-from type_support import CannotBuildError, built
 from warm import programs
 
 from jausml.cli import main
@@ -42,7 +42,6 @@ def script(page: Path) -> str:
 
 NEED_A_COMPILER = {"compile-bridges", "prove", "safety-case"}
 NEED_NAV2 = {"for-student-teams"}
-FOLLOW_WAYPOINTS = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
 WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
@@ -54,10 +53,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     (tmp_path / "models").symlink_to(ROOT / "models")
     further = {}
     if page.stem in NEED_NAV2:
-        try:
-            further["PYTHONPATH"] = str(built("nav2_msgs", FOLLOW_WAYPOINTS))
-        except CannotBuildError as error:
-            pytest.skip(str(error))
+        further["PYTHONPATH"] = nav2()
     environment = {
         **os.environ,
         "PATH": os.pathsep.join(
