@@ -28,15 +28,15 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part. Up to three tests that fail in the crowd are run again, alone.
-test: $(READY)  ## run the tests that guard everything, in about ten minutes
+test: $(READY)  ## run the tests that guard everything
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
-test-slow: $(READY)  ## run the sweeps that go further than those, in about as long
+test-slow: $(READY)  ## run the sweeps that go further than those
 	$(BIN)/python tools/suite.py -m slow $(TESTS)
 
 test-random: export JAUSML_EXAMPLES ?= 200
 test-random: export PYTEST_ADDOPTS ?= --timeout=1200
-test-random: $(READY)  ## run all of these tests, with 200 random examples for each property
+test-random: $(READY)  ## run both, with 200 random examples for each property
 	$(BIN)/python tools/suite.py $(TESTS)
 
 coverage: $(READY)  ## run all tests and show untested lines; fail below the agreed share
