@@ -62,7 +62,7 @@ def running(path, log, monkeypatch, compiled):
         made.close()
 
 
-@pytest.fixture(params=[False, True], ids=["Python", "core"])
+@pytest.fixture(params=sweep([True, False], every=2), ids=["core", "Python"])
 def system(request, path, tmp_path, monkeypatch):
     with running(path, tmp_path / "bridge.log", monkeypatch, request.param) as made:
         yield made
