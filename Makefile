@@ -7,7 +7,7 @@ ENVIRONMENT := .venv$(RELEASE)
 BIN := $(ENVIRONMENT)/bin
 READY := $(ENVIRONMENT)/.ready
 
-.PHONY: help demo quick test test-slow coverage live live-each lint format bench docs fuzz emf reference \
+.PHONY: help demo quick test test-slow test-random coverage live live-each lint format bench docs fuzz emf reference \
 	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
@@ -28,12 +28,16 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part. Up to three tests that fail in the crowd are run again, alone.
-test: $(READY)  ## run all tests
-	$(BIN)/python tools/suite.py $(TESTS)
+test: $(READY)  ## run the tests that guard everything
+	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
-test-slow: export JAUSML_EXAMPLES ?= 200
-test-slow: export PYTEST_ADDOPTS ?= --timeout=1200
-test-slow: test  ## run all tests, with 200 random examples for each property
+test-slow: $(READY)  ## run the sweeps that go further than those
+	$(BIN)/python tools/suite.py -m slow $(TESTS)
+
+test-random: export JAUSML_EXAMPLES ?= 200
+test-random: export PYTEST_ADDOPTS ?= --timeout=1200
+test-random: $(READY)  ## run both, with 200 random examples for each property
+	$(BIN)/python tools/suite.py $(TESTS)
 
 coverage: $(READY)  ## run all tests and show untested lines; fail below the agreed share
 	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered \

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 import sys
 from collections import Counter
@@ -20,6 +21,7 @@ from jausml.generation.native import compiler
 
 if TYPE_CHECKING:
     from collections.abc import Generator
+    from pathlib import Path
 
     from xdist.remote import Producer
     from xdist.scheduler import Scheduling
@@ -57,6 +59,14 @@ def _keep_bytecode() -> None:
     sys.dont_write_bytecode = False
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leaves out files without sweeps where sweeps alone are chosen: reading all takes long."""
+    if config.option.markexpr != "slow" or not collection_path.match("test_*.py"):
+        return None
+    text = collection_path.read_text(encoding="utf-8")
+    return None if re.search(r"mark\.slow|import sweep|slow=True", text) else True
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
     """Leaves the garbage collector out: nothing of ten thousand tests can go."""
@@ -67,16 +77,9 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Puts files that take long first, so that no worker is left with one at the end."""
-    slow = {each.path for each in items if each.get_closest_marker("slow")}
-    items.sort(key=lambda each: each.path not in slow)
-
-
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
     """Keeps the garbage collector from walking through ten thousand tests again and again."""
-    gc.collect()
     gc.freeze()
     gc.set_threshold(5000, 20, 20)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from for_each import for_each
 
 from jausml.cli import VERBS
 from jausml.cli.shared import options
@@ -33,22 +34,35 @@ HEAVY = {
 }
 WITH_TARGETS = {"generate"}
 """Its help tells what the installed targets do, and has to load them."""
+HELPED = [*(each for each in VERBS if each not in WITH_TARGETS), "import ros", "list maps"]
 
 
-@pytest.mark.parametrize(
-    "verb",
-    [*([each] for each in VERBS if each not in WITH_TARGETS), ["import", "ros"], ["list", "maps"]],
-    ids=" ".join,
-)
-def test_help_loads_nothing_heavy(verb):
-    code = (
-        "import sys; from click.testing import CliRunner; from jausml.cli import main; "
-        f"print(CliRunner().invoke(main, {[*verb, '--help']!r}).exit_code); "
-        f"print(sorted({HEAVY!r} & set(sys.modules)))"
-    )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+TOLD = """
+import os, sys
+from click.testing import CliRunner
+from jausml.cli import main
 
-    assert run.stdout.split("\n")[:2] == ["0", "[]"]
+for verb in {verbs!r}:
+    if os.fork():
+        os.wait()
+        continue
+    code = CliRunner().invoke(main, [*verb.split(), "--help"]).exit_code
+    print(verb, code, sorted({heavy!r} & set(sys.modules)), sep=":", flush=True)
+    os._exit(0)
+"""
+
+
+@pytest.fixture(scope="module")
+def told():
+    """What a process tells that has done nothing else, by verb: exit code and what it loaded."""
+    line = [sys.executable, "-c", TOLD.format(verbs=HELPED, heavy=HEAVY)]
+    done = subprocess.run(line, capture_output=True, text=True)
+    return dict(each.split(":", 1) for each in done.stdout.splitlines())
+
+
+@for_each("verb", HELPED)
+def test_help_loads_nothing_heavy(told, verb):
+    assert told.get(verb) == "0:[]"
 
 
 def test_options_offer_what_there_is():

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from for_each import for_each
+from nav2 import nav2
 from scripts import run_script
-from type_support import CannotBuildError, built
+from sweeps import sweep
 from warm import programs
 
 from jausml.cli import main
@@ -41,22 +42,18 @@ def script(page: Path) -> str:
 
 NEED_A_COMPILER = {"compile-bridges", "prove", "safety-case"}
 NEED_NAV2 = {"for-student-teams"}
-FOLLOW_WAYPOINTS = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
 WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", sweep(WITH_COMMANDS, every=5), ids=lambda page: page.stem)
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")
     (tmp_path / "models").symlink_to(ROOT / "models")
     further = {}
     if page.stem in NEED_NAV2:
-        try:
-            further["PYTHONPATH"] = str(built("nav2_msgs", FOLLOW_WAYPOINTS))
-        except CannotBuildError as error:
-            pytest.skip(str(error))
+        further["PYTHONPATH"] = nav2()
     environment = {
         **os.environ,
         "PATH": os.pathsep.join(

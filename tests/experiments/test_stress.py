@@ -85,6 +85,7 @@ def test_the_claim_on_many_nodes(rates: tuple[float, ...], heard: float, holds: 
 
 
 @pytest.mark.live
+@pytest.mark.slow
 @pytest.mark.timeout(200)
 def test_what_is_killed_in_mid_turn_stops_the_vehicle(tmp_path: Path) -> None:
     runs = stress.run(tmp_path, Plan(quick=True), lambda _: None)

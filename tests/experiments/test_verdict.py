@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
+from sweeps import sweep
 
 from experiments import verdict
 from experiments.waypoints.systems import generated
@@ -37,7 +38,7 @@ def test_sound_packages_pass(packages, name, capsys) -> None:
     assert capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize("name", MISTAKES)
+@pytest.mark.parametrize("name", sweep(MISTAKES, every=4))
 def test_a_mistake_fails(packages, name, tmp_path, capsys) -> None:
     file, right, wrong, told = MISTAKES[name]
     broken = shutil.copytree(packages[name], tmp_path / "broken")

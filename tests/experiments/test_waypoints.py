@@ -13,6 +13,7 @@ from experiments.waypoints.results import Event, Result, State, judge
 
 
 @pytest.mark.live
+@pytest.mark.slow
 def test_a_list_is_driven_and_an_emergency_stops_it(tmp_path) -> None:
     from type_support import CannotBuildError, built
 

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import pytest
 from ports import free_domain, free_port
+from sweeps import sweep
 
 pytest.importorskip("rclpy")
 
@@ -68,7 +69,7 @@ def test_no_line_before_the_first_own_one_takes_long(path):
     assert (done.stdout, done.returncode) == ("[]\n", 3), done.stderr
 
 
-@pytest.mark.parametrize("rounds", [20])
+@pytest.mark.parametrize("rounds", sweep([5, 20], every=2))
 def test_sigterm_from_exec_on(path, tmp_path, rounds):
     """It ends the process plainly or in good order, and nothing is said of it."""
     chance = random.Random(rounds)
@@ -92,7 +93,10 @@ def test_sigterm_from_exec_on(path, tmp_path, rounds):
 
 @pytest.mark.parametrize(
     "rounds",
-    [20, pytest.param(100, marks=[pytest.mark.faults, pytest.mark.timeout(600)])],
+    [
+        *sweep([5, 20], every=2),
+        pytest.param(100, marks=[pytest.mark.faults, pytest.mark.timeout(600)]),
+    ],
 )
 def test_signals_at_any_moment(path, tmp_path, rounds):
     chance, before = random.Random(rounds), fast_dds()

@@ -138,6 +138,7 @@ def edited(path, old, new):
     path.write_text(text.replace(old, new), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_each_edit_has_the_outcome_that_it_has_without_a_cache(car, tmp_path, rendered):
     """Edits of the model, of generated files and of the user's, in turn and back."""
     kept, anew = tmp_path / "kept", tmp_path / "anew"
@@ -188,6 +189,7 @@ def test_a_kept_file_that_somebody_has_changed_is_not_written(car, tmp_path, ren
     assert len(rendered) == 2
 
 
+@pytest.mark.slow
 def test_the_verb_keeps_files_of_a_large_model_and_looks_anew_where_that_is_asked(tmp_path):
     large = tmp_path / "large.ros2jaus"
     large.write_text(f"{CAR.read_text('utf-8')}\n// {'x' * (1 << 18)}\n", encoding="utf-8")

@@ -56,6 +56,7 @@ def targets():
     return [each for each in load_targets().values() if each.name != "declared_interfaces"]
 
 
+@pytest.mark.slow
 @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_a_model_without_errors_makes_a_workspace(targets, data):
@@ -67,6 +68,7 @@ def test_a_model_without_errors_makes_a_workspace(targets, data):
     make_a_workspace(targets, choose, text, choose(FILE_NAMES))
 
 
+@pytest.mark.slow
 @settings(max_examples=EXAMPLES // 2, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_ready_maps_can_be_put_together(targets, data):

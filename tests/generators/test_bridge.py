@@ -254,7 +254,6 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
     tool("pytest", "-q", "-c", os.devnull, "--rootdir", str(folder), "test", PYTHONPATH=path)
 
 
-@pytest.mark.slow
 def test_output_passes_the_type_checker(tmp_path):
     result = read_models([CASE])
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)

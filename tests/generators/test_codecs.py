@@ -32,7 +32,9 @@ FEW = settings(
     suppress_health_check=list(HealthCheck),
 )
 DEFINITIONS = listed_definitions()
-EVERY_DEFINITION = for_each(("set_name", "definition"), DEFINITIONS, ids="-".join, shards=16)
+EVERY_DEFINITION = for_each(
+    ("set_name", "definition"), DEFINITIONS, ids="-".join, shards=16, slow=True
+)
 # Python objects are larger than bytes on the wire, by about this factor.
 BASE, FACTOR = 32_768, 1024
 

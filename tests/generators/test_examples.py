@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from sweeps import sweep
 
 from jausml.cli import main
 
@@ -46,7 +47,7 @@ warn_return_any = false
 """
 
 
-@pytest.fixture(scope="module", params=EXAMPLES)
+@pytest.fixture(scope="module", params=sweep(EXAMPLES, every=4))
 def workspace(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Generates an example, around its skeletons where it has any."""
     source = ROOT / "models" / request.param

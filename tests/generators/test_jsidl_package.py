@@ -54,6 +54,7 @@ def test_the_machine_of_the_service_is_generated(workspace: Path) -> None:
     assert "self.handle_by_machines(" in base
 
 
+@pytest.mark.slow
 def test_the_package_is_clean(workspace: Path) -> None:
     config = ["--config", ROOT / "pyproject.toml", "--no-cache"]
     run("ruff", "format", "--check", *config, "hoist", cwd=workspace)

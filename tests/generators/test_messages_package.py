@@ -117,6 +117,7 @@ def test_messages_of_one_name_keep_it_where_they_are_used(namesakes):
     assert "yard_messages" not in (namesakes / "nothing" / "package.xml").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_package_is_clean(namesakes):
     path = python_path(namesakes)
     config = ("--config", ROOT / "pyproject.toml", "--no-cache")

@@ -61,6 +61,7 @@ def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path: Path) -> No
     assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
+@pytest.mark.slow
 def test_its_code_is_clean(workspace: Path) -> None:
     base = workspace / "arm" / "arm" / "arm_base.py"
     run(workspace, "-m", "mypy", "--strict", base)

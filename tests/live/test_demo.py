@@ -31,6 +31,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, result.stdout
 
 
+@pytest.mark.slow
 def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
     result = subprocess.run(
         [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "14"],

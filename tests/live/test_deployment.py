@@ -11,6 +11,7 @@ import pytest
 import warm
 import yaml
 from ports import free_domain, free_port
+from sweeps import sweep
 
 pytest.importorskip("rclpy")
 
@@ -101,7 +102,8 @@ def values(ros, node, names):
 
 
 @pytest.mark.parametrize(
-    ("model", "node"), [("waypoints", "/vehicle/waypoint_vehicle"), ("catvehicle", "/bridge")]
+    ("model", "node"),
+    sweep([("waypoints", "/vehicle/waypoint_vehicle"), ("catvehicle", "/bridge")], every=2),
 )
 def test_the_parameter_file_has_all_parameters_with_their_values(
     model, node, bridge, workspaces, ros

@@ -9,6 +9,7 @@ from pathlib import Path
 import jts_winch
 import pytest
 from ports import free_domain, free_port
+from sweeps import sweep
 
 pytest.importorskip("rclpy")
 
@@ -100,17 +101,20 @@ def effort_of(command):
 
 @pytest.mark.parametrize(
     ("family", "speed", "quirks"),
-    [
-        ("jaus++", EVENTS, {"acknowledges without the version of JUDP"}),
-        (
-            "jaus++",
-            FOUND,
-            {"acknowledges without the version of JUDP", "knows no wildcards in QueryServices"},
-        ),
-        ("junior", EVENTS, set()),
-        ("junior", CHANGES, {"makes another event of each CreateEvent"}),
-        ("jts", QUERIES, set()),
-    ],
+    sweep(
+        [
+            ("jaus++", EVENTS, {"acknowledges without the version of JUDP"}),
+            (
+                "jaus++",
+                FOUND,
+                {"acknowledges without the version of JUDP", "knows no wildcards in QueryServices"},
+            ),
+            ("junior", EVENTS, set()),
+            ("junior", CHANGES, {"makes another event of each CreateEvent"}),
+            ("jts", QUERIES, set()),
+        ],
+        every=3,
+    ),
 )
 def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, family, speed, quirks):
     from geometry_msgs.msg import Twist

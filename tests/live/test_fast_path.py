@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from ports import free_domain, free_port
+from sweeps import sweep
 
 pytest.importorskip("rclpy")
 
@@ -61,7 +62,7 @@ def running(path, log, monkeypatch, compiled):
         made.close()
 
 
-@pytest.fixture(params=[False, True], ids=["Python", "core"])
+@pytest.fixture(params=sweep([True, False], every=2), ids=["core", "Python"])
 def system(request, path, tmp_path, monkeypatch):
     with running(path, tmp_path / "bridge.log", monkeypatch, request.param) as made:
         yield made
@@ -270,7 +271,7 @@ def run(system, seed):
     return points, [repr(each) for each in speeds], acknowledged, accounts
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", sweep([1, 2], every=2))
 def test_both_forms_do_the_same_with_whatever_comes(path, tmp_path, monkeypatch, seed):
     found = []
     for is_compiled in (False, True):

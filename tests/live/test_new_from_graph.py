@@ -6,8 +6,8 @@ from threading import Thread
 
 import pytest
 from click.testing import CliRunner
+from nav2 import nav2
 from ports import free_domain
-from type_support import CannotBuildError, built
 
 pytest.importorskip("rclpy")
 
@@ -162,11 +162,7 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
 @pytest.fixture
 def surveyor(monkeypatch):
     """A node that serves an action of Nav2, and nothing that a ready map carries."""
-    try:
-        parts = ("msg/MissedWaypoint.msg", "action/FollowWaypoints.action")
-        monkeypatch.syspath_prepend(str(built("nav2_msgs", parts)))
-    except CannotBuildError as error:
-        pytest.skip(str(error))
+    monkeypatch.syspath_prepend(nav2())
     import rclpy
     from nav2_msgs.action import FollowWaypoints
     from rclpy.action import ActionServer

@@ -12,6 +12,7 @@ import pytest
 import warm
 from ports import free_domain, free_port
 from profiles import ADDRESSES, decided
+from sweeps import sweep
 from workspaces import python_path
 
 pytest.importorskip("rclpy")
@@ -43,7 +44,7 @@ def jausml(*arguments):
     )
 
 
-@pytest.mark.parametrize("profile", ADDRESSES)
+@pytest.mark.parametrize("profile", sweep(ADDRESSES, every=4))
 def test_it_has_full_marks(profile, tmp_path):
     assert jausml("init", tmp_path, "--from", profile, "--name", "robot").returncode == 0
     model = tmp_path / "models" / "robot.ros2jaus"

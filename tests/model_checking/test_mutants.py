@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.generation.system import system_of
 from jausml.language.model import read_models
@@ -157,7 +158,7 @@ CORE_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("services", "other", "rule"), CORE_FAULTS)
+@pytest.mark.parametrize(("services", "other", "rule"), sweep(CORE_FAULTS, every=3))
 def test_a_fault_of_the_core_services_is_found(services, other, rule):
     assert rule in rules_of(obeying(services, **other))
 
@@ -234,7 +235,7 @@ CONNECTION_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("connection_state", "other", "rule"), CONNECTION_FAULTS)
+@pytest.mark.parametrize(("connection_state", "other", "rule"), sweep(CONNECTION_FAULTS, every=3))
 def test_a_fault_of_a_connection_is_found(connection_state, other, rule):
     assert rule in rules_of(obeying(connection_state=connection_state, **other))
 

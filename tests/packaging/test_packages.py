@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from sources import PACKAGES
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from sources import PACKAGES, ROOT
+
+GUARDS = ("pyproject.toml",)
 
 PAGES = ("templates", "page", "__pycache__")
 """Folders of what is no code."""
@@ -29,3 +36,30 @@ def test_no_folder_holds_more_modules_than_one_can_look_over():
         if len(modules := [each for each in folder.glob("*.py") if each.stem != "__init__"]) > 24
     }
     assert {name: count for name, count in crowded.items() if count > known.get(name, 24)} == {}
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="needs Python 3.11")
+def test_the_wheel_takes_the_data_of_each_package():
+    import tomllib
+
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+        "setuptools"
+    ]
+    folders = {"jausml": "jausml", **told["package-dir"]}
+    taken = set()
+    for name, place in folders.items():
+        for folder in {
+            ROOT / place,
+            *(each.parent for each in (ROOT / place).rglob("__init__.py")),
+        }:
+            package = ".".join([name, *folder.relative_to(ROOT / place).parts])
+            for pattern in (*told["package-data"].get(package, ()), *told["package-data"]["*"]):
+                taken.update(folder.glob(pattern))
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", *folders.values()], cwd=ROOT, capture_output=True, text=True
+    ).stdout.split("\0")
+    data = {Path(ROOT, each) for each in listed if each and not each.endswith(".py")}
+    # Of a skeleton beside its model the modules are enough: who generates it gets the rest.
+    lost = {each for each in data if each.is_file() and "src" not in each.parts} - taken
+    assert data
+    assert lost == set()

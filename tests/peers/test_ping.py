@@ -87,7 +87,6 @@ def test_what_is_no_component_is_refused(jausml, words):
     assert jausml("ping", *words).exit_code == 2
 
 
-@pytest.mark.slow
 def test_ctrl_c_ends_with_the_summary(vehicle, free_port):
     vehicle()
     process = subprocess.Popen(

@@ -12,13 +12,14 @@ import time
 import emf_check
 import pytest
 from needs import EMF
+from sweeps import sweep
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
 from jausml.language.text.notation import NOTATIONS
 
-NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 DRIVE, ODOM = "cmd_vel:geometry_msgs/Twist", "odom:nav_msgs/Odometry"
 
 

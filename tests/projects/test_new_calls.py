@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from sweeps import sweep
 
 from jausml.authoring.editing.commands import Remove
 from jausml.authoring.editing.project import Project
@@ -12,7 +13,7 @@ from jausml.language.model.names import name_of
 from jausml.language.model.refs import ref_of
 from jausml.language.text.notation import NOTATIONS
 
-NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 MESSAGES = (
     *("--message", "DropWeight", "--message", "SetLamp: Lit off|on"),
     *("--message", "report ConfirmDrop", "--message", "report RejectDrop: Reason off|on"),

@@ -6,13 +6,14 @@ import subprocess
 import sys
 
 import pytest
+from sweeps import sweep
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
 from jausml.language.text.notation import NOTATIONS
 
-NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 STATES, GOALS = "joint_states:sensor_msgs/JointState", "arm/cmd:sensor_msgs/JointState"
 JOINTS = ["shoulder", "elbow", "wrist"]
 NAMED = ("--joints", "joint_states=shoulder,elbow,wrist", "--joints", "arm/cmd=elbow,shoulder")

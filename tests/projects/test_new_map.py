@@ -10,6 +10,7 @@ from pathlib import Path
 import emf_check
 import pytest
 from needs import EMF
+from sweeps import sweep
 from terminal import at_terminal
 
 from jausml.language.metamodel.classes import bridge
@@ -19,7 +20,7 @@ from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.rules import all_rules
 
 ROOT = Path(__file__).resolve().parents[2]
-NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 STATE = ("ReportVelocityState", "nav_msgs/Odometry")
 HINT = "decide it, then remove the open decision"
 COMMAND = ("SetVelocityCommand", "geometry_msgs/Twist")

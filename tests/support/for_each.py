@@ -12,6 +12,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from sweeps import sweep
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -23,6 +24,7 @@ def for_each(
     *,
     ids: Callable[[Any], str] = str,
     shards: int = 1,
+    slow: bool = False,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Makes a function of some values a test of all of them.
 
@@ -32,6 +34,7 @@ def for_each(
             where they are read from models, which is too long for each worker to begin with.
         ids: How a value is called when it fails.
         shards: Into how many tests they are divided, for that many workers.
+        slow: Whether the first of these tests guards alone, and the others are slow.
     """
     own_names = (names,) if isinstance(names, str) else names
     known = None if callable(values) else list(values)
@@ -55,7 +58,10 @@ def for_each(
         fixtures = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in fixtures]
         run.__signature__ = signature.replace(parameters=[*asked, *fixtures])  # type: ignore[attr-defined]
         run.pytestmark = list(getattr(test, "pytestmark", ()))  # type: ignore[attr-defined]
-        return run if shards == 1 else pytest.mark.parametrize("shard", range(shards))(run)
+        if shards == 1:
+            return run
+        numbers = sweep(range(shards), every=shards if slow else 1)
+        return pytest.mark.parametrize("shard", numbers)(run)
 
     return of_all
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sweeps import sweep
 
 from jausml.language.text.reading import parsing
 from jausml.language.text.reading import pieces as module
@@ -68,7 +69,7 @@ def lists(tree):
     return found
 
 
-@pytest.mark.parametrize("text", [*TEXTS, grown(), grown(6, 8)])
+@pytest.mark.parametrize("text", sweep([grown(), grown(6, 8), *TEXTS], every=5))
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_pieces_give_the_tree_of_the_whole(text, end):
     text = text.replace("\n", end)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from for_each import for_each
+from sweeps import sweep
 
 from jausml.generation.native import compiler
 from jausml.language.model import library_root
@@ -205,10 +206,9 @@ def test_all_sections_are_known():
 
 
 @pytest.mark.live
-@pytest.mark.slow
 @pytest.mark.timeout(300)
 @pytest.mark.skipif(compiler() is None, reason="what is compiled needs g++ or clang++")
-@pytest.mark.parametrize("section", SECTIONS)
+@pytest.mark.parametrize("section", sweep(SECTIONS, every=lambda name: name == "codecs"))
 def test_each_section_measures(section, tmp_path):
     data, written = tmp_path / "results.json", tmp_path / "performance.md"
     command = [sys.executable, RUN, "--tiny", "--only", section, "--data", data, "--page", written]

@@ -28,6 +28,20 @@ def test_all_that_fail_are_named(pytester, shards, tests, failed):
     assert "(3, 'c')" not in lines
 
 
+@pytest.mark.parametrize(("chosen", "tests"), [("not slow", 1), ("slow", 3)])
+def test_of_a_slow_one_the_first_shard_guards(pytester, chosen, tests):
+    pytester.makepyprojecttoml('[tool.pytest.ini_options]\nmarkers = ["slow"]\n')
+    pytester.makepyfile("""
+        from for_each import for_each
+
+        @for_each("number", range(8), shards=4, slow=True)
+        def test_small(number):
+            assert number >= 0
+    """)
+    done = pytester.runpytest_inprocess("-p", "no:xdist", "-m", chosen)
+    done.assert_outcomes(passed=tests, deselected=4 - tests)
+
+
 def test_a_test_of_nothing_is_refused():
     with pytest.raises(AssertionError, match="would test nothing"):
         for_each("value", [])(print)

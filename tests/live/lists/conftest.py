@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 
 import pytest
+from nav2 import nav2
 from ports import free_domain
-from type_support import CannotBuildError, built
 
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
@@ -14,33 +14,18 @@ from jausml.runtime.component.process import running_transport
 from ..bridge_support import RosPeer, generate, wait_for
 from .list_system import LIVE, PATIENCE, ROBOT, Operator, System, facts
 
-TYPES = (
-    "msg/MissedWaypoint.msg",
-    "action/FollowPath.action",
-    "action/FollowWaypoints.action",
-    "action/NavigateThroughPoses.action",
-)
-
-
-@pytest.fixture(scope="session")
-def nav2():
-    """The module path of nav2_msgs."""
-    try:
-        return str(built("nav2_msgs", TYPES))
-    except CannotBuildError as error:
-        pytest.skip(str(error))
-
 
 @pytest.fixture(scope="module")
-def packages(nav2):
+def packages():
     """The module path of the generated bridges, of their messages, and of nav2_msgs."""
+    messages = nav2()
     made = generate(LIVE / "waypoint_lists.ros2jaus")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_DOMAIN_ID", free_domain())
-        for each in [*made, nav2]:
+        for each in [*made, messages]:
             patch.syspath_prepend(each)
-        yield [*made, nav2]
+        yield [*made, messages]
 
 
 @pytest.fixture

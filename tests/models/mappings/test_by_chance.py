@@ -125,7 +125,7 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
     }
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=4)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
@@ -150,7 +150,7 @@ def drawn(maps: Translator, join: Any, data: Any) -> Any:
     return None if made is None else source.decode(made.encode())
 
 
-@for_each(("stem", "each"), to_ros, ids=name, shards=4)
+@for_each(("stem", "each"), to_ros, ids=name, shards=8, slow=True)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
@@ -197,7 +197,7 @@ def view_of(message: Any) -> Any:
     return build_message_map([message])[message]
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=4)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
 def test_bytes_that_are_no_message(

@@ -13,9 +13,16 @@ from jausml.live.messages import MessageError, load_catalogue
 
 MODELS = Path(__file__).parents[3] / "models"
 CATVEHICLE = MODELS / "catvehicle" / "catvehicle.xmi"
-CATALOGUE = load_catalogue()
-SET_WRENCH = CATALOGUE.message("SetWrenchEffort")
-SET_VELOCITY = CATALOGUE.message("SetVelocityCommand")
+
+
+@pytest.fixture(scope="module")
+def set_wrench():
+    return load_catalogue().message("SetWrenchEffort")
+
+
+@pytest.fixture(scope="module")
+def set_velocity():
+    return load_catalogue().message("SetVelocityCommand")
 
 
 def of_model(path):
@@ -26,24 +33,24 @@ def test_what_the_command_line_offers_is_what_there_is():
     assert WORDS == options.STOP_WORDS
 
 
-def test_the_stop_of_a_connection_is_that_of_its_receiver():
+def test_the_stop_of_a_connection_is_that_of_its_receiver(set_wrench):
     stops = of_model(CATVEHICLE)
-    stop = stops.of("100.1.1", SET_WRENCH)
+    stop = stops.of("100.1.1", set_wrench)
     assert stop.timeout == 0.5
     # The brake is what the map fills in, without a source.
     efforts = {"PropulsiveLinearEffortX": 0, "ResistiveLinearEffortX": 0}
-    assert SET_WRENCH.shortened(stop.fields) == efforts
+    assert set_wrench.shortened(stop.fields) == efforts
     assert stop.source == "connection bridge.speed_command"
     for other in ("100.1.2", "100.1.3"):
         with pytest.raises(NoStopError, match="no stop of SetWrenchEffort"):
-            stops.of(other, SET_WRENCH)
+            stops.of(other, set_wrench)
 
 
-def test_a_bridge_that_takes_commands_has_the_stop_of_its_map():
+def test_a_bridge_that_takes_commands_has_the_stop_of_its_map(set_velocity):
     stops = of_model(MODELS / "examples" / "simulator" / "simulator.ros2jaus")
-    stop = stops.of("100.1.30", SET_VELOCITY)
+    stop = stops.of("100.1.30", set_velocity)
     assert stop.timeout == 0.5
-    fields = SET_VELOCITY.shortened(SET_VELOCITY.decode(SET_VELOCITY.encode(stop.fields)))
+    fields = set_velocity.shortened(set_velocity.decode(set_velocity.encode(stop.fields)))
     assert fields.pop("CommandType") == 0
     assert set(fields) == {
         "Velocity_X", "Velocity_Y", "Velocity_Z", "RollRate", "PitchRate", "YawRate"
@@ -51,31 +58,31 @@ def test_a_bridge_that_takes_commands_has_the_stop_of_its_map():
     assert all(abs(each) < 0.01 for each in fields.values())
 
 
-def test_without_a_time_out_there_is_no_stop(tmp_path):
+def test_without_a_time_out_there_is_no_stop(tmp_path, set_velocity):
     path = MODELS / "examples" / "simulator" / "simulator.ros2jaus"
     text = path.read_text(encoding="utf-8")
     assert text.count("silenceTimeout: 0.5") == 1
     edited = tmp_path / path.name
     edited.write_text(text.replace("silenceTimeout: 0.5", ""), encoding="utf-8")
     with pytest.raises(NoStopError, match="declares no silenceTimeout"):
-        of_model(edited).of("100.1.30", SET_VELOCITY)
+        of_model(edited).of("100.1.30", set_velocity)
 
 
-def test_a_command_that_holds_has_none(tmp_path):
+def test_a_command_that_holds_has_none(tmp_path, set_velocity):
     path = MODELS / "examples" / "simulator" / "simulator.ros2jaus"
     held = 'onSilence: hold\n            holdReason: "it is towed and cannot move"'
     edited = tmp_path / path.name
     text = path.read_text(encoding="utf-8").replace("silenceTimeout: 0.5", held)
     edited.write_text(text, encoding="utf-8")
     with pytest.raises(NoStopError, match="holds the last command"):
-        of_model(edited).of("100.1.30", SET_VELOCITY)
+        of_model(edited).of("100.1.30", set_velocity)
 
 
-def test_a_stop_of_the_command_line_comes_first():
-    told = told_stop("SetWrenchEffort 0.25 PropulsiveLinearEffortX=0", CATALOGUE)
+def test_a_stop_of_the_command_line_comes_first(set_wrench):
+    told = told_stop("SetWrenchEffort 0.25 PropulsiveLinearEffortX=0", load_catalogue())
     stops = Stops(read_project([CATVEHICLE]).model, [told])
-    assert stops.of("100.1.1", SET_WRENCH).timeout == 0.25
-    assert stops.of("7.7.7", SET_WRENCH).source == "the command line"
+    assert stops.of("100.1.1", set_wrench).timeout == 0.25
+    assert stops.of("7.7.7", set_wrench).source == "the command line"
 
 
 @pytest.mark.parametrize(
@@ -95,4 +102,4 @@ def test_a_stop_of_the_command_line_comes_first():
 )
 def test_what_is_no_stop_is_refused(text):
     with pytest.raises((ValueError, MessageError)):
-        told_stop(text, CATALOGUE)
+        told_stop(text, load_catalogue())

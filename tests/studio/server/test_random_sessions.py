@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from sweeps import sweep
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
@@ -389,7 +390,7 @@ OF_STUDIOS = frozenset(OFTEN) - {
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", sweep(range(20), every=7))
 def test_a_random_walk_loses_nothing_and_pretends_nothing(tmp_path: Path, seed: int) -> None:
     walk = Walk(tmp_path, random.Random(seed))
     for _ in range(STEPS):

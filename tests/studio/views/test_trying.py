@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from scope_support import CAR, SHIPPED, scope_of
+from sweeps import sweep
 
 import jausml
 from jausml.authoring.proposals.elements import Scope
@@ -186,9 +187,8 @@ def _runtime_of_generated_code():
             del sys.modules[name]
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures("_runtime_of_generated_code")
-@pytest.mark.parametrize("name", [each for each in SHIPPED if "mappings" in each])
+@pytest.mark.parametrize("name", sweep((each for each in SHIPPED if "mappings" in each), every=14))
 def test_every_ready_map_can_be_tried(name, monkeypatch):
     monkeypatch.setattr(trying, "_Process", InThisProcess)
     monkeypatch.setattr(trying, "_MOST_PROCESSES", 1)  # all have packages of the same names

@@ -1,0 +1,21 @@
+"""The messages of Nav2, of which there is no wheel: made once for all tests that carry them."""
+
+from __future__ import annotations
+
+import pytest
+from type_support import CannotBuildError, built
+
+TYPES = (
+    "msg/MissedWaypoint.msg",
+    "action/FollowPath.action",
+    "action/FollowWaypoints.action",
+    "action/NavigateThroughPoses.action",
+)
+
+
+def nav2() -> str:
+    """Returns the folder for the module path; skips the test where nothing can be built."""
+    try:
+        return str(built("nav2_msgs", TYPES))
+    except CannotBuildError as error:
+        pytest.skip(str(error))
