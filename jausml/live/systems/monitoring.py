@@ -20,6 +20,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
+from jausml.live.systems.machines import machines_of
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,
@@ -28,6 +29,11 @@ from jausml.runtime.messages import (
     ReportControl,
     ReportStatus,
     ReportTimeout,
+)
+from jausml.runtime.messages.machine_states import (
+    MACHINE_STATES,
+    QueryMachineStates,
+    ReportMachineStates,
 )
 
 if TYPE_CHECKING:
@@ -72,12 +78,14 @@ class JausObserver:
         self._failures: dict[JausAddress, int] = {}
         self._timed: set[JausAddress] = set()
         self._told: dict[JausAddress, ComponentAnswer] = {}
+        self._untold: dict[JausAddress, int] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
         operator.on_report(ReportStatus, self._status)
         operator.on_report(ReportControl, self._control)
         operator.on_report(ReportTimeout, self._timeout)
+        operator.on_report(ReportMachineStates, self._machines)
 
     def start(self) -> None:
         """Begins to ask."""
@@ -110,6 +118,18 @@ class JausObserver:
             self._asked[address] = time.perf_counter()
             self._operator.send(address, QueryStatus())
             self._operator.send(address, QueryControl())
+            self._ask_machines(address)
+
+    def _ask_machines(self, address: JausAddress) -> None:
+        """Asks where machines are: who provides the service, and nobody else."""
+        found = self._told.get(address)
+        services = found.services if found is not None else None
+        if not any(each.startswith(f"{MACHINE_STATES}/") for each in services or ()):
+            return
+        self._untold[address] = self._untold.get(address, 0) + 1
+        if self._untold[address] > _UNANSWERED:
+            self._take(ComponentAnswer(str(address), machines=(), source=AnswerSource.DISCOVERY))
+        self._operator.send(address, QueryMachineStates())
 
     def _next(self, number: int) -> list[JausAddress]:
         own = self._operator.own
@@ -155,6 +175,10 @@ class JausObserver:
     def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
         self._timed.add(sender)
         self._answered(sender, ComponentAnswer(str(sender), control_timeout=int(report.timeout)))
+
+    def _machines(self, report: ReportMachineStates, sender: JausAddress) -> None:
+        self._untold.pop(sender, None)
+        self._answered(sender, ComponentAnswer(str(sender), machines=machines_of(report)))
 
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)
