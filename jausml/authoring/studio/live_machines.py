@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from jausml.live.systems.machines import MachineState
     from jausml.live.systems.state import SystemState
 
-ACTIVE, LEFT = "active", "left"
-"""Whether a machine is in a state, or was in it: the levels of boxes of states."""
+_ACTIVE, _AROUND, _LEFT = "active", "around", "left"
+"""Levels of states: a machine is in it, or in a state inside it, or was so."""
 
 
 @dataclass(frozen=True)
@@ -78,20 +78,21 @@ def _box(path: str, instances: Sequence[tuple[str, MachineState]]) -> dict[str, 
     machines = [each for _, each in instances]
     inside = [time for each in machines for time in each.times if _lies_in(time.state, path)]
     present = [(name, each) for name, each in instances if _lies_in(each.state, path)]
+    is_innermost = any(each.state == path for _, each in present)
     if not inside and not present:
         return None
     words = []
     if len(instances) > 1 and present:
         names = ", ".join(name for name, _ in present)
         words.append(f"{len(present)} of {len(instances)}: {names}")
-    elif present and present[0][1].state == path:
+    elif is_innermost:
         words.append(f"{present[0][1].seconds:.1f} s")
     seconds, total = sum(each.seconds for each in inside), sum(each.total for each in machines)
     words.append(f"{share_text(seconds, total)} of the time")
     entries = sum(each.entries for each in inside if each.state == path)
     words += [f"entered {entries}×"] if entries else []
     return {
-        "level": ACTIVE if present else LEFT,
+        "level": _ACTIVE if is_innermost else _AROUND if present else _LEFT,
         "gone": False,
         "state": path,
         "controller": "",

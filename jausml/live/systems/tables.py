@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.rendering import printable
@@ -185,22 +186,27 @@ def machine_rows(state: SystemState) -> list[list[str]]:
 
 def _machine(machine: MachineState) -> list[str]:
     present = next((each for each in machine.times if each.state == machine.state), None)
+    longest = machine.times[:_MOST_SHARES]
+    names = _told_apart([each.state for each in longest])
     return [
         cell(machine.service.rpartition(":")[2]),
         cell(machine.machine),
-        short_state(machine.state) or "-",
+        cell(".".join(machine.state.split(".")[-2:])) or "-",
         _figure(machine.seconds),
         "" if present is None else str(present.entries),
         ", ".join(
-            f"{short_state(each.state)} {share_text(each.seconds, machine.total)}"
-            for each in machine.times[:_MOST_SHARES]
+            f"{cell(name)} {share_text(each.seconds, machine.total)}"
+            for name, each in zip(names, longest, strict=True)
         ),
     ]
 
 
-def short_state(path: str) -> str:
-    """Returns the names of a path that tell states apart: its last two."""
-    return cell(".".join(path.split(".")[-2:]))
+def _told_apart(paths: Sequence[str]) -> list[str]:
+    """Returns paths of states without the states around all of them."""
+    names = [path.split(".") for path in paths]
+    columns = zip(*(each[:-1] for each in names), strict=False)
+    around = len(list(takewhile(lambda column: len(set(column)) == 1, columns)))
+    return [".".join(each[around:]) for each in names]
 
 
 def share_text(seconds: float, total: float) -> str:

@@ -75,9 +75,14 @@ class MachineStatesService:
         self._machines: list[_Times] = []
 
     def attach(self) -> None:
-        """Take the query, and keep times from now on."""
+        """Keep times from now on, and take the query unless the component answers it itself."""
         self._is_provided = True
-        self._component.provide(QueryMachineStates, ReportMachineStates, self._report)
+        self._component.when_started(self._take)
+
+    def _take(self) -> None:
+        component = self._component
+        if component.provision(QueryMachineStates.CODE) is None:
+            component.provide(QueryMachineStates, ReportMachineStates, self._report)
 
     def watch(self, service: str, machine: str) -> Callable[[str], None] | None:
         """Return what is to be told each state that a machine enters; None where nobody may ask."""

@@ -29,7 +29,7 @@ export function liveClass(live: LiveEdge | LiveBox | undefined): string {
   if (!live) return "";
   if (live.gone) return "live-failing live-gone";
   if (live.level === "ok") return "live-ok";
-  if (live.level === "active" || live.level === "left") return `live-${live.level}`;
+  if (["active", "around", "left"].includes(live.level)) return `live-${live.level}`;
   if (live.level === "error" || live.level === "warning") return `live-failing live-${live.level}`;
   return "live-silent";
 }
@@ -39,6 +39,7 @@ const LEVEL_SIGNS: Record<string, string> = {
   warning: "!",
   error: "×",
   active: "●",
+  around: "●",
   left: "○",
 };
 

@@ -33,7 +33,7 @@ export function Machines({ components }: { components: LiveComponent[] }) {
               {machine.state && !machine.known && " (unknown to the model)"}
             </td>
             <td className="number">{figure(machine.seconds, "s")}</td>
-            <td>{shares(machine)}</td>
+            <td title={machine.times.map((each) => each.state).join("\n")}>{shares(machine)}</td>
           </tr>
         ))}
       </tbody>
