@@ -520,7 +520,7 @@ def test_list_services(jausml):
     row = next(each for each in rows if "Management" in each.split()[0] and " 1.1 " in each)
     assert row.split()[-1] == "urn:jaus:jss:core:AccessControl/1.1"
     found = objects(jausml("list", "services", "--format", "json"))
-    assert len(found) == 92
+    assert len(found) == 93
     (management,) = (
         each
         for each in found

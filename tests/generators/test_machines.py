@@ -134,7 +134,8 @@ def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wron
 def test_machines_along_inheritance_are_one(texts):
     base = flat(texts[BASE])
     assert base.count("self.add_machine(") == 2
-    assert 'self.lamp_fsm = self.add_machine("LampFSM", self._lamp_fsm())' in base
+    machine = 'self.add_machine("LampFSM", self._lamp_fsm(), service="urn:example:Spot")'
+    assert f"self.lamp_fsm = {machine}" in base
     assert 'State("On.Turning", transitions=(On("Turned", target="On.Dim"),))' in base
 
 

@@ -38,7 +38,7 @@ def model(tmp_path, body=LAMP, name="Lamp", urn="urn:own:Lamp"):
 
 
 def test_the_library_is_listed(catalogue):
-    assert len(catalogue.services) == 92
+    assert len(catalogue.services) == 93
     service = catalogue.services[MANAGEMENT, "1.1"]
     assert (service.name, service.set_name, service.set_version) == ("Management", "core", "1.1")
     assert service.inherits is catalogue.services["urn:jaus:jss:core:AccessControl", "1.1"]

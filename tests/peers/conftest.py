@@ -20,6 +20,11 @@ from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, Servi
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
+from jausml.runtime.messages.machine_states import (
+    MACHINE_STATES,
+    QueryMachineStates,
+    ReportMachineStates,
+)
 
 TARGET = JausAddress(100, 1, 1)
 CORE = "urn:jaus:jss:core:"
@@ -68,11 +73,16 @@ def catalogue():
 
 @pytest.fixture
 def component(free_port):
-    """Starts a component of ours on the free port; returns it."""
+    """Starts a component of ours on the free port; returns it.
+
+    `telling`: answers QueryMachineStates, whose service it then provides.
+    """
     with ExitStack() as stack:
 
-        def start(version=1, services=(), names=NAMES, **settings):
+        def start(version=1, services=(), names=NAMES, telling=None, **settings):
             further = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 0) for name in services]
+            if telling is not None:
+                further.append(ServiceIdentity(MACHINE_STATES, 1, 0))
             transport = stack.enter_context(running_transport(TransportSettings(port=free_port)))
             made = Target(
                 transport,
@@ -84,6 +94,8 @@ def component(free_port):
                     **{"discovery_scope": Scope.SUBSYSTEM, "control_timeout": 1, **settings}
                 ),
             )
+            if telling is not None:
+                made.provide(QueryMachineStates, ReportMachineStates, telling)
             made.start()
             stack.callback(made.stop)
             return made

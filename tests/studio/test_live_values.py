@@ -23,6 +23,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
+from jausml.live.systems.machines import MachineState, StateTime
 from jausml.live.systems.state import SystemState, components_of, declarations_of
 from jausml.views.diagrams.views import graph_of
 
@@ -238,3 +239,81 @@ def test_a_closed_frame_is_told_as_the_worst_that_is_in_it(tmp_path):
 
 def test_no_frames_are_told_of_a_system_that_is_not_large(places):
     assert places.frames == {}
+
+
+WINCH = ROOT / "models" / "examples" / "winch" / "winch.xmi"
+WINCH_READY = "Receiving.Ready.Controlled.Available.Ready"
+OUT, IDLE = f"{WINCH_READY}.Moving.PayingOut", f"{WINCH_READY}.Idle"
+KEY = ("urn:jausml:examples:Winch", "ReceiveFSM")
+
+
+@pytest.fixture(scope="module")
+def winch():
+    return read_models([WINCH], allow_outside=True).model
+
+
+def machine(state=OUT, *times):
+    return MachineState(
+        *KEY, state, 2.5, times or (StateTime(IDLE, 2, 7.5), StateTime(OUT, 1, 2.5))
+    )
+
+
+def watched(winch, *machines):
+    """The values of the winch model, whose components have these machines, one each."""
+    state = expected(declarations_of(winch), components_of(winch), 0.0)
+    for number, each in enumerate(machines, 1):
+        answer = ComponentAnswer(f"120.1.{number}", state="READY", machines=(each,))
+        state = fold_answer(state, answer, 1.0)
+    return state, live_values(state, places_of(winch))
+
+
+def states_of(winch, values):
+    """What is told at boxes and frames of the view of the machine, by paths."""
+    graph = graph_of(winch, "machine:Winch.ReceiveFSM")
+    ids = {each.id: each.id.rpartition("!")[2] for each in (*graph.nodes, *graph.groups)}
+    return {ids[each]: told for each, told in values["boxes"].items() if each in ids}
+
+
+def test_states_are_told_at_their_boxes_in_the_view_of_the_machine(winch):
+    told = states_of(winch, watched(winch, machine())[1])
+    assert told[OUT] == {
+        "level": "active",
+        "gone": False,
+        "state": OUT,
+        "controller": "",
+        "text": "2.5 s; 25% of the time; entered 1×",
+    }
+    assert (told[IDLE]["level"], told[IDLE]["text"]) == (
+        "left",
+        "75% of the time; entered 2×",
+    )
+    around = told[f"{WINCH_READY}.Moving"]
+    assert (around["level"], around["text"]) == ("around", "25% of the time")
+    assert f"{WINCH_READY}.Locked" not in told
+
+
+def test_several_components_are_counted_in_each_state(winch):
+    told = states_of(winch, watched(winch, machine(), machine(IDLE))[1])
+    assert told[OUT]["text"].startswith("1 of 2: winch; 25% of the time")
+    assert told[IDLE]["text"].startswith("1 of 2: winch_operator; 75% of the time")
+    assert told[f"{WINCH_READY}.Moving"]["level"] == "around"
+
+
+def test_what_the_model_does_not_have_is_told_as_unknown(winch):
+    elsewhere = MachineState("urn:other", "M", "A", 1.0)
+    unknown = machine(f"{WINCH_READY}.Nowhere\x1b", StateTime("Nowhere", 1, 0.0))
+    _, values = watched(winch, unknown, elsewhere)
+    found = [each for component in values["components"] for each in component["machines"]]
+    assert [each["known"] for each in found] == [False, False]
+    told = states_of(winch, values)
+    assert told[WINCH_READY]["level"] == "around"
+    assert json.loads(json.dumps(values)) == values
+
+
+def test_a_component_that_is_lost_is_in_no_state(winch):
+    state, _ = watched(winch, machine())
+    for _ in range(3):
+        state = fold_answer(state, ComponentAnswer("120.1.1", source=AnswerSource.NOBODY), 2.0)
+    values = live_values(state, places_of(winch))
+    assert states_of(winch, values) == {}
+    assert [each["machines"] for each in values["components"]] == [[], []]

@@ -92,6 +92,9 @@ class MachineView:
         arguments = [python_string(self.name), f"self.{self.table}()"]
         if self.machine.extends_core:
             arguments.append(f"extends={python_string(self.machine.core.name)}")
+        owner = self.machine.elements[-1].eContainer()
+        if owner is not None and owner.urn:
+            arguments.append(f"service={python_string(str(owner.urn))}")
         return f"self.{self.attribute} = {call('self.add_machine', *arguments)}"
 
     @property

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.studio.live_machines import is_known, machine_boxes
 from jausml.authoring.studio.live_places import Places, places_of
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
@@ -39,21 +40,28 @@ HISTORY = 30
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:
     """Returns what `jausml top --json` tells, and the same by ids of the system view.
 
-    Connections have the id of their `row`, components that of their `box`; empty for none. What was
-    told with each status in full is left to who asks about one connection.
+    Connections have the id of their `row`, components that of their `box`; empty for none. Boxes of
+    states of machines are beside those of the system view. What was told with each status in full
+    is left to who asks about one connection.
     """
     values = state_as_json(state)
     for each, connection in zip(values["connections"], state.connections.values(), strict=True):
         del each["values"]
         each["history"] = each["history"][-HISTORY:]
         each["row"] = row_of(connection, places) or ""
-    for each in values["components"]:
+    for each, component in zip(values["components"], state.components.values(), strict=True):
         each["box"] = places.boxes.get(each["id"], "")
+        for told, machine in zip(each["machines"], component.machines, strict=True):
+            told["known"] = is_known(machine, places.machines)
     edges, boxes = _edges(state, places), _boxes(state, places)
     return {
         **values,
         "edges": {**edges, **_controls(state, places)},
-        "boxes": {**boxes, **_closed(edges, boxes, places)},
+        "boxes": {
+            **boxes,
+            **_closed(edges, boxes, places),
+            **machine_boxes(state, places.machines),
+        },
     }
 
 

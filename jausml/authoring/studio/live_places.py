@@ -6,6 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.authoring.studio.live_machines import machine_views
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.live.systems.state import node_of
 from jausml.views.diagrams.bundling import framed, is_crowded
@@ -16,6 +17,7 @@ from jausml.views.diagrams.views.context import Context
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.authoring.studio.live_machines import Key, MachineView
     from jausml.language.model import Model
     from jausml.views.diagrams.graph import Graph
 
@@ -26,7 +28,7 @@ class Places:
 
     `rows`: the row of a connection, by bridge and name. `controls`: edges of control, and the JAUS
     ids of who controls and who is controlled. `frames`: the frames around a box or a row, where
-    they may be shown closed.
+    they may be shown closed. `machines`: the views of a state machine, by service and name.
     """
 
     rows: Mapping[tuple[str, str], str] = field(default_factory=dict)
@@ -34,6 +36,7 @@ class Places:
     boxes: Mapping[str, str] = field(default_factory=dict)
     controls: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     frames: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    machines: Mapping[Key, tuple[MachineView, ...]] = field(default_factory=dict)
 
 
 def places_of(model: Model) -> Places:
@@ -66,6 +69,7 @@ def places_of(model: Model) -> Places:
         {address: box for box, address in boxes.items()},
         controls,
         _frames(graph),
+        machine_views(model),
     )
 
 

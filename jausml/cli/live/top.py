@@ -17,7 +17,7 @@ from jausml.cli.shared.models import ModelFault, optional_model_argument, readab
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from jausml.cli.live.network import Settings
     from jausml.live.peers.operator import Operator
@@ -59,9 +59,10 @@ def command(
 
     Shows the connections that bridges report on /diagnostics, with rate, age, latency, losses and
     peers; this needs ROS 2 on this machine. Asks JAUS components for their states and controllers,
-    at most once a second. Commands nothing and takes no control. With a MODEL, by default that
-    of the project of the current folder, parts that it declares and that nobody reports are shown
-    as "not heard", and the last messages of a connection can be shown.
+    and for those of their state machines where they provide MachineStates, at most once a second.
+    Commands nothing and takes no control. With a MODEL, by default that of the project of the
+    current folder, parts that it declares and that nobody reports are shown as "not heard", and the
+    last messages of a connection can be shown.
 
     Keys: arrows, / filter, s or 1 to 9 sort, r reverse, enter details, q quit.
 
@@ -160,19 +161,17 @@ def _print(state: SystemState, *, as_json: bool) -> None:
 
     numbers = [index for index, each in enumerate(tables.COLUMNS) if each.is_number]
     rows = [tables.row(each) for each in tables.arranged(state, 0)]
-    components = [tables.component_row(each) for each in state.components.values()]
+    components = [tables.component_row(each) for each in tables.by_address(state)]
+    machines = tables.machine_rows(state)
     for line in (
         *in_columns([[each.title for each in tables.COLUMNS], *rows], numbers),
         "",
-        *in_columns([tables.COMPONENT_TITLES, *sorted(components, key=_address)]),
+        *in_columns([tables.COMPONENT_TITLES, *components]),
+        *(["", *in_columns([tables.MACHINE_TITLES, *machines])] if machines else []),
         "",
         tables.summary(state),
     ):
         click.echo(line)
-
-
-def _address(cells: Sequence[str]) -> list[int]:
-    return [int(part) for part in cells[1].split(".")]
 
 
 def _print_each(monitor: Monitor, interval: float) -> None:

@@ -25,6 +25,8 @@ from jausml.live.systems.state import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from jausml.live.systems.machines import MachineState
+
 _LEVELS = (Level.OK, Level.WARNING, Level.ERROR, Level.STALE)
 _DECLARED = "declared rate (Hz)"
 _OF_A_BRIDGE = (
@@ -145,7 +147,7 @@ FORGOTTEN = 60.0
 _PERIODS = 3
 _TOLD = (
     *("name", "type", "state", "controller", "authority", "control_timeout", "services"),
-    "round_trip",
+    *("machines", "round_trip"),
 )
 _UNANSWERED = 3
 _STATES = {
@@ -183,6 +185,7 @@ class ComponentAnswer:
     authority: int | None = None
     control_timeout: int | None = None
     services: tuple[str, ...] | None = None
+    machines: tuple[MachineState, ...] | None = None
     round_trip: float | None = None
     source: AnswerSource = AnswerSource.ITSELF
 
@@ -355,6 +358,7 @@ def _gone(component: ComponentState, level: Level) -> ComponentState:
         controller=None,
         authority=None,
         control_timeout=None,
+        machines=(),
         round_trip=None,
     )
 

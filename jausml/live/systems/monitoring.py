@@ -20,6 +20,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
+from jausml.live.systems.machines import MachineState, StateTime
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,
@@ -28,6 +29,11 @@ from jausml.runtime.messages import (
     ReportControl,
     ReportStatus,
     ReportTimeout,
+)
+from jausml.runtime.messages.machine_states import (
+    MACHINE_STATES,
+    QueryMachineStates,
+    ReportMachineStates,
 )
 
 if TYPE_CHECKING:
@@ -54,6 +60,9 @@ _SELDOM = 10
 
 _UNANSWERED = 3
 
+MOST_MACHINES = 64
+"""Machines of one component that are kept."""
+
 
 class JausObserver:
     """Asks in a thread of its own; what comes unasked is noted too."""
@@ -72,12 +81,14 @@ class JausObserver:
         self._failures: dict[JausAddress, int] = {}
         self._timed: set[JausAddress] = set()
         self._told: dict[JausAddress, ComponentAnswer] = {}
+        self._untold: dict[JausAddress, int] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
         operator.on_report(ReportStatus, self._status)
         operator.on_report(ReportControl, self._control)
         operator.on_report(ReportTimeout, self._timeout)
+        operator.on_report(ReportMachineStates, self._machines)
 
     def start(self) -> None:
         """Begins to ask."""
@@ -110,6 +121,18 @@ class JausObserver:
             self._asked[address] = time.perf_counter()
             self._operator.send(address, QueryStatus())
             self._operator.send(address, QueryControl())
+            self._ask_machines(address)
+
+    def _ask_machines(self, address: JausAddress) -> None:
+        """Asks where machines are: who provides the service, and nobody else."""
+        found = self._told.get(address)
+        services = found.services if found is not None else None
+        if not any(each.startswith(f"{MACHINE_STATES}/") for each in services or ()):
+            return
+        self._untold[address] = self._untold.get(address, 0) + 1
+        if self._untold[address] > _UNANSWERED:
+            self._take(ComponentAnswer(str(address), machines=(), source=AnswerSource.DISCOVERY))
+        self._operator.send(address, QueryMachineStates())
 
     def _next(self, number: int) -> list[JausAddress]:
         own = self._operator.own
@@ -156,6 +179,10 @@ class JausObserver:
         self._timed.add(sender)
         self._answered(sender, ComponentAnswer(str(sender), control_timeout=int(report.timeout)))
 
+    def _machines(self, report: ReportMachineStates, sender: JausAddress) -> None:
+        self._untold.pop(sender, None)
+        self._answered(sender, ComponentAnswer(str(sender), machines=_machines_of(report)))
+
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)
         return None if asked is None else time.perf_counter() - asked
@@ -174,6 +201,23 @@ def _found(component: KnownComponent) -> ComponentAnswer:
         services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services)
         or None,
         source=AnswerSource.DISCOVERY,
+    )
+
+
+def _machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
+    """Returns the machines of a report."""
+    return tuple(
+        MachineState(
+            each.machine_rec.service,
+            each.machine_rec.machine,
+            each.machine_rec.state,
+            each.machine_rec.milliseconds / 1000,
+            tuple(
+                StateTime(time.state, time.entries, time.milliseconds / 1000)
+                for time in each.time_list
+            ),
+        )
+        for each in report.machine_list[:MOST_MACHINES]
     )
 
 

@@ -10,11 +10,13 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.ros_types import package_of
+from jausml.live.systems.machines import machines_as_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.language.model import Model
+    from jausml.live.systems.machines import MachineState
 
 HISTORY = 120
 """Latest rates of a connection that are kept."""
@@ -141,6 +143,7 @@ class ComponentState:
         authority: Authority code of who controls it, else its default; None when unknown.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
+        machines: The state machines of its own services, of one that tells them (MachineStates).
         round_trip: Seconds of its last answer, None before the first one.
     """
 
@@ -154,6 +157,7 @@ class ComponentState:
     authority: int | None = None
     control_timeout: int | None = None
     services: tuple[str, ...] = ()
+    machines: tuple[MachineState, ...] = ()
     round_trip: float | None = None
     told: float | None = None
     unanswered: int = 0
@@ -259,6 +263,7 @@ def _component(component: ComponentState, now: float) -> dict[str, Any]:
         "authority": component.authority,
         "control_timeout": component.control_timeout,
         "services": list(component.services),
+        "machines": machines_as_json(component.machines),
         "round_trip_ms": None if trip is None else round(trip * 1e3, 3),
         "told": _since(component.told, now),
     }

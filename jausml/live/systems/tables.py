@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.rendering import printable
@@ -10,11 +11,15 @@ from jausml.live.peers.rendering import printable
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from jausml.live.systems.machines import MachineState
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 _BARS = "▁▂▃▄▅▆▇█"
 LONGEST_CELL = 48
 """Characters of a cell."""
+
+_MOST_SHARES = 4
+"""States of a machine whose shares of time are in the table; those with the most time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +121,10 @@ COMPONENT_TITLES = ("state", "component", "name", "management", "controlled by",
 """The columns of the table of components."""
 
 
+MACHINE_TITLES = ("component", "service", "machine", "state", "s in it", "entries", "share of time")
+"""The columns of the table of state machines."""
+
+
 def arranged(
     state: SystemState, column: int, wanted: str = "", *, is_reversed: bool = False
 ) -> list[ConnectionState]:
@@ -144,6 +153,14 @@ def row(connection: ConnectionState) -> list[str]:
     return [cell(column.text(connection)) for column in COLUMNS]
 
 
+def by_address(state: SystemState) -> list[ComponentState]:
+    """Returns the components in the order of their JAUS ids."""
+    return sorted(
+        state.components.values(),
+        key=lambda each: [int(part) for part in each.address.split(".")],
+    )
+
+
 def component_row(component: ComponentState) -> list[str]:
     """Returns the cells of a component, in the order of `COMPONENT_TITLES`."""
     trip = component.round_trip
@@ -156,6 +173,45 @@ def component_row(component: ComponentState) -> list[str]:
         "" if trip is None else f"{trip * 1e3:.1f}",
         cell(component.reason),
     ]
+
+
+def machine_rows(state: SystemState) -> list[list[str]]:
+    """Returns the cells of the machines of all components, in the order of `MACHINE_TITLES`."""
+    return [
+        [component.address, *_machine(machine)]
+        for component in by_address(state)
+        for machine in component.machines
+    ]
+
+
+def _machine(machine: MachineState) -> list[str]:
+    present = next((each for each in machine.times if each.state == machine.state), None)
+    longest = machine.times[:_MOST_SHARES]
+    names = _told_apart([each.state for each in longest])
+    return [
+        cell(machine.service.rpartition(":")[2]),
+        cell(machine.machine),
+        cell(".".join(machine.state.split(".")[-2:])) or "-",
+        _figure(machine.seconds),
+        "" if present is None else str(present.entries),
+        ", ".join(
+            f"{cell(name)} {share_text(each.seconds, machine.total)}"
+            for name, each in zip(names, longest, strict=True)
+        ),
+    ]
+
+
+def _told_apart(paths: Sequence[str]) -> list[str]:
+    """Returns paths of states without the states around all of them."""
+    names = [path.split(".") for path in paths]
+    columns = zip(*(each[:-1] for each in names), strict=False)
+    around = len(list(takewhile(lambda column: len(set(column)) == 1, columns)))
+    return [".".join(each[around:]) for each in names]
+
+
+def share_text(seconds: float, total: float) -> str:
+    """Returns a share of time in percent."""
+    return f"{seconds / total:.0%}" if total > 0 else "-"
 
 
 def _control(component: ComponentState) -> str:

@@ -18,9 +18,12 @@ from jausml.live.systems.state import Level
 from jausml.live.systems.tables import (
     COLUMNS,
     COMPONENT_TITLES,
+    MACHINE_TITLES,
     arranged,
+    by_address,
     cell,
     component_row,
+    machine_rows,
     row,
     shown_name,
     sparkline,
@@ -97,6 +100,7 @@ class SystemView(App[None]):
     #filter.open { display: block; }
     #connections { height: 1fr; }
     #components { height: auto; max-height: 12; }
+    #machines { height: auto; max-height: 8; }
     #panel { display: none; height: 2fr; border-top: solid $primary; }
     #panel.open { display: block; }
     #panel > VerticalScroll { width: 1fr; padding-right: 1; }
@@ -133,6 +137,7 @@ class SystemView(App[None]):
         yield Input(placeholder="part of a name", id="filter")
         yield Connections(id="connections", cursor_type="row")
         yield DataTable(id="components", cursor_type="none")
+        yield DataTable(id="machines", cursor_type="none")
         with Horizontal(id="panel"):
             for part in _PARTS:
                 with VerticalScroll():
@@ -141,9 +146,10 @@ class SystemView(App[None]):
 
     def on_mount(self) -> None:
         """Begins to look."""
-        components = self.query_one("#components", DataTable)
-        components.add_columns(*COMPONENT_TITLES)
-        components.can_focus = False
+        for name, titles in (("#components", COMPONENT_TITLES), ("#machines", MACHINE_TITLES)):
+            table = self.query_one(name, DataTable)
+            table.add_columns(*titles)
+            table.can_focus = False
         self._set_titles()
         self.query_one(Connections).focus()
         self.look()
@@ -164,6 +170,7 @@ class SystemView(App[None]):
         self.query_one("#summary", Static).update(Text(summary(self._state)))
         self._show_connections()
         self._show_components()
+        self._show_machines()
         self._show_details()
 
     def _set_titles(self) -> None:
@@ -207,10 +214,17 @@ class SystemView(App[None]):
     def _show_components(self) -> None:
         table = self.query_one("#components", DataTable)
         table.clear()
-        components = self._state.components.values()
-        for each in sorted(components, key=lambda each: _numbers(each.address)):
+        for each in by_address(self._state):
             first, *others = component_row(each)
             table.add_row(Text(first, style=_STYLES[each.level]), *map(Text, others))
+
+    def _show_machines(self) -> None:
+        table = self.query_one("#machines", DataTable)
+        table.clear()
+        rows = machine_rows(self._state)
+        table.display = bool(rows)
+        for each in rows:
+            table.add_row(*map(Text, each))
 
     def _show_details(self) -> None:
         connection = self._chosen()
@@ -298,7 +312,3 @@ def _cells(connection: ConnectionState) -> list[Text]:
     first.stylize(_STYLES[connection.level])
     bars = sparkline(connection.history, connection.declared_rate)
     return [first, *others[:_BEFORE_HISTORY], Text(bars), *others[_BEFORE_HISTORY:]]
-
-
-def _numbers(address: str) -> list[int]:
-    return [int(part) for part in address.split(".")]

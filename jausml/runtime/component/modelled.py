@@ -68,14 +68,18 @@ class ModelledComponent(JausComponent):
     _jaus_answered: frozenset[Action] = frozenset()
     _jaus_answers: frozenset[Action] = frozenset()
 
-    def add_machine(self, name: str, states: Sequence[State], *, extends: str = "") -> StateMachine:
+    def add_machine(
+        self, name: str, states: Sequence[State], *, extends: str = "", service: str = ""
+    ) -> StateMachine:
         """Run a state machine from the start of the component on.
 
         Args:
             extends: The core service whose ReceiveFSM it extends, Management, AccessControl, Events
                 or Transport: its outer states are those of that service and change with them.
+            service: Identifier of the service that has it, for those who ask for MachineStates.
         """
-        machine = StateMachine(name, states, self, extends=extends)
+        entered = self._jaus_core.machine_states.watch(service, name)
+        machine = StateMachine(name, states, self, extends=extends, entered=entered)
         self._jaus_machines = (*self._jaus_machines, machine)
         return machine
 

@@ -21,6 +21,7 @@ from ..services.events import EventsService
 from ..services.handoff import HandoffService
 from ..services.list_manager import ListManagerService
 from ..services.liveness_and_time import LivenessService, TimeService
+from ..services.machine_states import MachineStatesService
 from ..services.management import ManagementService
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 
@@ -101,6 +102,7 @@ class CoreServices:
         self.liveness = LivenessService(host)
         self.discovery = DiscoveryService(host)
         self.digital_resources = DigitalResourceService(host)
+        self.machine_states = MachineStatesService(host)
         every: tuple[CoreService, ...] = (
             self.events,
             self.access_control,
@@ -111,6 +113,7 @@ class CoreServices:
             self.liveness,
             self.discovery,
             self.digital_resources,
+            self.machine_states,
         )
         provided = {service.urn for service in host.services}
         for service in every:

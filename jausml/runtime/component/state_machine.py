@@ -119,12 +119,20 @@ class StateMachine:
     """
 
     def __init__(
-        self, name: str, states: Sequence[State], host: MachineHost, *, extends: str = ""
+        self,
+        name: str,
+        states: Sequence[State],
+        host: MachineHost,
+        *,
+        extends: str = "",
+        entered: Callable[[str], None] | None = None,
     ) -> None:
+        """Describe a machine that is in no state yet; ``entered`` is told each one it comes to."""
         self.name = name
         self.state = self._place = ""
         self._host = host
         self._extends = extends
+        self._entered = entered
         self._states = {state.path: state for state in states}
         self._initial = {_enclosing(s.path): s.path for s in reversed(states) if s.initial}
         self._candidates: dict[tuple[str, Trigger], tuple[On, ...]] = {}
@@ -288,6 +296,8 @@ class StateMachine:
             if state is not None:
                 self._act(state.entry, ())
         self.state = target
+        if self._entered is not None:
+            self._entered(target)
 
     def _act(self, actions: tuple[Action, ...], arguments: tuple[Any, ...]) -> None:
         for action in actions:

@@ -210,8 +210,8 @@ class Scalar:
 
 
 def unsigned(size: int, lower: int = 0, upper: int | None = None) -> Scalar:
-    """Returns the kind of an integer of some bytes, 1, 2 or 4, which fills them by default."""
-    letter = {1: "B", 2: "H", 4: "I"}[size]
+    """Returns the kind of an integer of some bytes, 1, 2, 4 or 8, which fills them by default."""
+    letter = {1: "B", 2: "H", 4: "I", 8: "Q"}[size]
     most = greatest(letter)
     end = most if upper is None else upper
 

@@ -3,7 +3,7 @@ import { memo } from "react";
 import { groupKey } from "../selection";
 import { active, isPresent, useStudio } from "../store";
 import type { FrameNode } from "./flow";
-import { domId } from "./marks";
+import { domId, liveClass, liveText } from "./marks";
 
 /** A frame around boxes: a host, a bridge, a service, a state. */
 export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode>) {
@@ -12,7 +12,14 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
   const isActive = useStudio((studio) => active(studio) === key);
   const isUnder = useStudio((studio) => studio.under === key);
   const isNow = useStudio((studio) => isPresent(studio, group.id, true));
-  const states = [isNow && "now", selected && "chosen", isActive && "active", isUnder && "under"];
+  const live = useStudio((studio) => studio.live?.boxes[group.id]);
+  const states = [
+    isNow && "now",
+    liveClass(live),
+    selected && "chosen",
+    isActive && "active",
+    isUnder && "under",
+  ];
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
@@ -23,6 +30,7 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
       data-part={key}
     >
       <span className="title">{group.title}</span>
+      {live && <span className="live-text">{liveText(live)}</span>}
     </div>
   );
 });

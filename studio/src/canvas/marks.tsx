@@ -29,11 +29,19 @@ export function liveClass(live: LiveEdge | LiveBox | undefined): string {
   if (!live) return "";
   if (live.gone) return "live-failing live-gone";
   if (live.level === "ok") return "live-ok";
+  if (["active", "around", "left"].includes(live.level)) return `live-${live.level}`;
   if (live.level === "error" || live.level === "warning") return `live-failing live-${live.level}`;
   return "live-silent";
 }
 
-const LEVEL_SIGNS: Record<string, string> = { ok: "✓", warning: "!", error: "×" };
+const LEVEL_SIGNS: Record<string, string> = {
+  ok: "✓",
+  warning: "!",
+  error: "×",
+  active: "●",
+  around: "●",
+  left: "○",
+};
 
 /** The words of a live part, with a sign for its level. */
 export function liveText(live: LiveEdge | LiveBox): string {

@@ -39,6 +39,21 @@ export interface LiveConnection {
   told: number | null;
 }
 
+/** A state machine of a component, which provides MachineStates. */
+export interface LiveMachine {
+  /** URN of the service that has it. */
+  service: string;
+  machine: string;
+  /** Path of the present state. */
+  state: string | null;
+  /** Seconds in it. */
+  seconds: number;
+  /** Whether the model has this state. */
+  known: boolean;
+  /** The states it was in, those with the most time first. */
+  times: { state: string; entries: number; seconds: number }[];
+}
+
 export interface LiveComponent {
   id: string;
   name: string;
@@ -47,6 +62,7 @@ export interface LiveComponent {
   state: string | null;
   controller: string | null;
   authority: number | null;
+  machines?: LiveMachine[];
   round_trip_ms: number | null;
   /** Seconds since its last answer. */
   told?: number | null;
@@ -61,7 +77,7 @@ export interface LiveState {
   ignored?: number;
   /** By id of an edge or a port of the system view. */
   edges: Record<string, LiveEdge>;
-  /** By id of a node of the system view. */
+  /** By id of a node of the system view, or of a box or frame of the view of a machine. */
   boxes: Record<string, LiveBox>;
 }
 

@@ -12,7 +12,7 @@ from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
-from jausml.runtime.messages import digital_resources
+from jausml.runtime.messages import digital_resources, machine_states
 from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -39,7 +39,8 @@ CORE_SERVICES = tuple(
 
 CLASSES = {
     each.CODE: each
-    for each in (*vars(core_messages).values(), *vars(digital_resources).values())
+    for module in (core_messages, digital_resources, machine_states)
+    for each in vars(module).values()
     if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
 }
 

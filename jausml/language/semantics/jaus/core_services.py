@@ -33,6 +33,7 @@ SERVED_BY_RUNTIME = frozenset(
         CORE + "Time",
         CORE + "Transport",
         *HANDOFF,
+        "urn:jausml:MachineStates",
         "urn:jaus:jss:iop:DigitalResourceDiscovery",
         "urn:jaus:jss:iop:UnsolicitedHeartbeat",
         "urn:jaus:jss:manipulator:ListManager",

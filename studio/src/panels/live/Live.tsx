@@ -4,6 +4,7 @@ import type { LiveComponent, LiveConnection } from "../../protocol";
 import { state, update, useStudio } from "../../store";
 import { Fault, figure, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
+import { Machines } from "./Machines";
 
 const LOOK_MS = 1000;
 /** Seconds without a word of the server, which speaks once a second, after which all is old. */
@@ -77,6 +78,7 @@ export function Live() {
         <>
           <Connections connections={live.connections ?? []} open={open} onOpen={setOpen} />
           <Components components={live.components ?? []} />
+          <Machines components={live.components ?? []} />
         </>
       )}
     </section>

@@ -1,0 +1,57 @@
+"""State machines of components as values: which state each is in, and its times (MachineStates)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@dataclass(frozen=True, slots=True)
+class StateTime:
+    """How often a state was entered, and the seconds spent in it."""
+
+    state: str
+    entries: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class MachineState:
+    """A machine, named by its component: nothing of it need be known to a model.
+
+    Attributes:
+        service: URN of the service that has it.
+        state: Path of the present state, empty before the start.
+        seconds: Seconds in it when that was told.
+    """
+
+    service: str
+    machine: str
+    state: str
+    seconds: float
+    times: tuple[StateTime, ...] = ()
+
+    @property
+    def total(self) -> float:
+        """Seconds in all states that were told."""
+        return sum(each.seconds for each in self.times)
+
+
+def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:
+    """Returns machines as objects, lists, texts and numbers."""
+    return [
+        {
+            "service": each.service,
+            "machine": each.machine,
+            "state": each.state or None,
+            "seconds": each.seconds,
+            "times": [
+                {"state": time.state, "entries": time.entries, "seconds": time.seconds}
+                for time in each.times
+            ],
+        }
+        for each in machines
+    ]

@@ -1,0 +1,130 @@
+"""Where machines are, as observers learn it: of a generated winch, and of who tells nonsense."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import pytest
+from click.testing import CliRunner
+from ports import free_port
+from running_winch import ADDRESS, READY, running_winch, telling_winch
+
+import jausml
+from jausml.cli import main
+from jausml.live.peers.operator import running_operator
+from jausml.live.systems.monitoring import MOST_MACHINES, Monitor, polling
+from jausml.live.systems.state import SystemState
+from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
+
+pytestmark = pytest.mark.ports
+
+PATIENCE = 40.0
+
+
+@pytest.fixture(scope="module")
+def winch(tmp_path_factory):
+    """The port and the model of a winch that runs."""
+    folder = tmp_path_factory.mktemp("winch")
+    model, port = telling_winch(folder), free_port()
+    with running_winch(model, port, folder / "winch.log"):
+        yield port, model
+
+
+def wait_for(condition):
+    end = time.monotonic() + PATIENCE
+    while not (found := condition()):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return found
+
+
+def test_a_generated_winch_is_seen_to_move(winch):
+    port, model = winch
+    with jausml.Component("200.1.1", port=port, models=str(model), timeout=PATIENCE) as operator:
+
+        def machine():
+            (found,) = operator.query(ADDRESS, "MachineStates")["MachineList"]
+            return found["MachineRec"]
+
+        assert machine()["Service"] == "urn:jausml:examples:Winch"
+        with operator.control(ADDRESS, authority=210):
+            wait_for(lambda: machine()["State"] == f"{READY}.Idle")
+            operator.command(ADDRESS, "SetWinchCommand", {"RopeSpeed": 0.1})
+            wait_for(lambda: machine()["State"] == f"{READY}.Moving.PayingOut")
+            arguments = ("top", "--once", "--duration", "4", "--port", str(port))
+            told = CliRunner().invoke(main, [*arguments, "--json"])
+            table = CliRunner().invoke(main, [*arguments])
+    (component,) = [e for e in json.loads(told.stdout)["components"] if e["id"] == ADDRESS]
+    (told,) = component["machines"]
+    assert told["state"] == f"{READY}.Moving.PayingOut"
+    assert told["seconds"] > 0
+    assert {each["state"]: each["entries"] for each in told["times"]}[told["state"]] == 1
+    (line,) = [each for each in table.stdout.splitlines() if "ReceiveFSM" in each]
+    assert line.split()[:4] == [ADDRESS, "Winch", "ReceiveFSM", "Moving.PayingOut"]
+    assert "NotControlled.Available.Standby" in line
+
+
+def observed(network, catalogue, condition):
+    """Observes until a condition of the machines of the target holds, and returns them."""
+    monitor = Monitor(SystemState())
+
+    def machines():
+        found = monitor.state().components.get("100.1.1")
+        return condition(found) if found is not None else None
+
+    with running_operator(network, catalogue) as operator, polling(monitor, operator):
+        return wait_for(machines)
+
+
+def nonsense():
+    """A report of unknown states, of more machines than are kept."""
+    rec = ReportMachineStates.MachineRec("urn:\x1b[2J", "\x07", "No.Such\x1b[2J", 2**64 - 1)
+    time_rec = ReportMachineStates.TimeRec("Other", 2**32 - 1, 2**64 - 1)
+    return ReportMachineStates([ReportMachineStates.MachineSeq(rec, [time_rec] * 255)] * 255)
+
+
+def test_nonsense_is_kept_as_data_and_bounded(component, network, catalogue):
+    component(telling=lambda *_: nonsense())
+    machines = observed(network, catalogue, lambda found: found.machines)
+    assert len(machines) == MOST_MACHINES
+    assert machines[0].state == "No.Such\x1b[2J"
+
+
+def test_a_report_that_cannot_be_read_says_nothing(component, network, catalogue):
+    asked = []
+
+    def report(_query, _sender):
+        asked.append(True)
+        return nonsense().encode()[:-1]
+
+    component(telling=report)
+    found = observed(network, catalogue, lambda found: len(asked) > 1 and found)
+    assert found.machines == ()
+    assert found.state == "STANDBY"
+
+
+def test_who_stops_telling_is_not_shown_where_it_was(component, network, catalogue):
+    answers, seen = [nonsense()], []
+
+    def report(_query, _sender):
+        return answers.pop() if answers else None
+
+    def condition(found):
+        seen.append(bool(found.machines))
+        return any(seen) and not seen[-1] and found
+
+    component(telling=report)
+    assert observed(network, catalogue, condition).state == "STANDBY"
+
+
+def test_who_does_not_provide_it_is_never_asked(component, network, catalogue):
+    target, asked, rounds = component(), [], []
+    target.on_payload(QueryMachineStates, lambda payload, _: asked.append(payload))
+
+    def condition(found):
+        rounds.append(found.round_trip)
+        return found.services and len(set(rounds)) > 3
+
+    assert observed(network, catalogue, condition)
+    assert asked == []
