@@ -17,7 +17,7 @@ from jausml.live.recording.mcap_files import RecordingError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.language.interfaces.definitions import FieldType, Section
+    from jausml.language.interfaces.definitions import FieldType
 
     Read = Callable[["_Bytes"], Any]
 
@@ -120,7 +120,10 @@ def _short(name: str) -> str:
 def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
     if name not in parts or depth > _DEEPEST:
         raise RecordingError(f"the recording does not define {name}")
-    section: Section = parse_definition(parts[name], "msg").sections[0]
+    definition = parse_definition(parts[name], "msg")
+    if definition.faults:  # a field that is left out would shift all that follow
+        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
+    section = definition.sections[0]
     package = name.partition("/")[0]
     members = [(each.name, _field(each.type, package, parts, depth)) for each in section.fields]
     if not members:

@@ -157,4 +157,5 @@ class SeekableRecording:
         """Returns a copy of all that can be read, which has an index."""
         stream = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 - the stack closes it
         copied(McapRecording(self._path).messages(), stream, ros_only=False)
+        stream.seek(0)
         return stream

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
@@ -13,7 +15,7 @@ from jausml.live.systems.playback import BRIDGE, NO_ROS
 from jausml.live.systems.tables import shown_name, state_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.model import Model
     from jausml.live.recording.mcap_files import Found
@@ -101,7 +103,7 @@ def explained(
     moment = risen[0].time if risen else at
     state = system.state(moment, model)
     connection = state.connections.get(key)
-    sides = _sides(system, connection, moment, (risen[0].since, moment) if risen else None)
+    sides = _sides(system, connection, moment, risen)
     if connection is None or connection.told is None:
         return Explanation(moment, (_untold(system, key),), (), *sides)
     counters, told = _counters(connection, risen, at), _states(state, connection, moment)
@@ -135,9 +137,8 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
             yield f"What it had dropped before then, the recording cannot explain: {counts}."
         return
     for each in risen:
-        messages = "1 message" if each.count == 1 else f"{each.count} messages"
         yield (
-            f"Between {each.since:.1f} s and {each.time:.1f} s, {name} did not pass on {messages}: "
+            f"Between {_span(each)}, {name} did not pass on {_times_of(each.count, 'message')}: "
             f"its counter \u201c{each.counter}\u201d rose from {each.before} to {each.after}."
         )
         why = meaning(each.counter)
@@ -157,14 +158,16 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
     for key, text in connection.peers.items():
         address = key.partition(" ")[2]
         if address:
-            yield f"Its peer {address} was {text}{_beside(state.components.get(address))}."
+            beside = _beside(state.components.get(address))
+            yield f"To the bridge, its peer {address} was {text}; {beside}."
     yield from _stops(values)
-    limited = int(values.get("values limited", "0") or 0)
-    if limited:
-        yield f"It had brought {limited} values within what their fields carry."
+    limited = values.get("values limited", "0")
+    if limited != "0":
+        yield f"Values that it brought within what their fields carry: {limited}."
     for name, count in values.items():
-        if name.startswith("out of range: "):
-            yield f"Out of range was {name.removeprefix('out of range: ')}, {count} times."
+        if name.startswith("out of range: ") and count.isdigit():
+            policy, _, field = name.removeprefix("out of range: ").partition(" ")
+            yield f"Its value {field} was out of range {_times_of(int(count), 'time')} ({policy})."
 
 
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
@@ -198,19 +201,17 @@ def _nobody(controller: str) -> str:
 
 def _beside(component: ComponentState | None) -> str:
     """Returns what a peer said of itself."""
-    if component is None or component.told is None:
-        return "; of itself it said nothing"
-    texts = [f"in {component.state}"] if component.state else []
-    if component.controller is not None:
+    texts = [f"in {component.state}"] if component is not None and component.state else []
+    if component is not None and component.controller is not None:
         texts.append(f"controlled by {_nobody(component.controller)}")
-    return f"; it was {', '.join(texts)}" if texts else ""
+    return f"it was {', '.join(texts)}" if texts else "of itself it said nothing"
 
 
 def _stops(values: Mapping[str, str]) -> Iterator[str]:
     stops = [
-        f"{name.removeprefix('stopped: ')} ({count} times)"
+        f"{name.removeprefix('stopped: ')} ({_times_of(int(count), 'time')})"
         for name, count in values.items()
-        if name.startswith("stopped: ")
+        if name.startswith("stopped: ") and count.isdigit()
     ]
     if stops:
         yield f"What it commands had been stopped: {', '.join(stops)}."
@@ -220,6 +221,9 @@ def _stops(values: Mapping[str, str]) -> Iterator[str]:
 
 # ---- the message ------------------------------------------------------------------------------
 
+NEAR = 0.005
+"""Seconds by which times of the two sides may differ: each has a thread that reads."""
+
 Lines = tuple[str, ...]
 
 
@@ -227,50 +231,101 @@ def _sides(
     system: RecordedSystem,
     connection: ConnectionState | None,
     at: float,
-    span: tuple[float, float] | None,
+    risen: Sequence[Mark],
 ) -> tuple[Lines, Lines]:
-    """Returns the last message up to a time on the side of ROS and on that of JAUS."""
+    """Returns the message that was dropped, else the last up to a time, and that on the other side.
+
+    Those of ROS come first.
+    """
     if connection is None or connection.declaration is None:
         text = ("Which messages it takes and gives says the model, which has no such connection.",)
         return text, text
-    declaration, topics = connection.declaration, system.recording.topics
+    declaration = connection.declaration
+    topics = system.recording.topics
     ros = [topic_of(connection, declaration).name] if declaration.topics else []
     senders = reporters_of(connection, declaration)
     jaus = [f"{JAUS_TOPICS}{each}/{declaration.message}" for each in senders]
     if not jaus:  # from whoever sends it
         jaus = [each for each in topics if each.endswith(f"/{declaration.message}")]
-    return (
-        tuple(_side(system, ros, at, span, "It has no ROS topic.")),
-        tuple(_side(system, jaus, at, span, f"No {declaration.message} was recorded.")),
+    is_to_ros = declaration.direction == "to ROS"
+    source, target = (jaus, ros) if is_to_ros else (ros, jaus)
+    dropped = _unanswered(system, source, target, risen)
+    moment = at if dropped is None else dropped
+    taken = tuple(_source_lines(system, source, risen, moment, is_found=dropped is not None))
+    given = tuple(_message_at(system, target, moment, "The last on this side: "))
+    return (given, taken) if is_to_ros else (taken, given)
+
+
+def _unanswered(
+    system: RecordedSystem, source: Sequence[str], target: Sequence[str], risen: Sequence[Mark]
+) -> float | None:
+    """Returns when the first message came that nothing on the other side follows.
+
+    None where there are not as many of these as were dropped: then nobody knows which they are.
+    """
+    if not risen:
+        return None
+    since, time = risen[0].since, risen[0].time
+    taken = _times(system, source, since, time)
+    given = _times(system, target, since - NEAR, time + NEAR)
+    alone = [
+        begin
+        for begin, end in pairwise([*taken, inf])
+        if not any(begin - NEAR <= each < end - NEAR for each in given)
+    ]
+    return alone[0] if len(alone) == sum(each.count for each in risen) else None
+
+
+def _times(system: RecordedSystem, topics: Sequence[str], start: float, end: float) -> list[float]:
+    return sorted(
+        time for topic in topics for time, _ in system.recording.between(topic, start, end)
     )
 
 
-def _side(
+def _source_lines(
     system: RecordedSystem,
-    topics: list[str],
+    topics: Sequence[str],
+    risen: Sequence[Mark],
     at: float,
-    span: tuple[float, float] | None,
-    nothing: str,
+    *,
+    is_found: bool,
 ) -> Iterator[str]:
-    recorded = [each for each in topics if each in system.recording.topics]
+    if risen:
+        count = len(_times(system, topics, risen[0].since, risen[0].time))
+        yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
+    if is_found:
+        yield "Nothing on the other side follows this one, which was most likely not passed on."
+    elif risen and count > 1:
+        yield "Which of them was not passed on, the recording does not tell; this is the last."
+    yield from _message_at(system, topics, at, "")
+
+
+def _message_at(
+    system: RecordedSystem, topics: Sequence[str], at: float, head: str
+) -> Iterator[str]:
     found = [
-        (*last, each) for each in recorded if (last := system.recording.last(each, at)) is not None
+        (*last, each)
+        for each in topics
+        if each in system.recording.topics and (last := system.recording.last(each, at)) is not None
     ]
     if not found:
-        yield f"{topics[0]} is not in the recording up to then." if topics else nothing
+        names = " or ".join(topics) or "such a message"
+        yield f"Up to {at:.3f} s, {names} is not in the recording."
         return
     time, message, topic = max(found, key=lambda each: each[0])
-    if span is not None:
-        count = sum(1 for _ in system.recording.between(topic, *span))
-        many = "1 message" if count == 1 else f"{count} messages"
-        yield f"{many} of {topic} came between {span[0]:.1f} s and {span[1]:.1f} s."
-        if count > 1:
-            yield "Which of them was not passed on, the counter does not say; this is the last."
-    yield f"{topic} at {time:.3f} s, {at - time:.3f} s before:"
+    yield f"{head}{topic} at {time:.3f} s"
     try:
         yield from message_lines(system, message)
     except RecordingError as error:
         yield str(error)
+
+
+def _times_of(count: int, word: str) -> str:
+    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+
+
+def _span(mark: Mark) -> str:
+    return f"{mark.since:.1f} s and {mark.time:.1f} s"
 
 
 def message_lines(system: RecordedSystem, found: Found) -> list[str]:

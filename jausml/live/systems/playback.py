@@ -87,15 +87,16 @@ class RecordedSystem:
     """
 
     recording: SeekableRecording
-    marks: list[Mark] = field(default_factory=list)
+    marks: list[Mark] = field(default_factory=list, repr=False)
     unlisted: int = 0
     unreadable: int = 0
     sources: dict[str, str] = field(default_factory=dict)
-    _blocks: list[_Block] = field(default_factory=list)
-    _last: tuple[int, list[Fact]] = (-1, [])
+    _blocks: list[_Block] = field(default_factory=list, repr=False)
+    _last: tuple[int, list[Fact]] = field(default=(-1, []), repr=False)
 
     def state(self, at: float, model: Model | None = None) -> SystemState:
         """Returns the state at a time, in seconds since the beginning, with what a model says."""
+        at = max(0.0, at)
         index = bisect_right(self._blocks, at, key=lambda each: each.time) - 1
         state = SystemState()
         for each in self._after(index, at):
@@ -233,5 +234,5 @@ def _of_component(former: ComponentState | None, latest: ComponentState | None) 
         ("control", former.controller, latest.controller),
     ]
     for kind, before, after in pairs:
-        if before != after and before is not None:
+        if before != after and (before or (kind == "control" and before is not None)):
             yield Mark(kind, since, latest.told or since, subject, "", before or "", after or "")
