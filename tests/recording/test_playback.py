@@ -154,7 +154,7 @@ def test_marks_are_drops_states_and_controllers_in_their_order(opened):
         ("drop", 4.0, DRIVE, "0", "1"),
         ("state", 4.0, DRIVE, "active", "failed"),
         ("state", 5.0, DRIVE, "failed", "active"),
-        ("control", 7.0, ("/loop_bridge", "jaus state"), "none", OPERATOR),
+        ("control", 6.5, (BRIDGE, ""), "", OPERATOR),
     ]
     assert opened(Drive()).state(7.0).components[BRIDGE].controller == OPERATOR
 

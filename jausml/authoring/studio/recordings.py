@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from itertools import count, islice
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
@@ -15,7 +16,6 @@ from jausml.live.systems.playback import RecordedSystem, StoppedError, indexed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from pathlib import Path
 
 MOST_LISTED = 200
 """Files that are offered."""
@@ -80,9 +80,9 @@ class Recordings:
 
     def files(self) -> list[str]:
         """Returns the names of those that may be opened."""
-        found = walk(str(self._root), (MCAP,), lambda _: None)
-        below = (each.replace("\\", "/") for each in found)
-        return list(dict.fromkeys((*self._given, *islice(below, MOST_LISTED))))
+        found = islice(walk(str(self._root), (MCAP,), lambda _: None), MOST_LISTED)
+        below = (Path(each).relative_to(self._root).as_posix() for each in found)
+        return list(dict.fromkeys((*self._given, *below)))
 
     def opened(self, name: str) -> OpenedRecording:
         """Returns a recording, which is being read from the first question on.

@@ -11,7 +11,8 @@ from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.inspection import reporters_of, topic_of
-from jausml.live.systems.playback import BRIDGE, NO_ROS
+from jausml.live.systems.playback import NO_ROS
+from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.tables import shown_name, state_text
 
 if TYPE_CHECKING:

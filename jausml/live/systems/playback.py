@@ -34,8 +34,7 @@ MOST_MARKS = 20_000
 """Changes of a recording that are listed."""
 
 OF_PEERS = "account of "
-BRIDGE = "jaus state"
-"""Statuses of bridges: of what each peer sent, which is told of connections too, and of itself."""
+"""Statuses of bridges of what each peer sent: what was dropped is told of connections too."""
 
 NO_ROS = "the recording has no /diagnostics"
 NO_JAUS = "the recording has no JAUS messages"
@@ -212,17 +211,6 @@ def _of_connection(former: ConnectionState, latest: ConnectionState) -> Iterator
             yield Mark("drop", since, time, latest.key, reason, str(before), str(count))
     if latest.phase != former.phase:
         yield Mark("state", since, time, latest.key, "", former.phase, latest.phase)
-    if latest.name == BRIDGE:
-        yield from _of_bridge(dict(former.values), dict(latest.values), latest, since)
-
-
-def _of_bridge(
-    former: dict[str, str], latest: dict[str, str], told: ConnectionState, since: float
-) -> Iterator[Mark]:
-    for name, kind in (("node", "state"), ("jaus", "state"), ("controller", "control")):
-        before, after = former.get(name, ""), latest.get(name, "")
-        if before != after:
-            yield Mark(kind, since, told.told or 0.0, told.key, "", before, after)
 
 
 def _of_component(former: ComponentState | None, latest: ComponentState | None) -> Iterator[Mark]:

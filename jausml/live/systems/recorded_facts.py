@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from jausml.live.recording.seeking import SeekableRecording
     from jausml.live.systems.state import SystemState
 
+BRIDGE = "jaus state"
+"""The status in which a bridge tells its own state and controller."""
+
 _NOBODY = "0.0.0"
 _ACCEPTED, _RELEASED = 0, 0
 """Response codes of ConfirmControl and RejectControl (AS5710)."""
@@ -121,7 +124,11 @@ class Listener:
         try:
             if topic == DIAGNOSTICS:
                 self.hears_ros = True
-                yield Fact(time, statuses_of(self._recording.value_of(found)))
+                statuses = statuses_of(self._recording.value_of(found))
+                yield Fact(time, statuses)
+                for each in statuses:
+                    if each.name.endswith(f": {BRIDGE}"):
+                        yield Fact(time, answer=_of_itself(each))
             elif topic.startswith(JAUS_TOPICS):
                 self.hears_jaus = True
                 yield from self._said(time, topic, found)
@@ -150,6 +157,17 @@ class Listener:
             yield Fact(time, answer=ComponentAnswer(asked, source=AnswerSource.NOBODY))
             waiting.clear()
         waiting.add(question)
+
+
+def _of_itself(status: DiagnosticStatus) -> ComponentAnswer:
+    """Returns what a bridge tells of itself, which nobody has to ask it then."""
+    values = dict(status.values)
+    controller = values.get("controller")
+    return ComponentAnswer(
+        status.hardware_id,
+        state=values.get("jaus", "").upper() or None,
+        controller="" if controller == "none" else controller,
+    )
 
 
 def statuses_of(value: dict[str, Any]) -> tuple[DiagnosticStatus, ...]:
