@@ -89,7 +89,40 @@ def model():
 
 
 def test_a_drop_is_explained_by_counter_state_and_message(recorded, model):
-    drops = [each for each in recorded.marks if each.subject == (BRIDGE, "drive")]
-    print(*recorded.marks, sep="\n")
-    print(explained(recorded, model, (BRIDGE, "drive"), recorded.recording.duration))
-    assert 0
+    (drop,) = [
+        each
+        for each in recorded.marks
+        if each.subject == (BRIDGE, "drive") and each.counter == "out_of_range"
+    ]
+    found = explained(recorded, model, (BRIDGE, "drive"), drop.time)
+    span = f"{drop.since:.1f} s and {drop.time:.1f} s"
+    assert found.counter[:2] == (
+        f"Between {span}, loop_bridge drive did not pass on 1 message: its counter "
+        "\u201cout_of_range\u201d rose from 0 to 1.",
+        "A message is counted there because a value did not fit its field, and the map drops such "
+        "a message.",
+    )
+    assert found.state[:3] == (
+        f"At {drop.time:.1f} s, the connection was failed: values out of range.",
+        "The bridge 10.1.9 was active and in STANDBY, controlled by nobody.",
+        "To the bridge, its peer 10.1.1 was ready; it was in READY, controlled by 10.1.9.",
+    )
+    assert "Its value PropulsiveLinearEffortX was out of range 1 time (error)." in found.state
+    commands = len(list(recorded.recording.between("/cmd_vel", drop.since, drop.time)))
+    assert found.ros[0] == f"{commands} messages came between {span}."
+    # Of all the commands it is the one that no effort stands for.
+    assert found.ros[1].startswith("Nothing on the other side follows this one"), found.ros
+    assert re.fullmatch(r"/cmd_vel at [0-9.]+ s", found.ros[2])
+    assert found.ros[3:5] == ("linear:", "  x: 50.0")
+    assert found.jaus[0].startswith("The last on this side: /jaus/10.1.9/SetWrenchEffort at ")
+    assert found.jaus[1:3] == ("from 10.1.9 to 10.1.1", "PropulsiveLinearEffortX: 20.0")
+
+
+def test_rates_and_controllers_are_those_of_the_live_view(recorded, model):
+    state = recorded.state(recorded.recording.duration, model)
+    assert state.sources == {"ROS": "", "JAUS": ""}
+    odometry = state.connections[BRIDGE, "odometry"]
+    assert odometry.declaration is not None
+    assert odometry.rate == pytest.approx(20.0, abs=5.0)
+    assert state.components["10.1.1"].controller == "10.1.9"
+    assert recorded.unreadable == 0

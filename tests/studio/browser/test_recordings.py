@@ -111,6 +111,7 @@ def test_a_narrow_window_shows_all_of_it(studio, open_studio, tmp_path):
     line.press("]")
     expect(line).to_have_value("4")
     why = page.get_by_role("region", name="Why drive of /loop_bridge")
+    expect(why).to_contain_text("rose from 0 to 1")
     why.scroll_into_view_if_needed()
     width = page.evaluate("document.documentElement.scrollWidth")
     assert width <= 390

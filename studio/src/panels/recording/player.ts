@@ -49,8 +49,7 @@ export async function open(name: string): Promise<void> {
   const read = await reading(name, () => player().name === name);
   if (read === null) return;
   put({ read });
-  const fault = read.damage || "is read";
-  say(`${name}: ${fault}.`, Boolean(read.damage));
+  say(read.damage ? `${name}: ${read.damage}.` : `${name} is read.`, Boolean(read.damage));
   goTo(0);
 }
 
