@@ -21,6 +21,7 @@ import { Tabs } from "./Tabs";
 import { TableView } from "./table/TableView";
 import { ViewBar } from "./views/ViewBar";
 
+const Recording = lazy(() => import("./panels/recording/Recording"));
 const Operate = lazy(() => import("./operate/Operate"));
 
 /** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
@@ -144,11 +145,19 @@ function Bottom({ isFolded, onFold, children }: BottomProps) {
     ["problems", useProblemsTitle()],
     ["generate", "Generate"],
     ["live", "Live"],
+    ["recording", "Recording"],
     ["log", "History"],
   ];
   if (isMachine) tabs.splice(1, 0, ["step", "Step"]);
   const bottom = chosen === "step" && !isMachine ? "problems" : chosen;
-  const panels = { problems: Problems, generate: Generate, live: Live, step: Stepping, log: Log };
+  const panels = {
+    problems: Problems,
+    generate: Generate,
+    live: Live,
+    recording: Recording,
+    step: Stepping,
+    log: Log,
+  };
   const Panel = panels[bottom];
   return (
     <section className="bottom" aria-label="Verdicts and work">
@@ -170,7 +179,9 @@ function Bottom({ isFolded, onFold, children }: BottomProps) {
           if (isFolded) onFold();
         }}
       >
-        <Panel />
+        <Suspense>
+          <Panel />
+        </Suspense>
       </Tabs>
       {children}
     </section>

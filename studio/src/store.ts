@@ -89,7 +89,7 @@ export interface Walk {
   by: string;
 }
 
-export type BottomTab = "problems" | "generate" | "live" | "step" | "log";
+export type BottomTab = "problems" | "generate" | "live" | "recording" | "step" | "log";
 export type MiddleTab = "diagram" | "table" | "members";
 export type LeftTab = "palette" | "outline";
 export type RightTab = "form" | "source";
@@ -124,6 +124,8 @@ export interface Studio {
   choice: number;
   problems: Problems | null;
   live: LiveState | null;
+  /** The recording whose moment stands in the place of what runs; empty for none. */
+  recorded: string;
   dialog: Dialog | null;
   /** The part whose name is being edited in place; the name is null while it is asked for. */
   renaming: { key: PartKey; element: Ref; name: string | null; base: number } | null;
@@ -171,6 +173,7 @@ export const BEGINNING: Studio = {
   choice: 0,
   problems: null,
   live: null,
+  recorded: "",
   dialog: null,
   renaming: null,
   outside: [],

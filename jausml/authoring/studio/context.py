@@ -15,6 +15,7 @@ from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
+from jausml.authoring.studio.recordings import Recordings
 from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
@@ -29,6 +30,7 @@ from jausml.live.peers.network import (
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
+    from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
@@ -221,6 +223,7 @@ class StudioContext:
     """What request handlers work with.
 
     `out`: where `generate` writes when nobody says otherwise, empty for its default.
+    `given_recordings`: those that pages may open beside the files of the project.
     """
 
     project: Project
@@ -232,8 +235,10 @@ class StudioContext:
     trials: Trials = field(default_factory=Trials)
     kept: KeptEdits = field(default_factory=KeptEdits)
     faults: Faults = field(default_factory=Faults)
+    given_recordings: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
+        self.recordings = Recordings(self.project.root, self.given_recordings)
         self.verdicts = Verdicts(self.project)
         self.sent_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}
         """The latest verdict of each file as pages know it."""

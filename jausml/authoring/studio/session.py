@@ -14,7 +14,7 @@ from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.handlers import editing, modelling, showing, stepping
+from jausml.authoring.studio.handlers import editing, modelling, playing, showing, stepping
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.operating.seats import Operating
 from jausml.authoring.studio.rpc import Answering
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.operating.unit import Powers
 
-_MODULES = (showing, editing, modelling, stepping)
+_MODULES = (showing, editing, modelling, stepping, playing)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
@@ -97,6 +97,7 @@ class Session:
             self._answering.close()
             await asyncio.to_thread(self.operating.stop)
             await asyncio.to_thread(self._live_requests.stop)
+            await asyncio.to_thread(self._context.recordings.close)
             await asyncio.to_thread(self._context.trials.close)
 
     async def _watch(self, end: asyncio.Event) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import webbrowser
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -53,6 +54,15 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
     help="Output folder for code generated from the page.",
 )
 @click.option(
+    "--recording",
+    "recordings",
+    multiple=True,
+    metavar="FILE",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="MCAP file of `jausml record` that the page may show, beside those of the folder. May be "
+    "repeated: two are compared.",
+)
+@click.option(
     "--operate",
     type=click.Choice(STOP_WORDS),
     help="Let pages with a second address command components. The word is what Stop does, to those "
@@ -83,6 +93,7 @@ def command(
     page_port: int,
     no_browser: bool,
     out: str,
+    recordings: tuple[Path, ...],
     operate: str | None,
     lease: float | None,
     stops: tuple[str, ...],
@@ -117,8 +128,9 @@ def command(
     except OSError as error:
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
+    context = StudioContext(project, out, watched, given_recordings=recordings)
     try:
-        session = Session(StudioContext(project, out, watched), powers)
+        session = Session(context, powers)
     except ValueError as error:
         raise click.UsageError(f"--stop: {error}") from error
 

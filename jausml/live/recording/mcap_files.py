@@ -148,6 +148,11 @@ class McapRecording:
             (statistics.message_end_time - statistics.message_start_time) / _NANO
         )
 
+    def has_index(self) -> bool:
+        """Whether messages are found by their times."""
+        with self._opened() as stream:
+            return _indexed(stream) is not None
+
     def _opened(self) -> BinaryIO:
         try:
             return open_input(self._path)

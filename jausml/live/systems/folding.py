@@ -347,8 +347,8 @@ def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -
 
 def _gone(component: ComponentState, level: Level) -> ComponentState:
     """Returns a component that answers no more: what it told of itself holds no longer."""
-    if component.level is level and not component.state:
-        return component
+    if component.is_gone and not component.state:
+        return replace(component, level=level)
     was = f"; was in {component.state}" if component.state else ""
     return replace(
         component,

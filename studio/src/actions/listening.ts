@@ -44,7 +44,7 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
     noteOutside({ ...params, isConflict: false });
   },
   live(params) {
-    update({ live: params.state, liveAt: Date.now() });
+    if (!state().recorded) update({ live: params.state, liveAt: Date.now() });
   },
   kept({ edits }) {
     update({ kept: edits });
@@ -87,6 +87,7 @@ function spoken({ fault, problems }: Problems): string {
 
 async function begin(project: Project): Promise<void> {
   update({ project });
+  if (project.extras.recordings?.length) update({ bottom: "recording" });
   // Without an answer the next one that is kept tells of all.
   ask("kept", {}).then(
     ({ edits }) => {

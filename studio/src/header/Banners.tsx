@@ -9,6 +9,7 @@ export function Banners() {
   const outside = useStudio((studio) => studio.outside);
   const kept = useStudio((studio) => studio.kept);
   const drafts = useStudio((studio) => studio.drafts);
+  const recorded = useStudio((studio) => studio.recorded);
   return (
     <div className="banners">
       {link === "lost" && (
@@ -19,6 +20,11 @@ export function Banners() {
       {link === "refused" && (
         <p className="banner error" role="alert">
           × {refusal}
+        </p>
+      )}
+      {recorded && (
+        <p className="banner warning" role="status">
+          ! The diagram shows a moment of {recorded}, and not what runs now.
         </p>
       )}
       <Worth />

@@ -75,6 +75,15 @@ export const HELP: readonly HelpGroup[] = [
     ],
   ],
   [
+    "In the panel Recording",
+    [
+      ["[, ]", "to the drop before, or the next one, and why it was dropped"],
+      ["left, right", "a second on the time line (with Shift: a tenth)"],
+      ["PageUp, PageDown", "ten seconds"],
+      ["Home, End", "to the beginning, to the end"],
+    ],
+  ],
+  [
     "With the mouse",
     [
       ["drag a box", "move it; into the frame of another host, it runs there then"],

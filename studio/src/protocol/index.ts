@@ -9,5 +9,6 @@ export type * from "./offers";
 export type * from "./plans";
 export type * from "./problems";
 export type * from "./project";
+export type * from "./recordings";
 export type * from "./sources";
 export type * from "./steps";

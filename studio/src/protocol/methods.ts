@@ -8,6 +8,7 @@ import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "
 import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
+import type { ComparedRow, Explanation, ReadRecording } from "./recordings";
 import type { FileText, OutlineRow, Source } from "./sources";
 import type { ChosenStep, Stepping } from "./steps";
 
@@ -79,6 +80,37 @@ export interface Methods {
   "live.start": [{ file: string }, unknown];
   "live.stop": [Record<string, never>, unknown];
   "live.message": [{ connection: string }, LiveMessage];
+  /** `given` are those that the studio was started with. */
+  "recording.files": [Record<string, never>, { files: string[]; given: string[] }];
+  /** Reads it from the first question on; `share` is how much is read, up to 1. */
+  "recording.open": [
+    { recording: string },
+    { share: number; fault: string; read: ReadRecording | null },
+  ];
+  "recording.state": [
+    { recording: string; file: string; at: number },
+    { at: number; state: LiveState },
+  ];
+  "recording.why": [
+    { recording: string; file: string; bridge: string; connection: string; at: number },
+    Explanation,
+  ];
+  "recording.compare": [
+    { file: string; recording: string; at: number; other: string; other_at: number },
+    { rows: ComparedRow[] },
+  ];
+  "recording.numbers": [{ recording: string; topic: string }, { paths: string[] }];
+  "recording.series": [
+    {
+      recording: string;
+      topic: string;
+      path: string;
+      start: number;
+      end: number;
+      points: number;
+    },
+    { times: number[]; values: number[] },
+  ];
 }
 
 export type Method = keyof Methods;

@@ -36,7 +36,7 @@ export interface Project {
   files: FileInfo[];
   /** The file to show first, empty for none. */
   opened: string;
-  extras: { live: boolean; graphviz: boolean };
+  extras: { live: boolean; graphviz: boolean; recordings?: string[] };
 }
 
 export type ViewKind = "system" | "map" | "service" | "machine";

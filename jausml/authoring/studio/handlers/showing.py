@@ -63,7 +63,11 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
 def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: ARG001
     """Returns what is opened; the token was looked at before."""
     project = context.project
-    extras = {"live": True, "graphviz": _has_graphviz()}
+    extras = {
+        "live": True,
+        "graphviz": _has_graphviz(),
+        "recordings": context.recordings.given,
+    }
     return {
         "name": project.root.name,
         "root": str(project.root),

@@ -1,4 +1,4 @@
-import { useEffect, useState } from "react";
+import { type ReactNode, useEffect, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
 import { state, update, useStudio } from "../../store";
@@ -23,6 +23,7 @@ export function Live() {
   const project = useStudio((state) => state.project);
   const file = useStudio((state) => state.file);
   const live = useStudio((state) => state.live);
+  const recorded = useStudio((state) => state.recorded);
   const [fault, setFault] = useState("");
   const [isStarting, setStarting] = useState(false);
   const [open, setOpen] = useState("");
@@ -44,6 +45,10 @@ export function Live() {
     }
   }
 
+  if (recorded)
+    return (
+      <Quiet>The diagram shows the recording {recorded}: close that to watch what runs.</Quiet>
+    );
   if (project && !project.extras.live)
     return <Quiet>Watching a system is not possible here.</Quiet>;
   return (
@@ -76,7 +81,12 @@ export function Live() {
       <Fault>{fault}</Fault>
       {live !== null && (
         <>
-          <Connections connections={live.connections ?? []} open={open} onOpen={setOpen} />
+          <Connections
+            connections={live.connections ?? []}
+            open={open}
+            onOpen={setOpen}
+            details={(row) => <LastMessage row={row} />}
+          />
           <Components components={live.components ?? []} />
           <Machines components={live.components ?? []} />
         </>
@@ -127,9 +137,12 @@ interface ConnectionsProps {
   connections: LiveConnection[];
   open: string;
   onOpen: (name: string) => void;
+  /** What stands below the connection that is open. */
+  details?: (row: string) => ReactNode;
 }
 
-function Connections({ connections, open, onOpen }: ConnectionsProps) {
+/** A table of connections, of which one can be opened. */
+export function Connections({ connections, open, onOpen, details }: ConnectionsProps) {
   if (connections.length === 0) return <Quiet>No bridge has told anything yet.</Quiet>;
   return (
     <table>
@@ -168,11 +181,9 @@ function Connections({ connections, open, onOpen }: ConnectionsProps) {
               <td className="number">{latency(each.latency_us)}</td>
               <td>{counted(each.drops)}</td>
             </tr>
-            {isOpen && (
+            {isOpen && details && (
               <tr>
-                <td colSpan={6}>
-                  <LastMessage row={each.row} />
-                </td>
+                <td colSpan={6}>{details(each.row)}</td>
               </tr>
             )}
           </tbody>
@@ -217,7 +228,8 @@ function LastMessage({ row }: { row: string }) {
   );
 }
 
-function Components({ components }: { components: LiveComponent[] }) {
+/** A table of components. */
+export function Components({ components }: { components: LiveComponent[] }) {
   if (components.length === 0) return null;
   return (
     <table>

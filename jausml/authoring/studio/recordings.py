@@ -1,0 +1,155 @@
+"""Recordings that pages look at: which files they may be, and those that are open, once for all."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from itertools import count, islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.language.model.project import walk
+from jausml.live.recording.bags import MCAP
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.systems.playback import RecordedSystem, StoppedError, indexed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+MOST_LISTED = 200
+"""Files that are offered."""
+
+MOST_OPEN = 4
+"""Recordings that are open at once; the one that was asked for least recently is closed."""
+
+
+class OpenedRecording:
+    """A recording that is read by a thread of its own, from its beginning to its end.
+
+    Attributes:
+        share: How much of it is read, up to 1.
+        fault: Why nothing of it can be read; empty otherwise.
+        system: What it tells, None until all is read.
+    """
+
+    def __init__(self, path: Path, name: str) -> None:
+        """Begins to read a file, which faults call by a name."""
+        self.share, self.fault = 0.0, ""
+        self.system: RecordedSystem | None = None
+        self._path, self._name = path, name
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._read, name="recording", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Reads no more."""
+        self._end.set()
+        self._thread.join()
+        if self.system is not None:
+            self.system.recording.close()
+
+    def _read(self) -> None:
+        try:
+            self.system = indexed(str(self._path), self._note)
+        except StoppedError:
+            return
+        except (RecordingError, OSError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            self.fault = reason.replace(str(self._path), self._name)
+
+    def _note(self, share: float) -> bool:
+        self.share = share
+        return not self._end.is_set()
+
+
+class Recordings:
+    """The recordings of a folder, and those that were named when the studio was started."""
+
+    def __init__(self, root: Path, given: Iterable[Path] = ()) -> None:
+        """Opens nothing yet."""
+        self._root = root.resolve()
+        self._given = _named(self._root, given)
+        self._opened: OrderedDict[tuple[str, int, int], OpenedRecording] = OrderedDict()
+        self._lock = threading.Lock()
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Names of those that were named at the start."""
+        return tuple(self._given)
+
+    def files(self) -> list[str]:
+        """Returns the names of those that may be opened."""
+        found = islice(walk(str(self._root), (MCAP,), lambda _: None), MOST_LISTED)
+        below = (Path(each).relative_to(self._root).as_posix() for each in found)
+        return list(dict.fromkeys((*self._given, *below)))
+
+    def opened(self, name: str) -> OpenedRecording:
+        """Returns a recording, which is being read from the first question on.
+
+        A file that has changed is read again.
+
+        Raises:
+            AnswerError: There is none of this name.
+        """
+        path = self._path(name)
+        try:
+            status = path.stat()
+        except OSError as error:
+            raise AnswerError(f"{name}: {error.strerror}") from error
+        key = name, status.st_mtime_ns, status.st_size
+        with self._lock:
+            if key not in self._opened:
+                self._opened[key] = OpenedRecording(path, name)
+            self._opened.move_to_end(key)
+            old = [each for each in self._opened if each[0] == name and each != key]
+            old += list(self._opened)[: max(0, len(self._opened) - len(old) - MOST_OPEN)]
+            closed = [self._opened.pop(each) for each in dict.fromkeys(old)]
+        for each in closed:
+            each.close()
+        return self._opened[key]
+
+    def system(self, name: str) -> RecordedSystem:
+        """Returns what a recording tells.
+
+        Raises:
+            AnswerError: There is none of this name, or it is not read yet, or cannot be.
+        """
+        found = self.opened(name)
+        if found.system is None:
+            raise AnswerError(found.fault or f"{name} is still being read")
+        return found.system
+
+    def close(self) -> None:
+        """Closes all."""
+        with self._lock:
+            closed = list(self._opened.values())
+            self._opened.clear()
+        for each in closed:
+            each.close()
+
+    def _path(self, name: str) -> Path:
+        """Returns the file of a name: one that was given, or one of the folder and no other."""
+        if name in self._given:
+            return self._given[name]
+        try:
+            path = (self._root / name).resolve()
+            is_below = path.is_relative_to(self._root) and path.is_file()
+        except (OSError, ValueError):
+            is_below = False
+        if not is_below or not name.endswith(MCAP) or path.suffix != MCAP:
+            raise AnswerError(f"the folder has no recording {name[:200]!a}")
+        return path
+
+
+def _named(root: Path, given: Iterable[Path]) -> Mapping[str, Path]:
+    """Returns files by the names that pages know: paths below the folder, else their last part."""
+    found: dict[str, Path] = {}
+    for each in given:
+        path = each.resolve()
+        name = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
+        numbered = (f"{name} ({number})" for number in count(2))
+        while found.get(name, path) != path:
+            name = next(numbered)
+        found[name] = path
+    return found

@@ -1,0 +1,224 @@
+"""Messages of ROS of a recording as plain values, read by the definition that stands beside them.
+
+Nothing of the recording is run, and no package needs to be installed. The bytes are those of CDR
+(OMG DDSI-RTPS, encapsulation CDR_BE and CDR_LE).
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from typing import TYPE_CHECKING, Any
+
+from jausml.language.interfaces import parse_definition
+from jausml.language.interfaces.definitions import FIXED, SINGLE
+from jausml.live.recording.mcap_files import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from jausml.language.interfaces.definitions import FieldType
+
+    Read = Callable[["_Bytes"], Any]
+
+_CODES = {
+    "bool": "?",
+    "byte": "B",
+    "char": "B",
+    "float32": "f",
+    "float64": "d",
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+}
+"""Codes of numbers for `struct`."""
+
+_PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
+_HEAD = 4
+_ORDERS = {0: ">", 1: "<"}
+_DEEPEST = 32
+
+
+class _Bytes:
+    """The bytes of a message, and how far they are read; alignment counts from behind the head."""
+
+    __slots__ = ("at", "data", "order")
+
+    def __init__(self, data: bytes) -> None:
+        if len(data) < _HEAD or data[0] or data[1] not in _ORDERS:
+            raise RecordingError("its bytes are no plain CDR")
+        self.data, self.at, self.order = data[_HEAD:], 0, _ORDERS[data[1]]
+
+    def number(self, code: str, size: int) -> Any:
+        """Returns the next number."""
+        at = -(-self.at // size) * size
+        self.at = at + size
+        return struct.unpack_from(self.order + code, self.data, at)[0]
+
+    def numbers(self, code: str, size: int, count: int) -> tuple[Any, ...]:
+        """Returns the next numbers."""
+        if not count:
+            return ()
+        at = -(-self.at // size) * size
+        if at + size * count > len(self.data):
+            raise RecordingError("it ends in the midst of an array")
+        self.at = at + size * count
+        return struct.unpack_from(f"{self.order}{count}{code}", self.data, at)
+
+    def text(self) -> str:
+        """Returns the next text, which ends with a zero."""
+        size = self.number("I", 4)
+        end = self.at + size
+        if end > len(self.data):
+            raise RecordingError("it ends in the midst of a text")
+        found = self.data[self.at : max(self.at, end - 1)]
+        self.at = end
+        return found.decode("utf-8", "replace")
+
+
+class RosReader:
+    """Reads messages of one type.
+
+    Its values are objects by name, lists, tuples of numbers, texts and numbers.
+    """
+
+    def __init__(self, name: str, definition: str) -> None:
+        """Reads the definition of a type, and of all types in it, as `ros2msg` has them.
+
+        Raises:
+            RecordingError: It is none, or lacks a type.
+        """
+        first, *rest = _PART.split(definition)
+        parts = {_short(name): first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+        self._name = name
+        self._read = _record(_short(name), parts, 0)
+
+    def read(self, data: bytes) -> dict[str, Any]:
+        """Returns the fields of a message.
+
+        Raises:
+            RecordingError: The bytes are no message of this type.
+        """
+        try:
+            found: dict[str, Any] = self._read(_Bytes(data))
+        except (RecordingError, struct.error) as error:
+            raise RecordingError(f"a message of {self._name} cannot be read: {error}") from error
+        return found
+
+
+def _short(name: str) -> str:
+    """Returns a name as definitions have it: `nav_msgs/Odometry`."""
+    package, _, rest = name.partition("/")
+    return f"{package}/{rest.rpartition('/')[2]}"
+
+
+def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
+    if name not in parts or depth > _DEEPEST:
+        raise RecordingError(f"the recording does not define {name}")
+    definition = parse_definition(parts[name], "msg")
+    if definition.faults:  # a field that is left out would shift all that follow
+        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
+    section = definition.sections[0]
+    package = name.partition("/")[0]
+    members = [(each.name, _field(each.type, package, parts, depth)) for each in section.fields]
+    if not members:
+        return _nothing
+
+    def read(source: _Bytes) -> dict[str, Any]:
+        return {name: member(source) for name, member in members}
+
+    return read
+
+
+def _nothing(source: _Bytes) -> dict[str, Any]:
+    """A type without fields has one octet on the wire."""
+    source.number("B", 1)
+    return {}
+
+
+def _field(kind: FieldType, package: str, parts: Mapping[str, str], depth: int) -> Read:
+    code = _CODES.get(kind.name) if not kind.package else None
+    if code is not None:
+        return _numeric(kind, code)
+    if kind.is_primitive:
+        if kind.name != "string":
+            raise RecordingError(f"{kind.name} is not read")
+        one: Read = _Bytes.text
+    else:
+        one = _record(f"{kind.package or package}/{kind.name}", parts, depth + 1)
+    if kind.array == SINGLE:
+        return one
+    size = kind.array_size if kind.array == FIXED else None
+
+    def read(source: _Bytes) -> list[Any]:
+        count = source.number("I", 4) if size is None else size
+        if count > len(source.data) - source.at:
+            raise RecordingError("it ends in the midst of a sequence")
+        return [one(source) for _ in range(count)]
+
+    return read
+
+
+def _numeric(kind: FieldType, code: str) -> Read:
+    size = struct.calcsize("=" + code)
+    if kind.array == SINGLE:
+        return lambda source: source.number(code, size)
+    if kind.array == FIXED:
+        return lambda source: source.numbers(code, size, kind.array_size)
+    return lambda source: source.numbers(code, size, source.number("I", 4))
+
+
+MOST_ELEMENTS = 8
+"""Elements of a list that are shown."""
+
+LONGEST_VALUE = 200
+"""Characters of a text that are shown."""
+
+
+def value_lines(value: Mapping[str, Any], indent: str = "") -> list[str]:
+    """Returns the fields of a message as lines, those of its parts below them."""
+    lines: list[str] = []
+    for name, each in value.items():
+        if isinstance(each, dict):
+            lines += [f"{indent}{name}:", *value_lines(each, indent + "  ")]
+        elif isinstance(each, list | tuple):
+            lines += _list_lines(name, each, indent)
+        else:
+            lines.append(f"{indent}{name}: {_shown(each)}")
+    return lines
+
+
+def _list_lines(name: str, values: list[Any] | tuple[Any, ...], indent: str) -> list[str]:
+    first = values[:MOST_ELEMENTS]
+    more = f"… ({len(values)} in all)" if len(values) > len(first) else ""
+    if not first or not isinstance(first[0], dict):
+        shown = ", ".join([*map(_shown, first), *filter(None, [more])])
+        return [f"{indent}{name}: [{shown}]"]
+    lines: list[str] = []
+    for index, each in enumerate(first):
+        lines += [f"{indent}{name}[{index}]:", *value_lines(each, indent + "  ")]
+    return [*lines, f"{indent}{name}: {more}"] if more else lines
+
+
+def _shown(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 1] + "…"
+
+
+def numbers_in(value: Any, path: str = "") -> dict[str, float]:
+    """Returns the numbers of a message by path, such as `twist.linear.x` or `position[0]`."""
+    if isinstance(value, bool | int | float):
+        return {path: float(value)}
+    found: dict[str, float] = {}
+    if isinstance(value, dict):
+        for name, each in value.items():
+            found.update(numbers_in(each, f"{path}.{name}" if path else name))
+    elif isinstance(value, list | tuple):
+        for index, each in enumerate(value[:MOST_ELEMENTS]):
+            found.update(numbers_in(each, f"{path}[{index}]"))
+    return found

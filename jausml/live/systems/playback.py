@@ -1,0 +1,226 @@
+"""A recorded system at any moment: the fold of all that was told up to then, as the live view has.
+
+Facts are kept compressed in blocks, with the state before each of them, so that a moment costs no
+more than the facts of one block.
+"""
+
+from __future__ import annotations
+
+import pickle
+import zlib
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.seeking import SeekableRecording
+from jausml.live.systems.folding import fold_model, fold_source, fold_time
+from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
+from jausml.live.systems.state import SystemState, components_of, declarations_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from jausml.language.model import Model
+    from jausml.live.systems.state import ComponentState, ConnectionState
+
+BLOCK = 16
+"""Facts from one state that is kept to the next."""
+
+MOST_STATES = 256
+"""States that are kept at most; of more, every second one is let go."""
+
+MOST_MARKS = 20_000
+"""Changes of a recording that are listed."""
+
+OF_PEERS = "account of "
+"""Statuses of bridges of what each peer sent: what was dropped is told of connections too."""
+
+NO_ROS = "the recording has no /diagnostics"
+NO_JAUS = "the recording has no JAUS messages"
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Something that changed between two times.
+
+    Attributes:
+        kind: `drop`, `state` or `control`.
+        subject: Bridge and name of a connection; an address and nothing for a component.
+        counter: The reason of a drop, as the bridge counts it; empty for all others.
+        before: What it was before; for a drop the count.
+    """
+
+    kind: str
+    since: float
+    time: float
+    subject: tuple[str, str]
+    counter: str
+    before: str
+    after: str
+
+    @property
+    def count(self) -> int:
+        """How many messages were dropped."""
+        return int(self.after) - int(self.before) if self.kind == "drop" else 0
+
+
+@dataclass
+class _Block:
+    """Facts one after the other, and the state before them; None where it was let go."""
+
+    time: float
+    facts: bytes
+    before: SystemState | None
+
+
+@dataclass
+class RecordedSystem:
+    """A recording and what it tells, once it is indexed. Any thread may ask it.
+
+    Attributes:
+        marks: What changed, in the order of times.
+        unlisted: How many changes are more than are listed.
+        unreadable: How many messages could not be read.
+        sources: Of `ROS` and `JAUS`, why the recording tells nothing of them; empty if it does.
+    """
+
+    recording: SeekableRecording
+    marks: list[Mark] = field(default_factory=list, repr=False)
+    unlisted: int = 0
+    unreadable: int = 0
+    sources: dict[str, str] = field(default_factory=dict)
+    _blocks: list[_Block] = field(default_factory=list, repr=False)
+    _last: tuple[int, list[Fact]] = field(default=(-1, []), repr=False)
+
+    def state(self, at: float, model: Model | None = None) -> SystemState:
+        """Returns the state at a time, in seconds since the beginning, with what a model says."""
+        at = max(0.0, at)
+        index = bisect_right(self._blocks, at, key=lambda each: each.time) - 1
+        state = SystemState()
+        for each in self._after(index, at):
+            state = each if isinstance(each, SystemState) else fold_fact(state, each)
+        if model is not None:
+            state = fold_model(state, declarations_of(model), components_of(model), at)
+        for source, fault in self.sources.items():
+            state = fold_source(state, source, fault)
+        return fold_time(state, at)
+
+    def _after(self, index: int, at: float) -> Iterator[SystemState | Fact]:
+        """Yields the latest state that is kept, and the facts from there up to a time."""
+        first = index
+        while first >= 0:
+            before = self._blocks[first].before
+            if before is not None:
+                yield before
+                break
+            first -= 1
+        for each in range(max(first, 0), index + 1):
+            yield from (fact for fact in self._facts(each) if fact.time <= at)
+
+    def _facts(self, index: int) -> list[Fact]:
+        known, facts = self._last
+        if known != index:
+            facts = pickle.loads(zlib.decompress(self._blocks[index].facts))  # noqa: S301 - our own
+            self._last = index, facts
+        return facts
+
+    def facts(self) -> Iterator[Fact]:
+        """Yields all that was told, in its order."""
+        for index in range(len(self._blocks)):
+            yield from self._facts(index)
+
+    def keep(self, facts: list[Fact], before: SystemState) -> None:
+        """Keeps what was told next, and the state before it."""
+        packed = zlib.compress(pickle.dumps(facts), 1)
+        self._blocks.append(_Block(facts[0].time, packed, before))
+        kept = [each for each in self._blocks if each.before is not None]
+        if len(kept) > MOST_STATES:
+            for each in kept[1::2]:
+                each.before = None
+
+    def note(self, found: Iterable[Mark]) -> None:
+        """Lists changes."""
+        for each in found:
+            if len(self.marks) < MOST_MARKS:
+                self.marks.append(each)
+            else:
+                self.unlisted += 1
+
+
+class StoppedError(Exception):
+    """Nobody waits for the index any more."""
+
+
+def indexed(path: str, progress: Callable[[float], bool] = lambda _: True) -> RecordedSystem:
+    """Returns a recording once all of it is read.
+
+    Args:
+        path: An MCAP file.
+        progress: Takes how much was read, up to 1, and says whether to go on.
+
+    Raises:
+        RecordingError: Nothing of the file can be read.
+        StoppedError: `progress` wanted no more.
+    """
+    recording = SeekableRecording(path)
+    found = RecordedSystem(recording)
+    listener = Listener(recording)
+    state, block, before = SystemState(), list[Fact](), SystemState()
+    for share, time, message in recording.open():
+        if not progress(share):
+            raise StoppedError
+        for fact in listener.facts(time, message):
+            latest = fold_fact(state, fact)
+            found.note(changes(state, latest, fact))
+            state = latest
+            block.append(fact)
+            if len(block) == BLOCK:
+                found.keep(block, before)
+                block, before = [], state
+    if block:
+        found.keep(block, before)
+    if not recording.topics:
+        raise RecordingError(f"{path} has no messages")
+    found.unreadable = listener.unreadable
+    found.sources = {
+        "ROS": "" if listener.hears_ros else NO_ROS,
+        "JAUS": "" if listener.hears_jaus else NO_JAUS,
+    }
+    return found
+
+
+def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Mark]:
+    """Yields what is another after something was told."""
+    if fact.answer is not None:
+        address = fact.answer.address
+        yield from _of_component(former.components.get(address), latest.components.get(address))
+        return
+    for key, each in latest.connections.items():
+        before = former.connections.get(key)
+        if before is not None and before is not each and not each.name.startswith(OF_PEERS):
+            yield from _of_connection(before, each)
+
+
+def _of_connection(former: ConnectionState, latest: ConnectionState) -> Iterator[Mark]:
+    since, time = former.told or 0.0, latest.told or 0.0
+    for reason, count in latest.drops.items():
+        before = former.drops.get(reason, 0)
+        before = before if before <= count else 0  # the bridge began anew
+        if count > before:
+            yield Mark("drop", since, time, latest.key, reason, str(before), str(count))
+    if latest.phase != former.phase:
+        yield Mark("state", since, time, latest.key, "", former.phase, latest.phase)
+
+
+def _of_component(former: ComponentState | None, latest: ComponentState | None) -> Iterator[Mark]:
+    if former is None or latest is None:
+        return
+    since, subject = former.told or 0.0, (latest.address, "")
+    pairs: list[tuple[str, Any, Any]] = [
+        ("state", former.state, latest.state),
+        ("control", former.controller, latest.controller),
+    ]
+    for kind, before, after in pairs:
+        if before != after and (before or (kind == "control" and before is not None)):
+            yield Mark(kind, since, latest.told or since, subject, "", before or "", after or "")

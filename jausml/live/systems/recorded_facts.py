@@ -1,0 +1,184 @@
+"""What a recording tells of a system, in the values that the live view is fed with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.peers.discovery import controller_of, type_name
+from jausml.live.peers.query_client import status_of
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.recorder import DIAGNOSTICS
+from jausml.live.recording.seeking import JAUS_TOPICS
+from jausml.live.systems.folding import (
+    AnswerSource,
+    ComponentAnswer,
+    DiagnosticStatus,
+    fold_answer,
+    fold_statuses,
+)
+from jausml.runtime.messages import (
+    ConfirmControl,
+    QueryControl,
+    QueryStatus,
+    RejectControl,
+    ReportControl,
+    ReportIdentification,
+    ReportStatus,
+    ReportTimeout,
+)
+from jausml.runtime.wire.message import DecodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.live.recording.mcap_files import Found
+    from jausml.live.recording.seeking import SeekableRecording
+    from jausml.live.systems.state import SystemState
+
+BRIDGE = "jaus state"
+"""The status in which a bridge tells its own state and controller."""
+
+_NOBODY = "0.0.0"
+_ACCEPTED, _RELEASED = 0, 0
+"""Response codes of ConfirmControl and RejectControl (AS5710)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """What was told at a time, in seconds since the beginning: statuses, or what one said."""
+
+    time: float
+    statuses: tuple[DiagnosticStatus, ...] = ()
+    answer: ComponentAnswer | None = None
+
+
+def fold_fact(state: SystemState, fact: Fact) -> SystemState:
+    """Returns the state after something was told."""
+    if fact.answer is not None:
+        return fold_answer(state, fact.answer, fact.time)
+    return fold_statuses(state, fact.statuses, fact.time)
+
+
+def _status(report: ReportStatus, _: str) -> dict[str, Any]:
+    state = status_of(report)
+    return {"state": state.name if state is not None else f"state {report.status}"}
+
+
+def _control(report: ReportControl, _: str) -> dict[str, Any]:
+    controller = controller_of(report)
+    return {
+        "controller": "" if controller == _NOBODY else controller,
+        "authority": report.authority_code,
+    }
+
+
+def _timeout(report: ReportTimeout, _: str) -> dict[str, Any]:
+    return {"control_timeout": int(report.timeout)}
+
+
+def _identification(report: ReportIdentification, _: str) -> dict[str, Any]:
+    return {"name": report.identification or None, "type": type_name(report.type_) or None}
+
+
+def _confirmed(report: ConfirmControl, client: str) -> dict[str, Any]:
+    return {"controller": client} if report.response_code == _ACCEPTED else {}
+
+
+def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
+    return {"controller": ""} if report.response_code == _RELEASED else {}
+
+
+_TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
+    "ReportStatus": (ReportStatus, _status),
+    "ReportControl": (ReportControl, _control),
+    "ReportTimeout": (ReportTimeout, _timeout),
+    "ReportIdentification": (ReportIdentification, _identification),
+    "ConfirmControl": (ConfirmControl, _confirmed),
+    "RejectControl": (RejectControl, _rejected),
+}
+"""What each message tells of who sends it, to whom."""
+
+_ASKING = (QueryStatus.NAME, QueryControl.NAME)
+
+
+class Listener:
+    """Takes the messages of a recording, in their order.
+
+    Attributes:
+        unreadable: How many of them could not be read.
+        hears_ros: Whether bridges told anything.
+        hears_jaus: Whether there is a JAUS message.
+    """
+
+    def __init__(self, recording: SeekableRecording) -> None:
+        """Has heard nothing yet."""
+        self.unreadable = 0
+        self.hears_ros = self.hears_jaus = False
+        self._recording = recording
+        self._asked: dict[str, set[tuple[str, str]]] = {}
+
+    def facts(self, time: float, found: Found) -> Iterator[Fact]:
+        """Yields what a message tells; of most there is nothing."""
+        topic = found[1].topic
+        try:
+            if topic == DIAGNOSTICS:
+                self.hears_ros = True
+                statuses = statuses_of(self._recording.value_of(found))
+                yield Fact(time, statuses)
+                for each in statuses:
+                    if each.name.endswith(f": {BRIDGE}"):
+                        yield Fact(time, answer=_of_itself(each))
+            elif topic.startswith(JAUS_TOPICS):
+                self.hears_jaus = True
+                yield from self._said(time, topic, found)
+        except (RecordingError, DecodeError, KeyError, TypeError, ValueError, AttributeError):
+            self.unreadable += 1
+
+    def _said(self, time: float, topic: str, found: Found) -> Iterator[Fact]:
+        source, _, name = topic.removeprefix(JAUS_TOPICS).partition("/")
+        self._asked.pop(source, None)
+        if name not in _TELLING and name not in _ASKING:
+            return
+        value = self._recording.value_of(found)
+        other = str(value["destination"])
+        if name in _ASKING:
+            yield from self._unanswered(time, other, (source, name))
+            return
+        kind, told_by = _TELLING[name]
+        told = told_by(kind.decode(bytes.fromhex(value["payload"])), other)
+        if told:
+            yield Fact(time, answer=ComponentAnswer(source, **told))
+
+    def _unanswered(self, time: float, asked: str, question: tuple[str, str]) -> Iterator[Fact]:
+        """Tells of who is asked the same again, and has said nothing since."""
+        waiting = self._asked.setdefault(asked, set())
+        if question in waiting:
+            yield Fact(time, answer=ComponentAnswer(asked, source=AnswerSource.NOBODY))
+            waiting.clear()
+        waiting.add(question)
+
+
+def _of_itself(status: DiagnosticStatus) -> ComponentAnswer:
+    """Returns what a bridge tells of itself, which nobody has to ask it then."""
+    values = dict(status.values)
+    controller = values.get("controller")
+    return ComponentAnswer(
+        status.hardware_id,
+        state=values.get("jaus", "").upper() or None,
+        controller="" if controller == "none" else controller,
+    )
+
+
+def statuses_of(value: dict[str, Any]) -> tuple[DiagnosticStatus, ...]:
+    """Returns the statuses of a `diagnostic_msgs/msg/DiagnosticArray`."""
+    return tuple(
+        DiagnosticStatus(
+            each["level"],
+            each["name"],
+            each["message"],
+            each["hardware_id"],
+            tuple((pair["key"], pair["value"]) for pair in each["values"]),
+        )
+        for each in value["status"]
+    )

@@ -1,0 +1,128 @@
+"""A running system is recorded, and its recording says why a message was not passed on."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+from ports import free_domain, free_port
+
+pytest.importorskip("rclpy")
+
+from jausml.language.model import read_models
+from jausml.live.systems.explaining import explained
+from jausml.live.systems.playback import indexed
+
+from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.ports,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+VEHICLE = str(MODEL.parents[2] / "live" / "bridge_vehicle.py")
+BRIDGE = "/loop_bridge"
+PATIENCE = 90.0
+
+
+def twist(effort):
+    from geometry_msgs.msg import Twist
+
+    message = Twist()
+    message.linear.x = effort
+    return message
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A recording in which a vehicle is driven, then with an effort that no field can carry."""
+    folder = tmp_path_factory.mktemp("playback")
+    path, log, port = folder / "run.mcap", folder / "record.log", str(free_port())
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
+        packages = generate()
+        ros = RosPeer()
+        words = ("record", str(MODEL), "--output", str(path), "--port", port)
+        with log.open("wb") as stream:
+            recorder = subprocess.Popen([sys.executable, "-m", "jausml", *words], stderr=stream)
+        started = []
+        try:
+            wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
+            if "multicast" in log.read_text():
+                pytest.skip("no capture here: CAP_NET_RAW is missing")
+            for index, line in enumerate(
+                (["-m", "loop_bridge.main"], [VEHICLE, "--address", "10.1.1"])
+            ):
+                started.append(
+                    Process([*line, "--jaus-port", port], packages, folder / f"{index}.log")
+                )
+            vehicle = started[1]
+            publisher = ros.publisher(type(twist(0.0)), "cmd_vel")
+            wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
+            with Repeater(publisher, twist(2.0)):
+                wait_for(lambda: len(vehicle.of_kind("effort")) > 40, "efforts", PATIENCE)
+                publisher.publish(twist(50.0))
+                obeyed = len(vehicle.of_kind("effort"))
+                wait_for(lambda: len(vehicle.of_kind("effort")) > obeyed + 60, "efforts", PATIENCE)
+            recorder.send_signal(signal.SIGTERM)
+            assert recorder.wait(timeout=PATIENCE) == 0, log.read_text()
+        finally:
+            recorder.kill()
+            recorder.wait()
+            for each in started:
+                each.close()
+            ros.close()
+            sys.stderr.write(log.read_text())
+    system = indexed(str(path))
+    yield system
+    system.recording.close()
+
+
+@pytest.fixture(scope="module")
+def model():
+    return read_models([MODEL], allow_outside=True).model
+
+
+def test_a_drop_is_explained_by_counter_state_and_message(recorded, model):
+    (drop,) = [
+        each
+        for each in recorded.marks
+        if each.subject == (BRIDGE, "drive") and each.counter == "out_of_range"
+    ]
+    found = explained(recorded, model, (BRIDGE, "drive"), drop.time)
+    span = f"{drop.since:.1f} s and {drop.time:.1f} s"
+    assert found.counter[:2] == (
+        f"Between {span}, loop_bridge drive did not pass on 1 message: its counter "
+        "\u201cout_of_range\u201d rose from 0 to 1.",
+        "A message is counted there because a value did not fit its field, and the map drops such "
+        "a message.",
+    )
+    assert found.state[:3] == (
+        f"At {drop.time:.1f} s, the connection was failed: values out of range.",
+        "The bridge 10.1.9 was active and in STANDBY, controlled by nobody.",
+        "To the bridge, its peer 10.1.1 was ready; it was in READY, controlled by 10.1.9.",
+    )
+    assert "Its value PropulsiveLinearEffortX was out of range 1 time (error)." in found.state
+    commands = len(list(recorded.recording.between("/cmd_vel", drop.since, drop.time)))
+    assert found.ros[0] == f"{commands} messages came between {span}."
+    # Of all the commands it is the one that no effort stands for.
+    assert found.ros[1].startswith("Nothing on the other side follows this one"), found.ros
+    assert re.fullmatch(r"/cmd_vel at [0-9.]+ s", found.ros[2])
+    assert found.ros[3:5] == ("linear:", "  x: 50.0")
+    assert found.jaus[0].startswith("The last on this side: /jaus/10.1.9/SetWrenchEffort at ")
+    assert found.jaus[1:3] == ("from 10.1.9 to 10.1.1", "PropulsiveLinearEffortX: 20.0")
+
+
+def test_rates_and_controllers_are_those_of_the_live_view(recorded, model):
+    state = recorded.state(recorded.recording.duration, model)
+    assert state.sources == {"ROS": "", "JAUS": ""}
+    odometry = state.connections[BRIDGE, "odometry"]
+    assert odometry.declaration is not None
+    assert odometry.rate == pytest.approx(20.0, abs=5.0)
+    assert state.components["10.1.1"].controller == "10.1.9"
+    assert recorded.unreadable == 0

@@ -1,0 +1,269 @@
+"""A recording at any moment is the fold of all before, and what was dropped is explained."""
+
+from __future__ import annotations
+
+import struct
+from functools import cache, reduce
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from recorded_systems import BRIDGE, MODEL, OPERATOR, VEHICLE, Drive, recorded
+
+from jausml.authoring.studio.live import live_values
+from jausml.authoring.studio.live_places import places_of
+from jausml.language.model import read_models
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
+from jausml.live.systems import playback
+from jausml.live.systems.explaining import MEANINGS, explained, meaning
+from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
+from jausml.live.systems.playback import NO_ROS, indexed
+from jausml.live.systems.state import SystemState, components_of, declarations_of
+
+DRIVE = ("/loop_bridge", "drive")
+LONG = Drive(seconds=40.0, dropped=(3.5, 21.5, 21.7), silent=9.0, taken=12.0)
+
+
+@cache
+def model():
+    return read_models([MODEL], allow_outside=True).model
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory):
+    """Returns a function that indexes a drive, once."""
+    folder, known = tmp_path_factory.mktemp("recordings"), {}
+
+    def open_(drive):
+        if drive not in known:
+            path = folder / f"{len(known)}.mcap"
+            path.write_bytes(recorded(drive))
+            known[drive] = indexed(str(path))
+        return known[drive]
+
+    yield open_
+    for each in known.values():
+        each.recording.close()
+
+
+@pytest.fixture(scope="module")
+def many_blocks(tmp_path_factory):
+    """A recording in many small blocks, of which few have their states yet."""
+    path = tmp_path_factory.mktemp("blocks") / "long.mcap"
+    path.write_bytes(recorded(LONG))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(playback, "BLOCK", 3)
+        patch.setattr(playback, "MOST_STATES", 8)
+        system = indexed(str(path))
+    yield system
+    system.recording.close()
+
+
+def as_live_folds(system, at):
+    """The state as the live view folds it, fact by fact, on what the model promises."""
+    state = expected(declarations_of(model()), components_of(model()), 0.0)
+    for fact in system.facts():
+        if fact.time <= at:
+            if fact.answer is None:
+                state = fold_statuses(state, fact.statuses, fact.time)
+            else:
+                state = fold_answer(state, fact.answer, fact.time)
+    return fold_time(state, at)
+
+
+@settings(max_examples=60, deadline=None)
+@given(at=st.floats(-1.0, 90.0))
+def test_a_moment_is_the_fold_of_all_before_it(many_blocks, at):
+    places = places_of(model())
+    found, wanted = (
+        live_values(each, places)
+        for each in (many_blocks.state(at, model()), as_live_folds(many_blocks, max(at, 0.0)))
+    )
+    assert found["edges"] == wanted["edges"]
+    assert found["boxes"] == wanted["boxes"]
+    by_name = [
+        {(each["bridge"], each["connection"]): each for each in values["connections"]}
+        for values in (found, wanted)
+    ]
+    assert by_name[0] == by_name[1]
+
+
+@given(at=st.floats(0.0, 50.0))
+@settings(max_examples=30, deadline=None)
+def test_states_that_are_let_go_change_nothing(many_blocks, at):
+    kept = sum(each.before is not None for each in many_blocks._blocks)
+    assert kept <= 8 < len(many_blocks._blocks)
+    facts = (each for each in many_blocks.facts() if each.time <= at)
+    state = reduce(playback.fold_fact, facts, SystemState())
+    assert many_blocks.state(at).connections == fold_time(state, max(at, state.now)).connections
+
+
+def test_a_drop_is_explained_word_for_word(opened):
+    found = explained(opened(Drive()), model(), DRIVE, 11.0)
+    assert found.at == 4.0
+    assert found.counter == (
+        "Between 3.0 s and 4.0 s, loop_bridge drive did not pass on 1 message: its counter "
+        "\u201cout_of_range\u201d rose from 0 to 1.",
+        "A message is counted there because a value did not fit its field, and the map drops such "
+        "a message.",
+    )
+    assert found.state == (
+        "At 4.0 s, the connection was failed: values out of range.",
+        "The bridge 10.1.9 was active and in READY, controlled by nobody.",
+        "To the bridge, its peer 10.1.1 was ready; it was in READY.",
+        "When its source is lost: the stop is sent.",
+    )
+    assert found.ros[:4] == (
+        "10 messages came between 3.0 s and 4.0 s.",
+        "Nothing on the other side follows this one, which was most likely not passed on.",
+        "/cmd_vel at 3.530 s",
+        "linear:",
+    )
+    assert "  x: 50.0" in found.ros
+    assert found.jaus[:2] == (
+        "The last on this side: /jaus/10.1.9/SetWrenchEffort at 3.431 s",
+        "from 10.1.9 to 10.1.1",
+    )
+
+
+def test_before_the_first_drop_nothing_is_explained(opened):
+    found = explained(opened(Drive()), model(), DRIVE, 2.5)
+    assert found.counter == (
+        "Up to 2.5 s, no counter of loop_bridge drive rose while it was recorded.",
+    )
+    assert found.jaus[0].startswith("The last on this side: /jaus/10.1.9/SetWrenchEffort at 2.431")
+
+
+def test_several_that_cannot_be_told_apart_are_not_guessed(opened):
+    # Two commands in a row are without an effort, which the times alone do not show.
+    found = explained(opened(LONG), model(), DRIVE, 30.0)
+    assert "did not pass on 2 messages" in found.counter[0]
+    assert found.ros[1].startswith("Nothing on the other side follows this one")
+    unlike = explained(opened(Drive(dropped=(3.5,), has_ros=False)), model(), DRIVE, 30.0)
+    assert unlike.counter == (
+        f"The recording cannot tell what drive of /loop_bridge did not pass on: {NO_ROS}. "
+        "Record with ROS and the model of the system.",
+    )
+    assert unlike.ros == ("Up to 30.000 s, /cmd_vel is not in the recording.",)
+
+
+def test_marks_are_drops_states_and_controllers_in_their_order(opened):
+    marks = opened(Drive()).marks
+    assert [(each.kind, each.time, each.subject, each.before, each.after) for each in marks] == [
+        ("drop", 4.0, DRIVE, "0", "1"),
+        ("state", 4.0, DRIVE, "active", "failed"),
+        ("state", 5.0, DRIVE, "failed", "active"),
+        ("control", 6.5, (BRIDGE, ""), "", OPERATOR),
+    ]
+    assert opened(Drive()).state(7.0).components[BRIDGE].controller == OPERATOR
+
+
+def test_who_is_asked_and_says_nothing_is_gone(opened):
+    system = opened(LONG)
+    assert system.state(8.5, model()).components[VEHICLE].state == "READY"
+    gone = system.state(14.0, model()).components[VEHICLE]
+    assert (gone.is_gone, gone.state) == (True, "")
+    assert gone.reason == "does not answer any more; was in READY"
+
+
+def test_the_model_may_be_another_one_meanwhile(opened):
+    known = opened(Drive()).state(5.0).connections[DRIVE]
+    assert known.declaration is None
+    assert opened(Drive()).state(5.0, model()).connections[DRIVE].declaration is not None
+    alone = explained(opened(Drive()), None, DRIVE, 5.0)
+    assert "says the model" in alone.ros[0]
+
+
+# ---- damage -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=st.data())
+def test_what_can_be_read_of_a_damaged_file_is_shown(tmp_path_factory, data):
+    whole = recorded(Drive())
+    if data.draw(st.booleans()):
+        broken = whole[: data.draw(st.integers(0, len(whole) - 1))]
+    else:
+        at = data.draw(st.integers(0, len(whole) - 1))
+        broken = whole[:at] + bytes([whole[at] ^ data.draw(st.integers(1, 255))]) + whole[at + 1 :]
+    path = tmp_path_factory.mktemp("damaged") / "run.mcap"
+    path.write_bytes(broken)
+    try:
+        system = indexed(str(path))
+    except RecordingError as error:
+        fault = error
+    else:
+        fault = shown_faults(system)
+    assert fault is None or str(path) in str(fault)
+
+
+def shown_faults(system):
+    """Looks at the end of a recording; returns what cannot be read there."""
+    try:
+        if system.recording.fault:
+            assert f"it was read up to {system.recording.duration:.3f} s" in system.recording.fault
+        system.state(system.recording.duration, model())
+        explained(system, model(), DRIVE, system.recording.duration)
+    except RecordingError as error:
+        return error
+    finally:
+        system.recording.close()
+    return None
+
+
+def test_a_file_that_was_cut_off_is_searched_like_a_whole_one(tmp_path, opened):
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(recorded(Drive())[:-20])
+    system = indexed(str(path))
+    assert "the file is damaged: it ends in the midst of a record" in system.recording.fault
+    whole = explained(opened(Drive()), model(), DRIVE, 11.0)
+    assert explained(system, model(), DRIVE, 11.0) == whole
+    system.recording.close()
+    with pytest.raises(RecordingError, match="closed"):
+        system.recording.last("/cmd_vel", 1.0)
+
+
+# ---- messages of ROS --------------------------------------------------------------------------
+
+DEFINITION = """uint8 kind
+float64 value
+int16[] few
+Inner[2] inner
+string name
+================================================================================
+MSG: own_msgs/Inner
+uint8 x
+"""
+
+
+def test_a_message_is_read_by_its_definition():
+    body = struct.pack("<B7xdI2hBBxxI3s", 7, 2.5, 2, -1, 5, 3, 4, 3, b"ab\0")
+    value = RosReader("own_msgs/msg/Outer", DEFINITION).read(b"\0\1\0\0" + body)
+    assert value == {
+        "kind": 7, "value": 2.5, "few": (-1, 5), "inner": [{"x": 3}, {"x": 4}], "name": "ab",
+    }  # fmt: skip
+    assert numbers_in(value)["few[1]"] == 5.0
+    assert "few: [-1, 5]" in value_lines(value)
+
+
+@given(st.binary(max_size=30))
+def test_other_bytes_are_a_located_error(data):
+    with pytest.raises(RecordingError, match="own_msgs/msg/Outer"):
+        RosReader("own_msgs/msg/Outer", DEFINITION).read(data)
+
+
+@pytest.mark.parametrize("text", ["time stamp\n", "Missing it\n", "wstring w\n", "Outer again\n"])
+def test_a_definition_that_cannot_be_followed_is_refused(text):
+    with pytest.raises(RecordingError):
+        RosReader("own_msgs/msg/Outer", text)
+
+
+def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():
+    guide = (MODEL.parents[3] / "docs" / "how-to" / "deploy.md").read_text(encoding="utf-8")
+    for counter, why in MEANINGS.items():
+        assert f"| `{counter}` | {why} |" in guide
+    assert meaning("stale_join_velocity").endswith("fresh: velocity")
+    assert meaning("lost on the way, at most") == MEANINGS["lost on the way"]
+    assert meaning("refused SetWrenchEffort") == MEANINGS["refused"]
+    assert meaning("of another make") == ""
