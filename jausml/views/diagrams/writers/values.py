@@ -11,7 +11,7 @@ grows by them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 SIGN_ROOM = 18
 """Room for the sign of a finding at the right end of each line of a box."""
+
+PartT = TypeVar("PartT", "Node", "Port", "Edge")
 
 _Way = tuple[float, ...]
 
@@ -135,15 +137,19 @@ def _sheet(graph: Graph) -> Sheet:
     plain = replace(
         graph,
         nodes=tuple(
-            replace(node, findings=(), ports=tuple(replace(p, findings=()) for p in node.ports))
-            for node in graph.nodes
+            replace(_plain(node), ports=tuple(map(_plain, node.ports))) for node in graph.nodes
         ),
-        edges=tuple(replace(each, findings=()) for each in graph.edges),
+        edges=tuple(map(_plain, graph.edges)),
     )
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
         sheet, boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes)
     )
+
+
+def _plain(part: PartT) -> PartT:
+    """Returns a part without what is wrong with it."""
+    return replace(part, findings=()) if part.findings else part
 
 
 def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> None:
@@ -224,7 +230,7 @@ def _texts(node: Node) -> dict[str, Any]:
         "key": node.key,
         "kind": node.kind,
         "title": shapes.title_of(node),
-        "subtitle": [text for text, _ in shapes.subtitles(replace(node, findings=()))],
+        "subtitle": [text for text, _ in shapes.subtitles(_plain(node))],
         "group": node.group,
         "column": node.column,
         "details": list(map(list, node.details)),
@@ -233,7 +239,7 @@ def _texts(node: Node) -> dict[str, Any]:
 
 
 def _port(port: Port, top: float) -> dict[str, Any]:
-    texts = shapes.row_text(replace(port, findings=()))
+    texts = shapes.row_text(_plain(port))
     return {
         "id": port.id,
         "element": port.element,
@@ -273,7 +279,7 @@ def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
         "target": {"node": edge.target.node, "port": edge.target.port},
         "kind": edge.kind,
         "title": edge.title,
-        "labels": shapes.label_lines(replace(edge, findings=())),
+        "labels": shapes.label_lines(_plain(edge)),
         "count": edge.count,
         "details": list(map(list, edge.details)),
         "findings": _findings(edge.findings),
