@@ -9,11 +9,12 @@ import json
 import subprocess
 import sys
 from importlib.util import find_spec
-from math import dist
+from math import dist, sqrt
 from typing import TYPE_CHECKING, Any
 
 from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.facing import can_face, face
+from jausml.views.diagrams.layout.labels import cleared
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
 
 if TYPE_CHECKING:
@@ -34,10 +35,10 @@ class Graphviz:
     def place(self, sheet: Sheet) -> Places:
         """Returns where everything stands; what needs no search is placed without Graphviz."""
         if can_face(sheet):
-            return face(sheet)
+            return cleared(sheet, face(sheet))
         if find_spec("pygraphviz") is None:
             raise LayoutError(MISSING)
-        return _places(sheet, json.loads(_run("\n".join(_graph(sheet)))))
+        return cleared(sheet, _places(sheet, json.loads(_run("\n".join(_graph(sheet))))))
 
 
 def _run(text: str) -> bytes:
@@ -55,6 +56,7 @@ def _run(text: str) -> bytes:
 
 
 def _graph(sheet: Sheet) -> Iterator[str]:
+    parts = _parts(sheet)
     yield "digraph {"
     yield (
         '  graph [rankdir="TB", nodesep=0.4, ranksep=0.5]'
@@ -63,6 +65,8 @@ def _graph(sheet: Sheet) -> Iterator[str]:
     )
     if sheet.packed:
         yield '  graph [pack=24, packmode="array_c3"]'
+    elif parts > 2:
+        yield f'  graph [pack=24, packmode="array_c{round(sqrt(parts))}"]'
     yield "  node [shape=plain]"
     yield "  edge [dir=none]"
     for what, number, _ in nested(sheet.boxes, sheet.frames):
@@ -76,6 +80,25 @@ def _graph(sheet: Sheet) -> Iterator[str]:
                 yield "  }"
     yield from _lines(sheet)
     yield "}"
+
+
+def _parts(sheet: Sheet) -> int:
+    """Returns how many parts have nothing in common: no line, no frame."""
+    parents = {each.id: each.parent for each in sheet.frames}
+    found = {each.id: {each.id} for each in sheet.boxes}
+    inside: dict[str, str] = {}
+    pairs = [(line.source[0], line.target[0]) for line in sheet.lines]
+    for box in sheet.boxes:
+        frame = box.group
+        while parents.get(frame):
+            frame = parents[frame]
+        if frame:
+            pairs.append((box.id, inside.setdefault(frame, box.id)))
+    for one, other in pairs:
+        if found[one] is not found[other]:
+            joined = found[one] | found[other]
+            found |= dict.fromkeys(joined, joined)
+    return len({id(each) for each in found.values()})
 
 
 def _cell(width: int, height: int) -> str:
