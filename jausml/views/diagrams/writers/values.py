@@ -30,6 +30,10 @@ SIGN_ROOM = 18
 
 PartT = TypeVar("PartT", "Node", "Port", "Edge")
 
+SYSTEM = "system"
+LIVE_WIDTH = 100
+"""Room for what is told of a line while the system runs, above its label."""
+
 _Way = tuple[float, ...]
 
 
@@ -85,7 +89,7 @@ class Settled:
                 for each in shown.nodes
             ],
             "groups": [_group(each, frames[each.id]) for each in shown.groups if each.id in frames],
-            "edges": [_edge(each, self.routes.get(each.id)) for each in shown.edges],
+            "edges": [_edge(each, self.routes.get(each.id), graph.view) for each in shown.edges],
         }
 
 
@@ -143,8 +147,18 @@ def _sheet(graph: Graph) -> Sheet:
     )
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
-        sheet, boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes)
+        sheet,
+        boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes),
+        lines=tuple(map(_with_live_text, sheet.lines)) if graph.view == SYSTEM else sheet.lines,
     )
+
+
+def _with_live_text(line: Line) -> Line:
+    """Returns a line whose label has room for what is told of it while the system runs."""
+    if not line.width:
+        return line
+    width, height = max(line.width, LIVE_WIDTH), line.height + shapes.LINE_HEIGHT
+    return replace(line, width=width, height=height)
 
 
 def _plain(part: PartT) -> PartT:
@@ -270,7 +284,10 @@ def _group(group: Group, area: Area) -> dict[str, Any]:
     }
 
 
-def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
+def _edge(edge: Edge, route: Route | None, view: str) -> dict[str, Any]:
+    label = route.label if route is not None else None
+    # What is told of it while the system runs comes above it.
+    down = shapes.LINE_HEIGHT / 2 if view == SYSTEM else 0
     return {
         "id": edge.id,
         "element": edge.element,
@@ -284,7 +301,7 @@ def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
         "details": list(map(list, edge.details)),
         "findings": _findings(edge.findings),
         "route": [list(each) for each in route.points] if route is not None else [],
-        "label": list(route.label) if route is not None and route.label is not None else None,
+        "label": [label[0], label[1] + down] if label is not None else None,
     }
 
 
