@@ -31,7 +31,7 @@ def placed(graph):
 
 
 def hidden(graph):
-    """Returns how many parts labels lie on."""
+    """Returns how much labels hide: the number of lines and borders where it is no text."""
     ground = Ground(*placed(graph))
     return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 _SAMPLES = 12
 """Points of a curve, between which it is taken as straight."""
 
+_TEXTS = 10
+"""How much a box or a label counts that is hidden; a line counts as one."""
+
 _TIP = 5
 """Pixels around the end of a line that belong to its arrowhead."""
 
@@ -50,15 +53,15 @@ class Ground:
         self.labels = {name: each.label for name, each in places.lines.items() if each.label}
         self._sizes = {each.id: (each.width, each.height) for each in sheet.lines}
         self._ways = {name: _points(each) for name, each in places.lines.items()}
-        self._solid = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
-        self._solid += [
+        self._boxes = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
+        self._thin = [
             Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
             for x, y in (way[-1] for way in self._ways.values() if way)
         ]
         for frame in sheet.frames:
             (left, top), (right, bottom) = places.frames[frame.id]
-            self._solid += _borders(Area(left, top, right, bottom))
-            self._solid.append(Area(left, top, left + frame.width, top + frame.height))
+            self._thin += _borders(Area(left, top, right, bottom))
+            self._thin.append(Area(left, top, left + frame.width, top + frame.height))
 
     def clear(self, line: Line) -> None:
         """Gives a label another place if it lies on something."""
@@ -76,18 +79,21 @@ class Ground:
                 return
 
     def hidden(self, line: str, middle: Point) -> int:
-        """Returns how many parts the label of a line would lie on; its own line does not count."""
+        """Returns how much the label of a line would hide; its own line does not count.
+
+        Texts count more than what can be followed beneath a label.
+        """
         area = self.area(line, middle)
-        found = sum(area.overlaps(each) for each in self._solid)
-        found += sum(
-            area.overlaps(self.area(name, each))
-            for name, each in self.labels.items()
-            if name != line
-        )
-        return found + sum(
-            any(_crosses(each, area) for each in pairwise(way))
-            for name, way in self._ways.items()
-            if name != line
+        others = [self.area(name, each) for name, each in self.labels.items() if name != line]
+        found = _TEXTS * sum(map(area.overlaps, (*self._boxes, *others)))
+        return (
+            found
+            + sum(map(area.overlaps, self._thin))
+            + sum(
+                any(_crosses(each, area) for each in pairwise(way))
+                for name, way in self._ways.items()
+                if name != line
+            )
         )
 
     def area(self, line: str, middle: Point) -> Area:
