@@ -7,6 +7,7 @@ export * from "./choosing";
 export * from "./connecting";
 export * from "./copying";
 export * from "./drafting";
+export * from "./exporting";
 export * from "./filtering";
 export * from "./listening";
 export * from "./opening";

@@ -1,6 +1,15 @@
 import { useReactFlow } from "@xyflow/react";
 import { type KeyboardEvent, useEffect } from "react";
-import { arrange, filterBy, focusOn, place, removeSelected, select } from "../actions";
+import {
+  arrange,
+  exportPicture,
+  filterBy,
+  focusOn,
+  type PictureFormat,
+  place,
+  removeSelected,
+  select,
+} from "../actions";
 import type { Graph } from "../protocol";
 import { CLOSED, indexOf, partOf } from "../selection";
 import { state, useStudio } from "../store";
@@ -93,6 +102,16 @@ export function Tools({ graph }: { graph: Graph }) {
             {words}
           </option>
         ))}
+      </select>
+      <select
+        aria-label="Export the diagram"
+        title="Save the whole diagram as jausml diagram draws it"
+        value=""
+        onChange={(event) => void exportPicture(event.currentTarget.value as PictureFormat)}
+      >
+        <option value="">Export…</option>
+        <option value="svg">SVG</option>
+        <option value="png">PNG</option>
       </select>
       <button
         type="button"

@@ -4,7 +4,7 @@ import type { Command, EditResult, Entry, KeptEdit } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
-import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
+import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
@@ -17,6 +17,8 @@ export interface Methods {
   hello: [{ token: string }, Project];
   views: [{ file: string }, { views: ViewInfo[] }];
   view: [{ file: string; view: string; opened: LayoutKey[]; base: number }, ViewResult];
+  /** The whole view as SVG, as `jausml diagram` draws it. */
+  picture: [{ file: string; view: string }, { picture: string }];
   /** Where the box of an element stands, whether it is shown or not. */
   where: [{ file: string; view: string; element: Ref }, { place: Point | null }];
   arrange: [{ file: string; view: string; opened: LayoutKey[] }, ViewResult];
@@ -32,6 +34,8 @@ export interface Methods {
   copy: [{ elements: Ref[] }, { commands: Command[] }];
   paste: [{ owner: Ref; commands: Command[] }, EditResult];
   form: [{ element: Ref }, Form];
+  /** What a reference may lead to, the best fits of a search; `more` is how many there are beside. */
+  choices: [{ element: Ref; feature: string; query: string }, { choices: Choice[]; more: number }];
   palette: [
     /** `onto` is the element that it is added to, or dropped on. */
     { file: string; query: string; kinds?: string[]; limit?: number; onto?: Ref },

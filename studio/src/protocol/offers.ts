@@ -30,6 +30,7 @@ export interface FormField {
   default: string;
   documentation: string;
   unit: string;
+  /** Those of a reference are asked for when its list is opened. */
   choices: Choice[];
   problems: string[];
   changeable: boolean;

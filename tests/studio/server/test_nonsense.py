@@ -25,7 +25,19 @@ PARSE_ERROR, INVALID_REQUEST, METHOD_NOT_FOUND, INVALID_PARAMS = -32700, -32600,
 
 METHODS = (
     *("hello", "views", "view", "arrange", "edit", "undo", "redo", "log", "copy", "paste", "form"),
-    *("palette", "connect", "ends", "problems", "source", "text", "at", "members", "write", "try"),
+    *(
+        "choices",
+        "palette",
+        "connect",
+        "ends",
+        "problems",
+        "source",
+        "text",
+        "at",
+        "members",
+        "write",
+        "try",
+    ),
     *("tried", "plan", "diff", "live.stop", "live.message"),
 )
 FILES = ("catvehicle.xmi", "maps.ros2jaus", "../x.xmi", "")

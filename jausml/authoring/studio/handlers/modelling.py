@@ -14,7 +14,7 @@ from jausml.authoring.proposals.mapping.filling import fill_map
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
-from jausml.authoring.studio.views.forms import form
+from jausml.authoring.studio.views.forms import choices, form
 from jausml.authoring.studio.views.palette import MOST, palette
 from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.authoring.studio.views.spots import (
@@ -53,6 +53,7 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
     """Returns the methods by name."""
     return {
         "form": Method(partial(_form, context)),
+        "choices": Method(partial(_choices, context)),
         "palette": Method(partial(_palette, context)),
         "connect": Method(partial(_connect, context)),
         "ends": Method(partial(_ends, context)),
@@ -72,6 +73,15 @@ def _form(context: StudioContext, element: str) -> object:
         return form(context.scope_of(file, report.model), element, report.diagnostics)
     _, model = context.project.find(element)
     return form(Scope(model, context.project.root), element)
+
+
+def _choices(context: StudioContext, element: str, feature: str, query: str = "") -> object:
+    """Returns what a reference of an element may lead to, searched by a query."""
+    file, _ = refs.split(element)
+    if file.startswith(refs.LIBRARY):
+        _, model = context.project.find(element)
+        return choices(Scope(model, context.project.root), element, feature, query)
+    return choices(context.scope_of(file), element, feature, query)
 
 
 def _palette(

@@ -24,10 +24,12 @@ from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
 from jausml.views.diagrams.folding import MOST_SHOWN
+from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
 from jausml.views.diagrams.views.system import participants
+from jausml.views.diagrams.writers import svg
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -49,6 +51,7 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
         "hello": Method(partial(_hello, context)),
         "views": Method(partial(_views, context)),
         "view": Method(partial(view, context)),
+        "picture": Method(partial(_picture, context)),
         "where": Method(partial(_where, context)),
         "faults": Method(partial(_faults, context)),
         "problems": Method(partial(_problems_of, context)),
@@ -159,6 +162,17 @@ def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]
         "checked": verdict is not None,
         "graph": drawn,
     }
+
+
+def _picture(context: StudioContext, file: str, view: str) -> dict[str, Any]:
+    """Returns the whole view as `jausml diagram` draws it."""
+    verdict = context.verdicts.of(file)
+    diagnostics = verdict.report.diagnostics
+    try:
+        graph = graph_of(verdict.result.model, view, diagnostics, context.project.root)
+        return {"picture": svg.render(graph, Graphviz())}
+    except (UnknownViewError, LayoutError) as error:
+        raise RpcError(REFUSED, str(error)) from error
 
 
 def _where(context: StudioContext, file: str, view: str, element: str) -> dict[str, Any]:

@@ -7,7 +7,14 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import Choice, label_of, legal_targets, literal, values_of
+from jausml.authoring.proposals.elements import (
+    AnswerError,
+    Choice,
+    label_of,
+    legal_targets,
+    literal,
+    values_of,
+)
 from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
@@ -47,6 +54,14 @@ class Field:
     choices: tuple[Choice, ...] = ()
     problems: tuple[str, ...] = ()
     changeable: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """What a reference may lead to, the first of it; `more`: how many there are beside."""
+
+    choices: tuple[Choice, ...]
+    more: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +149,7 @@ _KINDS = {
     ValueKind.BOOLEAN: "boolean",
     ValueKind.ENUMERATION: "choice",
 }
+_MOST_CHOICES = 100
 _MULTILINE = frozenset({"documentation", "holdReason"})
 _UNITS = (
     (re.compile(r"^(?:[A-Z][a-z]* )?(?:messages|reports|calls) each second", re.IGNORECASE), "Hz"),
@@ -245,9 +261,7 @@ def _field(
         default="" if feature.default is None else literal(feature.default),
         documentation=documentation(feature.feature),
         unit=_unit(element, feature),
-        choices=_references(scope, element, feature)
-        if is_reference
-        else (*choices_of(feature), *usual_texts(element, feature)),
+        choices=() if is_reference else (*choices_of(feature), *usual_texts(element, feature)),
         problems=problems.of(feature.name),
         changeable=not is_fixed,
     )
@@ -274,9 +288,25 @@ def choices_of(feature: FeatureTable) -> tuple[Choice, ...]:
     )
 
 
-def _references(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:
-    found = {target.value: target for target in legal_targets(scope, element, feature)}
-    return tuple(found.values())
+def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
+    """Returns what a reference may lead to that has all words of a query, best fits first.
+
+    `AnswerError`: there is no such element, or it has no such reference.
+    """
+    element = scope.find(ref)
+    table = scope.model.metamodels.class_of(element).features.get(feature)
+    if table is None or table.kind is not FeatureKind.CROSS_REFERENCE:
+        raise AnswerError(f"{label_of(element)} has no reference {feature!a}")
+    words, first = query.lower().split(), query.strip().lower()
+    targets = {each.value: each for each in legal_targets(scope, element, table)}
+    found = [
+        each
+        for each in targets.values()
+        if all(word in f"{each.label} {each.value}".lower() for word in words)
+    ]
+    if first:
+        found.sort(key=lambda each: not each.label.lower().startswith(first))
+    return Choices(tuple(found[:_MOST_CHOICES]), max(0, len(found) - _MOST_CHOICES))
 
 
 def _unit(element: EObject, feature: FeatureTable) -> str:

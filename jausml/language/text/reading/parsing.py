@@ -8,6 +8,7 @@ clause of a map that begins a line tells that the list before it lacks its brack
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -81,6 +82,8 @@ class _Run:
         self.faults: list[SyntaxFault] = []
         self._tokens = tokens
         self._parser: Any = language().parse_interactive()  # Any: its methods have no types
+        self._silent = copy(self._parser.parser_state.parse_conf)
+        self._silent.callbacks = {}  # for trying tokens, of which nothing is made
         # What the parser holds at present: a value for each symbol, and a state more.
         self._values: list[Any] = self._parser.parser_state.value_stack
         self._states: list[Any] = self._parser.parser_state.state_stack
@@ -265,8 +268,19 @@ class _Run:
     # The stacks of the parser
 
     def _accepts(self, type_: str) -> bool:
-        """Tells whether a token could come next."""
-        return type_ in self._parser.accepts()
+        """Tells whether a token could come next.
+
+        The parser tells it of all tokens, on copies of all it holds: too slow where one is asked.
+        """
+        if type_ not in self._parser.choices():
+            return False
+        state = self._parser.parser_state.copy(deepcopy_values=False)
+        state.parse_conf = self._silent
+        try:
+            state.feed_token(Token(type_, ""), type_ == "$END")
+        except UnexpectedToken:
+            return False
+        return True
 
     def _open_brackets(self) -> list[Token]:
         """Returns the brackets that are open, the innermost first."""

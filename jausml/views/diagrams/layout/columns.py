@@ -26,10 +26,11 @@ FRAME_GAP = 60
 """Room between frames."""
 
 _ASPECT = 1.6
+_WIDER = (1, 1.1, 1.25, 1.5)
 
 
 @dataclass(frozen=True)
-class _Block:
+class Block:
     """Some boxes that keep their places beside each other: corners from the corner of all."""
 
     width: float
@@ -66,7 +67,7 @@ class _Work:
             for name in {line.source[0], line.target[0]}:
                 self._lines[name].append(line)
 
-    def content(self, frame: str) -> _Block:
+    def content(self, frame: str) -> Block:
         """Returns what stands in a frame: columns, or frames and boxes side by side."""
         boxes = self._boxes[frame]
         inner = [block for each in self._frames[frame] for block in self._framed(each)]
@@ -74,16 +75,16 @@ class _Work:
             return self._columns(boxes)
         loose = [each for each in boxes if each.id not in self._lines]
         rest = self._columns([each for each in boxes if each.id in self._lines])
-        return _packed([*inner, *([rest] if rest.corners else ()), *map(_alone, loose)])
+        return packed([*inner, *([rest] if rest.corners else ()), *map(_alone, loose)])
 
-    def _framed(self, frame: Frame) -> Iterable[_Block]:
+    def _framed(self, frame: Frame) -> Iterable[Block]:
         inner = self.content(frame.id)
         if inner.corners:
             left, top = FRAME_MARGIN, FRAME_MARGIN + frame.height
             width = max(inner.width, frame.width) + 2 * FRAME_MARGIN
-            yield _Block(width, top + inner.height + FRAME_MARGIN, _moved(inner, left, top))
+            yield Block(width, top + inner.height + FRAME_MARGIN, _moved(inner, left, top))
 
-    def _columns(self, boxes: Sequence[Box]) -> _Block:
+    def _columns(self, boxes: Sequence[Box]) -> Block:
         """Returns boxes in their columns, each near the rows that it is joined with."""
         columns: dict[int, list[Box]] = defaultdict(list)
         for box in boxes:
@@ -108,7 +109,7 @@ class _Work:
             for each in columns[number]:
                 corners[each.id] = left + (width - each.width) // 2, top[each.id] + down
             left += width + LANE
-        return _Block(max(0, left - LANE), tallest, corners)
+        return Block(max(0, left - LANE), tallest, corners)
 
     def _wanted(
         self, boxes: Sequence[Box], others: Sequence[Box], tops: Mapping[str, float]
@@ -132,11 +133,11 @@ class _Work:
         return sum(heights) / len(heights) if heights else float("inf")
 
 
-def _alone(box: Box) -> _Block:
-    return _Block(box.width, box.height, {box.id: (0, 0)})
+def _alone(box: Box) -> Block:
+    return Block(box.width, box.height, {box.id: (0, 0)})
 
 
-def _moved(block: _Block, right: float, down: float) -> dict[str, Point]:
+def _moved(block: Block, right: float, down: float) -> dict[str, Point]:
     return {name: (x + right, y + down) for name, (x, y) in block.corners.items()}
 
 
@@ -149,10 +150,16 @@ def _stacked(boxes: Sequence[Box]) -> dict[str, float]:
     return tops
 
 
-def _packed(blocks: Sequence[_Block]) -> _Block:
+def packed(blocks: Sequence[Block]) -> Block:
     """Returns blocks on shelves, tall ones first, as wide as a screen is."""
     area = sum((each.width + FRAME_GAP) * (each.height + FRAME_GAP) for each in blocks)
-    widest = max(sqrt(area * _ASPECT), *(each.width for each in blocks), 0)
+    least = max(sqrt(area * _ASPECT), *(each.width for each in blocks), 0)
+    # A shelf that just lacks room for one more would leave half of the screen bare.
+    tried = [_shelved(blocks, least * each) for each in _WIDER]
+    return min(tried, key=lambda each: max(each.width / _ASPECT, each.height))
+
+
+def _shelved(blocks: Sequence[Block], widest: float) -> Block:
     corners: dict[str, Point] = {}
     left = top = height = width = 0.0
     for each in sorted(blocks, key=lambda each: -each.height):
@@ -161,4 +168,4 @@ def _packed(blocks: Sequence[_Block]) -> _Block:
         corners |= _moved(each, left, top)
         left += each.width + FRAME_GAP
         width, height = max(width, left - FRAME_GAP), max(height, each.height)
-    return _Block(width, top + height, corners)
+    return Block(width, top + height, corners)

@@ -8,22 +8,29 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from importlib.util import find_spec
 from math import dist
 from typing import TYPE_CHECKING, Any
 
 from jausml.views.diagrams.graph import nested
+from jausml.views.diagrams.layout.columns import Block, packed
 from jausml.views.diagrams.layout.facing import can_face, face
+from jausml.views.diagrams.layout.labels import cleared
+from jausml.views.diagrams.layout.settling import chain
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.views.diagrams.layout.sheet import Box, Line, Point, Sheet
 
 MISSING = "pictures need pygraphviz: pip install 'jausml[diagram]'"
 LONGEST = 120
 """Seconds that a layout may take."""
+
+_FEW_PARTS = 2
+"""Parts that stand above each other."""
 
 _TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cellpadding="0"'
 
@@ -34,10 +41,12 @@ class Graphviz:
     def place(self, sheet: Sheet) -> Places:
         """Returns where everything stands; what needs no search is placed without Graphviz."""
         if can_face(sheet):
-            return face(sheet)
+            return cleared(sheet, face(sheet))
         if find_spec("pygraphviz") is None:
             raise LayoutError(MISSING)
-        return _places(sheet, json.loads(_run("\n".join(_graph(sheet)))))
+        parts = [sheet] if sheet.packed else _parts(sheet)
+        found = json.loads(_run(json.dumps(["\n".join(_graph(each)) for each in parts])))
+        return cleared(sheet, _beside(list(map(_places, parts, found))))
 
 
 def _run(text: str) -> bytes:
@@ -76,6 +85,61 @@ def _graph(sheet: Sheet) -> Iterator[str]:
                 yield "  }"
     yield from _lines(sheet)
     yield "}"
+
+
+def _parts(sheet: Sheet) -> list[Sheet]:
+    """Returns the parts of a sheet that no line and no frame joins; few ones stay together.
+
+    `dot` sets all parts above each other, and packed by itself leaves no room for labels.
+    """
+    parents = {each.id: each.parent for each in sheet.frames}
+    outer = {each: list(chain(each, parents))[-1] for each in parents}
+    whole = {each.id: {each.id} for each in sheet.boxes}
+    first: dict[str, str] = {}
+    pairs = [(line.source[0], line.target[0]) for line in sheet.lines]
+    pairs += [
+        (box.id, first.setdefault(outer[box.group], box.id)) for box in sheet.boxes if box.group
+    ]
+    for one, other in pairs:
+        if whole[one] is not whole[other]:
+            joined = whole[one] | whole[other]
+            whole |= dict.fromkeys(joined, joined)
+    parts = {id(each): each for each in whole.values()}.values()
+    if len(parts) <= _FEW_PARTS:
+        return [sheet]
+    return [_part(sheet, each, outer) for each in parts]
+
+
+def _part(sheet: Sheet, names: set[str], outer: Mapping[str, str]) -> Sheet:
+    boxes = tuple(each for each in sheet.boxes if each.id in names)
+    frames = {outer.get(each.group) for each in boxes}
+    return replace(
+        sheet,
+        boxes=boxes,
+        frames=tuple(each for each in sheet.frames if outer[each.id] in frames),
+        lines=tuple(each for each in sheet.lines if each.source[0] in names),
+    )
+
+
+def _beside(parts: Sequence[Places]) -> Places:
+    """Returns the places of parts that stand beside each other."""
+    if len(parts) == 1:
+        return parts[0]
+    blocks = [Block(e.width, e.height, {str(n): (0, 0)}) for n, e in enumerate(parts)]
+    whole = packed(blocks)
+    found = Places(whole.width, whole.height, {}, {}, {})
+    for number, part in enumerate(parts):
+        right, down = whole.corners[str(number)]
+
+        def moved(point: Point, right: float = right, down: float = down) -> Point:
+            return round(point[0] + right, 1), round(point[1] + down, 1)
+
+        found.boxes.update((name, moved(each)) for name, each in part.boxes.items())
+        found.frames.update((n, (moved(a), moved(b))) for n, (a, b) in part.frames.items())
+        for name, each in part.lines.items():
+            label = moved(each.label) if each.label else None
+            found.lines[name] = Route(tuple(map(moved, each.points)), label)
+    return found
 
 
 def _cell(width: int, height: int) -> str:

@@ -1,19 +1,21 @@
-"""The process that runs Graphviz: a graph comes on stdin, its layout goes to stdout as JSON.
+"""The process that runs Graphviz: graphs come on stdin as JSON, their layouts go to stdout.
 
 Native code that hangs, crashes or writes warnings does so here.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 
 
 def main() -> None:
-    """Lays out one graph."""
+    """Lays out graphs, each by itself."""
     import pygraphviz  # noqa: PLC0415 - this process alone needs it
 
-    graph = pygraphviz.AGraph(string=sys.stdin.read())
-    sys.stdout.buffer.write(graph.draw(format="json", prog="dot"))
+    graphs = [pygraphviz.AGraph(string=each) for each in json.load(sys.stdin)]
+    layouts = [json.loads(each.draw(format="json", prog="dot")) for each in graphs]
+    json.dump(layouts, sys.stdout)
 
 
 if __name__ == "__main__":

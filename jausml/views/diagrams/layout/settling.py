@@ -243,7 +243,7 @@ class _Ground:
                 yield area
 
     def _around(self, group: str) -> Iterator[str]:
-        return _chain(group, self._parents)
+        return chain(group, self._parents)
 
     def _all_frames(self) -> dict[str, Area]:
         if not self._frames:
@@ -280,7 +280,7 @@ def surrounding(
     boxes = {each.id: each for each in sheet.boxes}
     parents = {each.id: each.parent for each in sheet.frames}
     plain = frames_around(sheet, corners)
-    chains = {each.id: tuple(_chain(each.group, parents)) for each in sheet.boxes}
+    chains = {each.id: tuple(chain(each.group, parents)) for each in sheet.boxes}
     more: dict[str, list[Area]] = {}
     for line in sheet.lines:
         source, target = chains[line.source[0]], chains[line.target[0]]
@@ -291,17 +291,17 @@ def surrounding(
     areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
     for frame, found in more.items():
         others = [area for name, area in areas.items() if frame not in chains[name]]
-        around = set(_chain(frame, parents))
+        around = set(chain(frame, parents))
         others += [
             area
             for name, area in plain.items()
-            if name not in around and frame not in _chain(name, parents)
+            if name not in around and frame not in chain(name, parents)
         ]
         more[frame] = [each for each in found if not _is_in_the_way(each, others)]
     return frames_around(sheet, corners, more)
 
 
-def _chain(group: str, parents: Mapping[str, str]) -> Iterator[str]:
+def chain(group: str, parents: Mapping[str, str]) -> Iterator[str]:
     """Yields a frame and those around it, the innermost first."""
     while group:
         yield group

@@ -39,6 +39,8 @@ class Context:
         self.view = view
         self._root = Path(os.path.realpath(root)) if root else model.documents[0].path.parent
         self._elements: dict[str, EObject] = {}
+        self._ids: dict[EObject, str] = {}
+        self._keys: dict[EObject, str] = {}
         self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
         for each in sorted(diagnostics):
             found = Finding(each.severity.value, each.rule, each.message)
@@ -47,11 +49,15 @@ class Context:
 
     def id_of(self, element: EObject) -> str:
         """Returns the id of an element: its fragment, behind its file unless that is the first."""
+        known = self._ids.get(element)
+        if known is not None:
+            return known
         document = self.model.document_of(element)
         found = self.model.fragment(element)
         if document is not None and document is not self.model.documents[0]:
             found = f"{document.path.name}#{found}"
         self._elements[found] = element
+        self._ids[element] = found
         return found
 
     def reference(self, element: EObject | None) -> str:
@@ -60,18 +66,18 @@ class Context:
 
     def named(self, part: PartT) -> PartT:
         """Returns a part with its key, and with its element where its id is that of one."""
-        known = [self._elements.get(each) for each in part.id.split("!")]
-        words = zip(part.id.split("!"), known, strict=True)
-        key = "!".join(word if each is None else self.key(each) for word, each in words)
-        return replace(
-            part,
-            element=part.element or self.reference(self._elements.get(part.id)),
-            key=part.key or key,
-        )
+        element = part.element or self.reference(self._elements.get(part.id))
+        return replace(part, element=element, key=part.key or self._key_of(part.id))
+
+    def _key_of(self, identifier: str) -> str:
+        known = ((word, self._elements.get(word)) for word in identifier.split("!"))
+        return "!".join(word if each is None else self.key(each) for word, each in known)
 
     def key(self, element: EObject) -> str:
         """Returns what names an element when positions of elements change."""
-        return self.model.made(Keys).of(element)
+        if element not in self._keys:
+            self._keys[element] = self.model.made(Keys).of(element)
+        return self._keys[element]
 
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
         """Returns what was found about elements.

@@ -200,12 +200,16 @@ def _rows(context: Context, machine: Machine, path: str, state: jaus.State) -> I
     for each in (*state.transitions, *state.defaults):
         target = machine.resolve(path, each.target) if each.target else None
         if target is None:
-            goal = f" \N{RIGHTWARDS ARROW} {each.target}" if each.target else ""
+            goal = f"\N{RIGHTWARDS ARROW} {each.target}" if each.target else ""
             wrong = Finding("error", "", f"there is no state '{each.target}'")
             findings = context.findings(each) or ((wrong,) if each.target else ())
-            label = " ".join(_labels(each)) + goal
-            yield Port(context.id_of(each), label, each.kind.name,
+            first, *more = [*_labels(each), *filter(None, (goal,))]
+            yield Port(context.id_of(each), first, each.kind.name,
                        details=details(each), findings=findings)  # fmt: skip
+            # A guard and what is done have rows of their own: together they are too long to read.
+            for number, text in enumerate(more):
+                yield Port(f"{context.id_of(each)}!{number}", text, depth=1,
+                           element=context.reference(each))  # fmt: skip
 
 
 def _add_transitions(builder: Builder, machine: Machine, path: str) -> None:

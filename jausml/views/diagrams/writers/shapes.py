@@ -6,6 +6,7 @@ import math
 import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, severity
@@ -21,7 +22,9 @@ TITLE, SMALL, ROW = 13, 10, 11
 
 ROW_HEIGHT, LINE_HEIGHT, PADDING, INDENT, GAP = 18, 13, 10, 12, 12
 LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
-_MOST_LINES, _MOST_FINDINGS = 5, 4
+_MOST_LINES, _MOST_FINDINGS = 7, 4
+_WRAPPED = 30
+"""Signs of a line of a label, behind which it goes on in the next one."""
 _ACROSS = ("to_ros", "to_jaus")
 """Kinds of edges between rows that stand close: their labels have one line."""
 _SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
@@ -75,7 +78,11 @@ def label_lines(edge: Edge) -> list[str]:
     """Returns the lines of the label of an edge."""
     grave = severity(edge.findings)
     lines = [f"{_SIGNS[grave]}{grave}"] if grave else []
-    lines += [cut(each, _LONGEST_LINE) for each in edge.labels if each]
+    lines += [
+        cut(line, _LONGEST_LINE)
+        for each in edge.labels
+        for line in wrap(each, _WRAPPED, break_long_words=False, break_on_hyphens=False)
+    ]
     if edge.kind in _ACROSS:
         return [cut(", ".join(lines), _LONGEST_LINE)] if lines else []
     if len(lines) > _MOST_LINES:

@@ -11,7 +11,7 @@ grows by them.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
@@ -27,6 +27,12 @@ if TYPE_CHECKING:
 
 SIGN_ROOM = 18
 """Room for the sign of a finding at the right end of each line of a box."""
+
+PartT = TypeVar("PartT", "Node", "Port", "Edge")
+
+SYSTEM = "system"
+LIVE_WIDTH = 100
+"""Room for what is told of a line while the system runs, above its label."""
 
 _Way = tuple[float, ...]
 
@@ -83,7 +89,7 @@ class Settled:
                 for each in shown.nodes
             ],
             "groups": [_group(each, frames[each.id]) for each in shown.groups if each.id in frames],
-            "edges": [_edge(each, self.routes.get(each.id)) for each in shown.edges],
+            "edges": [_edge(each, self.routes.get(each.id), graph.view) for each in shown.edges],
         }
 
 
@@ -135,15 +141,29 @@ def _sheet(graph: Graph) -> Sheet:
     plain = replace(
         graph,
         nodes=tuple(
-            replace(node, findings=(), ports=tuple(replace(p, findings=()) for p in node.ports))
-            for node in graph.nodes
+            replace(_plain(node), ports=tuple(map(_plain, node.ports))) for node in graph.nodes
         ),
-        edges=tuple(replace(each, findings=()) for each in graph.edges),
+        edges=tuple(map(_plain, graph.edges)),
     )
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
-        sheet, boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes)
+        sheet,
+        boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes),
+        lines=tuple(map(_with_live_text, sheet.lines)) if graph.view == SYSTEM else sheet.lines,
     )
+
+
+def _with_live_text(line: Line) -> Line:
+    """Returns a line whose label has room for what is told of it while the system runs."""
+    if not line.width:
+        return line
+    width, height = max(line.width, LIVE_WIDTH), line.height + shapes.LINE_HEIGHT
+    return replace(line, width=width, height=height)
+
+
+def _plain(part: PartT) -> PartT:
+    """Returns a part without what is wrong with it."""
+    return replace(part, findings=()) if part.findings else part
 
 
 def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> None:
@@ -224,7 +244,7 @@ def _texts(node: Node) -> dict[str, Any]:
         "key": node.key,
         "kind": node.kind,
         "title": shapes.title_of(node),
-        "subtitle": [text for text, _ in shapes.subtitles(replace(node, findings=()))],
+        "subtitle": [text for text, _ in shapes.subtitles(_plain(node))],
         "group": node.group,
         "column": node.column,
         "details": list(map(list, node.details)),
@@ -233,7 +253,7 @@ def _texts(node: Node) -> dict[str, Any]:
 
 
 def _port(port: Port, top: float) -> dict[str, Any]:
-    texts = shapes.row_text(replace(port, findings=()))
+    texts = shapes.row_text(_plain(port))
     return {
         "id": port.id,
         "element": port.element,
@@ -264,7 +284,10 @@ def _group(group: Group, area: Area) -> dict[str, Any]:
     }
 
 
-def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
+def _edge(edge: Edge, route: Route | None, view: str) -> dict[str, Any]:
+    label = route.label if route is not None else None
+    # What is told of it while the system runs comes above it.
+    down = shapes.LINE_HEIGHT / 2 if view == SYSTEM else 0
     return {
         "id": edge.id,
         "element": edge.element,
@@ -273,12 +296,12 @@ def _edge(edge: Edge, route: Route | None) -> dict[str, Any]:
         "target": {"node": edge.target.node, "port": edge.target.port},
         "kind": edge.kind,
         "title": edge.title,
-        "labels": shapes.label_lines(replace(edge, findings=())),
+        "labels": shapes.label_lines(_plain(edge)),
         "count": edge.count,
         "details": list(map(list, edge.details)),
         "findings": _findings(edge.findings),
         "route": [list(each) for each in route.points] if route is not None else [],
-        "label": list(route.label) if route is not None and route.label is not None else None,
+        "label": [label[0], label[1] + down] if label is not None else None,
     }
 
 

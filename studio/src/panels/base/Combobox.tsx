@@ -1,13 +1,17 @@
-import { type KeyboardEvent, useId, useMemo, useRef, useState } from "react";
+import { type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
 import { useListKeys } from "../../keyboard/useListKeys";
-import type { Choice } from "../../protocol";
+import type { Choice, Ref } from "../../protocol";
+import { revisionOf, useStudio } from "../../store";
+import { useAnswer } from "./useAnswer";
 
-const MOST_SHOWN = 100;
+const NONE: Choice[] = [];
 
 interface Props {
   id?: string | undefined;
   label: string;
-  choices: readonly Choice[];
+  /** The reference whose targets are offered. */
+  element: Ref;
+  feature: string;
   /** What is chosen, as it is shown. */
   shown: string;
   placeholder?: string | undefined;
@@ -17,31 +21,31 @@ interface Props {
   onChoose: (value: string) => void;
 }
 
-/** Returns the choices that hold all words of a query; those that begin with it come first. */
-export function matching(choices: readonly Choice[], query: string): Choice[] {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  const found = choices.filter((each) => {
-    const text = `${each.label} ${each.value}`.toLowerCase();
-    return words.every((word) => text.includes(word));
-  });
-  const first = query.trim().toLowerCase();
-  const weight = (each: Choice) => (each.label.toLowerCase().startsWith(first) ? 0 : 1);
-  return first ? found.sort((left, right) => weight(left) - weight(right)) : found;
-}
-
 /** A text field that offers what may be chosen, searched as one types (ARIA combobox). */
 export function Combobox(props: Props) {
   const [query, setQuery] = useState<string | null>(null);
   const list = useId();
   const input = useRef<HTMLInputElement>(null);
   const isOpen = query !== null;
-  const all = useMemo(() => matching(props.choices, query ?? ""), [props.choices, query]);
-  const offered = all.slice(0, MOST_SHOWN);
+  const { element, feature } = props;
+  const revision = useStudio(revisionOf);
+  const asked = isOpen ? { element, feature, query } : null;
+  const { value: found, error } = useAnswer("choices", asked, revision);
+  const offered = found?.choices ?? NONE;
+  // Enter waits for what was searched with it.
+  const [isTaken, setTaken] = useState(false);
   const keys = useListKeys(offered.length, (at) => choose(offered[at]));
   const { active } = keys;
 
+  useEffect(() => {
+    if (!isTaken || !(found || error)) return;
+    setTaken(false);
+    choose(found?.choices[0]);
+  });
+
   function close() {
     setQuery(null);
+    setTaken(false);
     keys.setActive(0);
   }
 
@@ -52,6 +56,11 @@ export function Combobox(props: Props) {
   }
 
   function onKeyDown(event: KeyboardEvent) {
+    if (isOpen && !found && event.key === "Enter") {
+      event.preventDefault();
+      setTaken(true);
+      return;
+    }
     if (isOpen && keys.onKey(event)) return;
     if (!isOpen && (event.key === "ArrowDown" || event.key === "ArrowUp")) {
       event.preventDefault();
@@ -85,6 +94,7 @@ export function Combobox(props: Props) {
         onClick={() => query === null && setQuery("")}
         onChange={(event) => {
           setQuery(event.currentTarget.value);
+          setTaken(false);
           keys.setActive(0);
         }}
         onBlur={close}
@@ -111,10 +121,10 @@ export function Combobox(props: Props) {
               {each.documentation && <small>{each.documentation}</small>}
             </div>
           ))}
-        {isOpen && offered.length === 0 && <p className="quiet">Nothing has this name.</p>}
-        {isOpen && all.length > MOST_SHOWN && (
-          <p className="quiet">{all.length - MOST_SHOWN} more; type to find them.</p>
+        {isOpen && offered.length === 0 && (
+          <p className="quiet">{error || (found ? "Nothing has this name." : "Looking…")}</p>
         )}
+        {found && found.more > 0 && <p className="quiet">{found.more} more; type to find them.</p>}
       </div>
     </div>
   );

@@ -51,13 +51,14 @@ const FIELDS = [
     kind: "reference",
     values: ["lib#a"],
     shown: ["SetWrenchEffort"],
-    choices: [
-      { value: "lib#a", label: "SetWrenchEffort", documentation: "" },
-      { value: "lib#b", label: "ReportVelocityState", documentation: "" },
-    ],
     problems: ["the message is not provided"],
   }),
   field("topics", { many: true, values: ["a", "b", "c"] }),
+];
+
+const MESSAGES = [
+  { value: "lib#a", label: "SetWrenchEffort", documentation: "" },
+  { value: "lib#b", label: "ReportVelocityState", documentation: "" },
 ];
 
 const FORM: Form = {
@@ -90,6 +91,10 @@ let server: FakeServer;
 function show(form: Form = FORM) {
   server = serve({
     form: () => form,
+    choices: ({ query }) => ({
+      choices: MESSAGES.filter((each) => each.label.toLowerCase().includes(query)),
+      more: 0,
+    }),
     edit: () => ({ revision: 1, created: [] }),
   });
   update({ chosen: ELEMENT });
@@ -289,8 +294,10 @@ describe("the property form", () => {
   it("finds references as one types, by keyboard alone", async () => {
     const message = await screen.findByRole("combobox", { name: "message" });
     expect(message).toHaveValue("SetWrenchEffort");
+    expect(server.params("choices")).toEqual([]);
     await userEvent.type(message, "veloc{Enter}");
-    expect(commands()).toEqual([set("message", "lib#b")]);
+    await waitFor(() => expect(commands()).toEqual([set("message", "lib#b")]));
+    expect(server.params("choices").at(-1)).toMatchObject({ feature: "message", query: "veloc" });
   });
 
   it("shows what is wrong beside the field, and describes the field with it", async () => {

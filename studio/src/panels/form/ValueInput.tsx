@@ -78,12 +78,13 @@ function Select({ id, field, index, label, describedBy, isWrong, onChange }: Pro
   );
 }
 
-function Reference({ id, field, index, label, describedBy, isWrong, onChange }: Props) {
+function Reference({ id, element, field, index, label, describedBy, isWrong, onChange }: Props) {
   return (
     <Combobox
       {...(id === undefined ? {} : { id })}
       label={label}
-      choices={field.choices}
+      element={element}
+      feature={field.feature}
       shown={shownAs(field, index)}
       placeholder={field.default || "type to search"}
       disabled={!field.changeable}

@@ -26,6 +26,14 @@ def test_the_form_of_each_box(page: Page) -> None:
             assert form["class"]
 
 
+def test_the_picture_is_that_of_the_command_line(page: Page) -> None:
+    picture = page.ask("picture", file=FILE, view="system")["picture"]
+    assert picture.startswith("<svg")
+    assert ">catvehicle" in picture or "catvehicle</text>" in picture
+    with pytest.raises(RefusedError, match="no view"):
+        page.ask("picture", file=FILE, view="nothing")
+
+
 def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None:
     items = page.ask("palette", file=FILE, query="node", limit=50)["items"]
     added = next(each for each in items if each["group"] == "elements")

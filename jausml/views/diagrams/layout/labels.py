@@ -1,0 +1,140 @@
+"""Labels that hide nothing: each goes along its line to where it lies on nothing else.
+
+An engine makes room for labels in ranks, but leads other lines through there, and puts labels
+between boxes of one rank on each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from math import dist
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.layout.settling import Area, area_of
+from jausml.views.diagrams.layout.sheet import on_curve
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet
+
+_SAMPLES = 12
+"""Points of a curve, between which it is taken as straight."""
+
+_TEXTS = 10
+"""How much a box or a label counts that is hidden; a line counts as one."""
+
+_TIP = 5
+"""Pixels around the end of a line that belong to its arrowhead."""
+
+_BESIDE = 3
+"""Pixels between a line and a label beside it."""
+
+
+def cleared(sheet: Sheet, places: Places) -> Places:
+    """Returns places of which labels lie on no other part, where their lines have room for that."""
+    ground = Ground(sheet, places)
+    for line in sheet.lines:
+        ground.clear(line)
+    return replace(
+        places,
+        lines={
+            name: replace(route, label=ground.labels.get(name))
+            for name, route in places.lines.items()
+        },
+    )
+
+
+class Ground:
+    """What labels may lie on: boxes, borders and titles of frames, lines, and other labels."""
+
+    def __init__(self, sheet: Sheet, places: Places) -> None:
+        self.labels = {name: each.label for name, each in places.lines.items() if each.label}
+        self._sizes = {each.id: (each.width, each.height) for each in sheet.lines}
+        self._ways = {name: _points(each) for name, each in places.lines.items()}
+        self._boxes = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
+        self._thin = [
+            Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
+            for x, y in (way[-1] for way in self._ways.values() if way)
+        ]
+        for frame in sheet.frames:
+            (left, top), (right, bottom) = places.frames[frame.id]
+            self._thin += _borders(Area(left, top, right, bottom))
+            self._thin.append(Area(left, top, left + frame.width, top + frame.height))
+
+    def clear(self, line: Line) -> None:
+        """Gives a label another place if it lies on something."""
+        wanted = self.labels.get(line.id)
+        if wanted is None or not self.hidden(line.id, wanted):
+            return
+        # Nearest first, and of equal ones the first: the same for the same sheet.
+        places = sorted(self._candidates(line), key=lambda each: dist(each, wanted))
+        least = self.hidden(line.id, wanted)
+        for each in places:
+            found = self.hidden(line.id, each)
+            if found < least:
+                least, self.labels[line.id] = found, each
+            if not least:
+                return
+
+    def hidden(self, line: str, middle: Point) -> int:
+        """Returns how much the label of a line would hide; its own line does not count.
+
+        Texts count more than what can be followed beneath a label.
+        """
+        area = self.area(line, middle)
+        others = [self.area(name, each) for name, each in self.labels.items() if name != line]
+        found = _TEXTS * sum(map(area.overlaps, (*self._boxes, *others)))
+        return (
+            found
+            + sum(map(area.overlaps, self._thin))
+            + sum(
+                any(_crosses(each, area) for each in pairwise(way))
+                for name, way in self._ways.items()
+                if name != line
+            )
+        )
+
+    def area(self, line: str, middle: Point) -> Area:
+        """Returns what the label of a line covers."""
+        width, height = self._sizes[line]
+        x, y = middle
+        return Area(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+
+    def _candidates(self, line: Line) -> Iterator[Point]:
+        right, down = line.width / 2 + _BESIDE, line.height / 2 + _BESIDE
+        for x, y in self._ways[line.id]:
+            for across, along in ((0, 0), (0, -down), (0, down), (-right, 0), (right, 0)):
+                yield round(x + across, 1), round(y + along, 1)
+
+
+def _points(route: Route) -> list[Point]:
+    """Returns points on a way of cubic Bezier curves."""
+    found = list(route.points[:1])
+    for at in range(0, len(route.points) - 3, 3):
+        curve = route.points[at : at + 4]
+        found += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
+    return found
+
+
+def _borders(area: Area) -> Iterator[Area]:
+    left, top, right, bottom = area
+    yield Area(left, top, right, top)
+    yield Area(left, bottom, right, bottom)
+    yield Area(left, top, left, bottom)
+    yield Area(right, top, right, bottom)
+
+
+def _crosses(segment: tuple[Point, Point], area: Area) -> bool:
+    (x, y), (a, b) = segment
+    if max(x, a) <= area.left or min(x, a) >= area.right:
+        return False
+    if max(y, b) <= area.top or min(y, b) >= area.bottom:
+        return False
+    sides = [
+        (a - x) * (down - y) - (b - y) * (across - x)
+        for across in (area.left, area.right)
+        for down in (area.top, area.bottom)
+    ]
+    return min(sides) < 0 < max(sides)

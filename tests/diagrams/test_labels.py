@@ -1,0 +1,66 @@
+"""Labels of lines: on the pictures of all shipped models they lie on nothing else."""
+
+from __future__ import annotations
+
+import pytest
+from diagram_support import MODELS, read
+from large_systems import large_system
+
+from jausml.views.diagrams.bundling import is_crowded
+from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.labels import Ground
+from jausml.views.diagrams.views import graph_of, view_names
+from jausml.views.diagrams.writers import shapes
+
+pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
+
+SHIPPED = sorted(
+    path.relative_to(MODELS).as_posix()
+    for ending in ("*.xmi", "*.ros2jaus")
+    for path in MODELS.rglob(ending)
+    if "library" not in path.parts
+)
+
+ON_BORDERS = {"machine:Winch.ReceiveFSM": 2}
+"""Labels of transitions that leave a frame and are longer than the way on either side of it."""
+
+
+def placed(graph):
+    sheet = shapes.sheet_of(graph, packed=False)
+    return sheet, Graphviz().place(sheet)
+
+
+def hidden(graph):
+    """Returns how much labels hide: the number of lines and borders where it is no text."""
+    ground = Ground(*placed(graph))
+    return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_labels_of_shipped_models_lie_on_nothing(name):
+    model = read(MODELS / name).model
+    for view in view_names(model, library=False):
+        graph = graph_of(model, view)
+        if not is_crowded(graph):
+            assert hidden(graph) == ON_BORDERS.get(view, 0), view
+
+
+@pytest.fixture(scope="module")
+def five_groups(tmp_path_factory):
+    file = tmp_path_factory.mktemp("large") / "five.ros2jaus"
+    file.write_text(large_system(5), encoding="utf-8")
+    return graph_of(read(file).model, "system")
+
+
+def test_groups_stand_beside_each_other_and_their_labels_lie_on_nothing(five_groups):
+    assert hidden(five_groups) == 0
+    _, places = placed(five_groups)
+    assert places.width > places.height
+
+
+def test_a_label_that_lies_on_something_is_found(five_groups):
+    sheet, places = placed(five_groups)
+    ground = Ground(sheet, places)
+    line = next(each for each in sheet.lines if each.width)
+    box = next(iter(places.boxes.values()))
+    assert ground.hidden(line.id, (box[0] + 5, box[1] + 5)) > 0
