@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from contextlib import contextmanager
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from jausml.authoring.studio.context import Subscribers
 from jausml.authoring.studio.operating.forms import form_of
 from jausml.authoring.studio.operating.leases import StickOverError
+from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
 from jausml.authoring.studio.operating.stops import NoStopError
 from jausml.authoring.studio.operating.unit import (
     NotAllowedError,
@@ -123,6 +125,9 @@ class Seat:
             "silence": self._silence,
             "handoff": self._handoff,
             "decide": self._decide,
+            "list.set": self._set_list,
+            "list.execute": self._execute_list,
+            "list.end": self._end_list,
             "stick.begin": self._begin_stick,
             "stick.move": self._move_stick,
             "stick.end": self._end_stick,
@@ -208,6 +213,7 @@ class Seat:
                     elif entry.is_command:
                         commands.setdefault(entry.name, self._command(target, entry, each.name))
         return {
+            "services": sorted({each.urn.rpartition(":")[2] for each in provided}),
             "commands": sorted(commands.values(), key=lambda each: str(each["name"])),
             "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
         }
@@ -336,6 +342,27 @@ class Seat:
         client = self._unit.decide(target, number, _DECISIONS[decision])
         self._unit.journal.note(self._name, f"{decision}: {client} asked for control of {target}")
         return {"client": client}
+
+    # ---- lists ------------------------------------------------------------------------------
+
+    def _set_list(self, component: str, message: str, elements: Drawn) -> dict[str, Any]:
+        target, unit = component_address(component), self._unit
+        unit.require_commander(self._number)
+        unit.lists.set(self._name, target, message, elements)
+        return {"time": time.time()}
+
+    def _execute_list(
+        self, component: str, message: str, elements: Drawn, speed: float, first: int
+    ) -> dict[str, Any]:
+        """Has a component execute what is drawn, which must be what it has."""
+        self._unit.require_commander(self._number)
+        self._unit.lists.check(component_address(component), message, elements)
+        return self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first})
+
+    def _end_list(self, component: str) -> dict[str, Any]:
+        self._unit.require_commander(self._number)
+        self._unit.lists.end(self._name, component_address(component))
+        return {}
 
     # ---- the stick --------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.studio.operating.journal import Journal
 from jausml.authoring.studio.operating.leases import Lease
+from jausml.authoring.studio.operating.lists import Lists
 from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
 from jausml.authoring.studio.operating.values import Values
@@ -95,6 +96,7 @@ class OperatorUnit:
         told_stops = [told_stop(each, self._system.catalogue) for each in stops]
         declared = Stops(self._system.model, told_stops)
         self.sticks = Sticks(self._system, self.journal, declared)
+        self.lists = Lists(self._system, self.journal)
         self._told_last: tuple[float, dict[str, Any]] | None = None
         self._commander: Commander | None = None
         self._is_losing = False
@@ -274,6 +276,7 @@ class OperatorUnit:
             raise NotAllowedError("this studio was started without --operate")
         operator = self.operator
         self.sticks.end(STOPPED)
+        operator.drop_list_changes()
         stopped = list(dict.fromkeys((*(each.target for each in operator.holds), *targets)))
         shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
         self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
