@@ -98,11 +98,16 @@ export interface Values {
 }
 
 type Of = { component: string };
+/** Messages that are the elements of a list, in their order. */
+type Drawn = Of & { message: string; elements: object[] };
 
 /** Requests: parameters and result by method. */
 export interface OperateMethods {
   claim: [{ right: string; name: string }, { name: string }];
-  messages: [Of, { commands: Command[]; reports: { name: string; service: string }[] }];
+  messages: [
+    Of,
+    { services: string[]; commands: Command[]; reports: { name: string; service: string }[] },
+  ];
   form: [Of & { message: string }, { message: string; fields: Field[] }];
   journal: [Record<string, never>, { entries: JournalEntry[] }];
   watch: [Of & { report: string; rate: number | null }, { report: string }];
@@ -123,6 +128,9 @@ export interface OperateMethods {
   silence: [{ number: number; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];
   decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, { client: string }];
+  "list.set": [Drawn, unknown];
+  "list.execute": [Drawn & { speed: number; first: number }, { answer: string; time: number }];
+  "list.end": [Of, unknown];
   "stick.begin": [Of & { message: string }, { stick: number; timeout: number }];
   "stick.move": [{ stick: number; fields: object }, unknown];
   "stick.end": [{ stick: number }, unknown];

@@ -349,7 +349,7 @@ class Seat:
         target, unit = component_address(component), self._unit
         unit.require_commander(self._number)
         unit.lists.set(self._name, target, message, elements)
-        return {"time": time.time()}
+        return {}
 
     def _execute_list(
         self, component: str, message: str, elements: Drawn, speed: float, first: int
@@ -357,7 +357,11 @@ class Seat:
         """Has a component execute what is drawn, which must be what it has."""
         self._unit.require_commander(self._number)
         self._unit.lists.check(component_address(component), message, elements)
-        return self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first})
+        begin = time.time()
+        return {
+            **self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first}),
+            "time": begin,
+        }
 
     def _end_list(self, component: str) -> dict[str, Any]:
         self._unit.require_commander(self._number)
