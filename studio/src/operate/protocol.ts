@@ -95,6 +95,8 @@ export interface Values {
   fields: [string, string][];
   /** Paths of numbers, of which there is a history. */
   numbers: string[];
+  /** Paths of bytes that may be a picture. */
+  pictures: string[];
 }
 
 type Of = { component: string };
@@ -110,13 +112,14 @@ export interface OperateMethods {
   ];
   form: [Of & { message: string }, { message: string; fields: Field[] }];
   journal: [Record<string, never>, { entries: JournalEntry[] }];
-  watch: [Of & { report: string; rate: number | null }, { report: string }];
+  watch: [Of & { report: string; rate: number | null; fields?: object | null }, { report: string }];
   unwatch: [Of & { report: string }, unknown];
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
     { times: number[]; values: number[] },
   ];
+  picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
   take: [Of & { authority: number }, unknown];
   release: [Of, { confirmed: boolean }];

@@ -13,10 +13,7 @@ from jausml.authoring.studio.operating.forms import form_of
 from jausml.authoring.studio.operating.leases import StickOverError
 from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
 from jausml.authoring.studio.operating.stops import NoStopError
-from jausml.authoring.studio.operating.unit import (
-    NotAllowedError,
-    OperatorUnit,
-)
+from jausml.authoring.studio.operating.unit import NotAllowedError, OperatorUnit
 from jausml.authoring.studio.operating.values import TooManyError
 from jausml.authoring.studio.operating.watching import UnitError
 from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
@@ -112,6 +109,7 @@ class Seat:
             "unwatch": self._unwatch,
             "values": self._values,
             "history": self._history,
+            "picture": self._picture,
         }
         commanding: Mapping[str, Callable[..., object]] = {
             "renew": self._renew,
@@ -240,12 +238,18 @@ class Seat:
     def _journal(self) -> dict[str, Any]:
         return {"entries": self._unit.journal.entries}
 
-    def _watch(self, component: str, report: str, rate: float | None = None) -> dict[str, Any]:
+    def _watch(
+        self,
+        component: str,
+        report: str,
+        rate: float | None = None,
+        fields: dict[str, object] | None = None,
+    ) -> dict[str, Any]:
         target = component_address(component)
         unit = self._unit
         if rate is not None and not 0 < rate <= 50:
             raise UnitError(f"{rate:g} Hz is not above 0 and at most 50")
-        name = unit.values.watch(unit.operator, target, report, rate, self._number)
+        name = unit.values.watch(unit.operator, target, report, rate, self._number, fields)
         return {"report": name}
 
     def _unwatch(self, component: str, report: str) -> dict[str, Any]:
@@ -262,6 +266,9 @@ class Seat:
         most = min(max(points, 2), MOST_POINTS)
         found = self._unit.values.history(component, report, path, within, most)
         return {"times": [time for time, _ in found], "values": [value for _, value in found]}
+
+    def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
+        return {"url": self._unit.values.picture(component, report, path)}
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -357,11 +364,8 @@ class Seat:
         """Has a component execute what is drawn, which must be what it has."""
         self._unit.require_commander(self._number)
         self._unit.lists.check(component_address(component), message, elements)
-        begin = time.time()
-        return {
-            **self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first}),
-            "time": begin,
-        }
+        begin = {"time": time.time()}
+        return begin | self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first})
 
     def _end_list(self, component: str) -> dict[str, Any]:
         self._unit.require_commander(self._number)
