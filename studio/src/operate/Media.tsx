@@ -26,7 +26,7 @@ export default function Media({ values }: { values: Values }) {
 
 /** The last picture of a report, again with each report. */
 function Picture({ values, path }: { values: Values; path: string }) {
-  const { component, report, count } = values;
+  const { component, report, count, age } = values;
   const [url, setUrl] = useState("");
   const [reason, setReason] = useState("");
   // biome-ignore lint/correctness/useExhaustiveDependencies: each report has another picture
@@ -55,7 +55,7 @@ function Picture({ values, path }: { values: Values; path: string }) {
         />
       )}
       <figcaption>
-        {path} of {component}, picture {count}
+        {path} of {component}, picture {count}, {age} s old
       </figcaption>
     </figure>
   );
