@@ -167,11 +167,10 @@ export function DrawingPlan(props: Props) {
       <button type="button" aria-label="Zoom out" onClick={() => zoom(2)}>
         −
       </button>
-      {isFocused && chosen < 0 && (
-        <Quiet>
-          {`The cross is at ${frame.axes[0]} ${cursor.up.toFixed(2)} m, ${frame.axes[1]} ${cursor.right.toFixed(2)} m.`}
-        </Quiet>
-      )}
+      {/* Always there: what comes and goes with the focus would move what is clicked next. */}
+      <Quiet>
+        {`The cross is at ${frame.axes[0]} ${cursor.up.toFixed(2)} m, ${frame.axes[1]} ${cursor.right.toFixed(2)} m.`}
+      </Quiet>
     </figure>
   );
 }

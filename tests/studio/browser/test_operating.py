@@ -310,14 +310,16 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     vehicle.reach()
     expect(rows.first).to_contain_text("reached")
     expect(rows.nth(1)).to_contain_text("active")
-    assert broken(operator) == {}
-    operator.screenshot(path=tmp_path / "plan-1440.png", full_page=True)
+    plan_of(operator)
+    operator.screenshot(path=tmp_path / "plan-1440.png")
     # The page is lost while it drives: it stops, what is drawn stays, and nothing is sent again.
     operator.reload()
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
+    assert vehicle.active == 0
     operator.get_by_role("button", name=VEHICLE).click()
     expect(rows).to_have_count(3)
     expect(operator.get_by_role("button", name="Execute")).to_be_disabled()
+    assert broken(operator) == {}
     assert vehicle.executed == [(1.5, 1)]
 
 
@@ -409,6 +411,8 @@ def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, 
     page.get_by_role("button", name="Watch", exact=True).click()
     picture = page.get_by_role("img", name="ImageFrame")
     expect(picture).to_be_visible()
+    picture.scroll_into_view_if_needed()
+    page.screenshot(path=tmp_path / "picture.png")
     assert picture.evaluate("each => [each.complete, each.naturalWidth]") == [True, 120]
     reports.select_option("DigitalResourceEndpoint")
     page.get_by_role("button", name="Watch", exact=True).click()
