@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 _JAUS_MESSAGE = 0
 """Format of an element that is a message (AS5710, SetElement)."""
 
+_LONGEST = 5.0
+"""Seconds that one request may take, with its repetitions."""
+
 
 class ListingClient(QueryClient):
     """Changes the lists of those whom we control, one change of each at a time."""
@@ -51,9 +54,12 @@ class ListingClient(QueryClient):
         )
         self._changes[target] = request, ends
         try:
-            told = ends.get()
+            told = ends.get(timeout=_LONGEST * (1 + len(payloads)))
+        except Empty:  # our component has ended, which tells nobody
+            told = unanswered
         finally:
             self._changes.pop(target, None)
+            request.cancel()
         if told == unanswered:
             raise self.unanswered(target, SetElement.NAME, "ConfirmElementRequest")
         if told:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -176,17 +177,23 @@ def test_an_emergency_ends_it_where_the_person_chose_that(
         page.ask("clear", component=VEHICLE)
 
 
-def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
-    folder: Path, built: Path, port: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def lossy(monkeypatch: pytest.MonkeyPatch) -> list[LossyTransport]:
+    """The transports that are made from now on, which lose a fifth of what comes."""
     made: list[LossyTransport] = []
 
-    def lossy(settings: Any, loop: Any) -> LossyTransport:
+    def new(settings: Any, loop: Any) -> LossyTransport:
         made.append(LossyTransport(settings, loop, 0.2, seed=7))
         return made[-1]
 
-    monkeypatch.setattr(process, "JudpTransport", lossy)
-    long = [{"X": float(at), "Y": -float(at)} for at in range(300)]
+    monkeypatch.setattr(process, "JudpTransport", new)
+    return made
+
+
+def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
+    folder: Path, built: Path, port: int, lossy: list[LossyTransport]
+) -> None:
+    long = [{"X": float(at), "Y": -float(at)} for at in range(150)]
     options = ("--operate", "standby", "--lease", "60", "--jaus-port", str(port))
     with (
         serving(folder, built, *options) as server,
@@ -197,8 +204,31 @@ def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
         take(page)
         until(lambda: is_done(page, "resume", component=VEHICLE))
         until(lambda: is_done(page, "list.set", component=VEHICLE, message=LOCAL, elements=long))
-        assert [each.uid for each in vehicle.list] == list(range(1, 301))
-    assert sum(each.counters.snapshot()["lost"] for each in made) > 10
+        assert [each.uid for each in vehicle.list] == list(range(1, 151))
+    assert sum(each.counters.snapshot()["lost"] for each in lossy) > 0
+
+
+def test_a_stop_ends_what_is_being_set(
+    commanding: Page, port: int, lossy: list[LossyTransport]
+) -> None:
+    with Vehicle(port) as vehicle:
+        for each in lossy:
+            each.share = 0.0
+        take(commanding)
+        for each in lossy:
+            each.share = 1.0
+        asked = {"component": VEHICLE, "message": LOCAL, "elements": ROUTE}
+        setting = commanding.send("list.set", **asked)
+        noted = "list of 3 SetLocalWaypoint"
+        commanding.await_told("operate.journal", lambda told: noted in told["entry"]["text"])
+        commanding.send("stop")
+        with pytest.raises(RefusedError, match="stopped meanwhile"):
+            commanding.answer(setting)
+        for each in lossy:
+            each.share = 0.0
+        # Longer than the unit repeats what is not answered.
+        time.sleep(1.5)
+        assert vehicle.list == []
 
 
 def is_done(page: Page, method: str, **params: Any) -> bool:

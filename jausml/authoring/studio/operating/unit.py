@@ -114,6 +114,7 @@ class OperatorUnit:
         self._system.stop()
 
     def _leave_all(self) -> None:
+        self.operator.drop_list_changes()
         commander = self._commander
         if commander is not None:
             self._lose(commander, "the studio ends")

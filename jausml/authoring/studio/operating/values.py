@@ -28,7 +28,7 @@ MOST_FIELDS = 64
 MOST_KEPT = 20_000
 """Values of a number that are kept: 10 minutes of 30 Hz and more."""
 
-LONGEST_TEXT = 200
+LONGEST_TEXT = 80
 """Characters of a value that are shown."""
 
 RATE = ""
