@@ -318,8 +318,8 @@ function Sending(props: SendingProps) {
       <legend>Send and execute</legend>
       <p className="quiet">
         {isList
-          ? "Send replaces the list of the component; one that it executes ends with that. Stop has it stand, and empties its list."
-          : "Send sets the waypoint: if the component has a speed, it drives there at once. Stop sets the speed 0."}
+          ? "Send replaces the list of the component; one that it executes ends with that. End has it stand, and empties its list."
+          : "Send sets the waypoint: if the component has a speed, it drives there at once. Speed 0 has it stand."}
       </p>
       <button
         type="button"
@@ -359,7 +359,7 @@ function Sending(props: SendingProps) {
         Execute
       </button>{" "}
       <button type="button" disabled={!isOurs || isHeld !== true} onClick={() => void end()}>
-        {isList ? "Stop and empty the list" : "Stop"}
+        {isList ? "End the list" : "Speed 0"}
       </button>
       <Fault>{fault ?? ""}</Fault>
       <output>
