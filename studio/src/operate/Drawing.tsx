@@ -79,15 +79,16 @@ function Waypoints({ component, driver }: Of) {
   const progress = isList ? progressOf(drawing, waypoints.length, reports) : undefined;
 
   function put(changes: Partial<Drawing>) {
-    // Where the plan was begun stays: what is drawn does not move with the vehicle.
-    const made = { ...drawing, ...(origin && { origin }), ...changes };
-    setDrawing(made);
+    // What is drawn while a list is sent stays; so does where the plan was begun.
+    setDrawing((before) => ({ ...before, ...(origin && { origin }), ...changes }));
+  }
+  useEffect(() => {
     try {
-      save(localStorage, component, driver, made);
+      save(localStorage, component, driver, drawing);
     } catch {
       tell("The browser does not keep what is drawn: it has no room.", true);
     }
-  }
+  }, [component, driver, drawing]);
   const set = (made: Draft[]) => put({ waypoints: made });
   const change = (at: number, draft: Draft) => set(waypoints.with(at, draft));
   const move = (at: number, place: Place) =>
