@@ -196,8 +196,8 @@ def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
     long = [{"X": float(at), "Y": -float(at)} for at in range(150)]
     options = ("--operate", "standby", "--lease", "60", "--jaus-port", str(port))
     with (
-        serving(folder, built, *options) as server,
         Vehicle(port) as vehicle,
+        serving(folder, built, *options) as server,
         server.page("/operate") as page,
     ):
         page.ask("claim", right=server.right, name="")
