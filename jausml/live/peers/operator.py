@@ -15,6 +15,7 @@ from jausml.live.peers.discovery import POLL, controller_of
 from jausml.live.peers.handoffs import Handoffs
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
+from jausml.live.peers.listing import ListingClient
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
 from jausml.live.peers.watching import AnsweringClient, WatchingClient
 from jausml.runtime import (
@@ -79,7 +80,7 @@ class Identity:
     component_type: int = OCU_TYPE
 
 
-class Operator(AnsweringClient, WatchingClient):
+class Operator(AnsweringClient, WatchingClient, ListingClient):
     """The actions of an operator; each call waits for its outcome."""
 
     def __init__(self, component: _Listening, *others: Any) -> None:

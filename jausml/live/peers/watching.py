@@ -33,6 +33,7 @@ class WatchingClient(QueryClient):
         name: str,
         rate: float | None,
         on_report: Callable[[MessageEntry, dict[str, Any]], None],
+        fields: dict[str, Any] | None = None,
     ) -> EventSubscription:
         """Subscribes to a report by an event.
 
@@ -40,13 +41,15 @@ class WatchingClient(QueryClient):
 
         Args:
             rate: Reports each second; None means every change.
+            fields: Those of the query, for all that the report may hold if they are absent.
         """
         query, report = self.exchange(target, name)
+        asked = full_query(query, report) if fields is None else fields
         patience = max(self.timeout, _LATE_REPORTS / rate) if rate and rate > 0 else 0.0
         silence = f"no {report.name} of {target} for {patience:g} s"
         subscription = self._component.subscribe(
             target,
-            self.message(query, full_query(query, report)),
+            self.message(query, asked),
             message_class(report),
             lambda message, _: on_report(report, message.fields),
             rate=rate,

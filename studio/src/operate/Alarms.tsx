@@ -14,7 +14,8 @@ export function Alarms() {
       <h2>
         <span aria-hidden="true">⚠</span> {sounding.length} alarm{sounding.length > 1 ? "s" : ""}
       </h2>
-      <ul>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls by keys */}
+      <ul tabIndex={0} aria-label="Alarms that sound">
         {sounding.map((each) => (
           <Sounding key={each.number} alarm={each} />
         ))}

@@ -1,16 +1,20 @@
-import { useEffect, useState } from "react";
+import { lazy, Suspense, useEffect, useState } from "react";
 import { messageOf } from "../actions";
 import { Fault, Quiet } from "../panels/base/parts";
+import { driversOf } from "./drawing";
 import { FieldsForm } from "./FieldsForm";
 import { type Draft, type Faults, readGroup } from "./fields";
 import type { Command, Field } from "./protocol";
 import { StickPad } from "./StickPad";
 import { ask, commands, tell, tried, unit, useUnit } from "./unit";
 
+const Drawing = lazy(() => import("./Drawing"));
+
 /** The commands of the chosen component, each as a form of its definition. */
 export function Commands() {
   const component = useUnit((unit) => unit.chosen);
   const [offered, setOffered] = useState<Command[] | null>(null);
+  const [services, setServices] = useState<string[]>([]);
   const [fault, setFault] = useState("");
   const [chosen, setChosen] = useState("");
   const [turn, setTurn] = useState(0);
@@ -19,7 +23,11 @@ export function Commands() {
     let isWanted = true;
     setFault("");
     ask("messages", { component }).then(
-      (found) => isWanted && setOffered(found.commands),
+      (found) => {
+        if (!isWanted) return;
+        setOffered(found.commands);
+        setServices(found.services);
+      },
       (error: unknown) => isWanted && setFault(messageOf(error)),
     );
     return () => {
@@ -27,6 +35,7 @@ export function Commands() {
     };
   }, [component, turn]);
   const command = offered?.find((each) => each.name === chosen);
+  const drivers = driversOf(services);
   return (
     <section aria-label="Commands">
       <h2>Commands of {component}</h2>
@@ -55,6 +64,11 @@ export function Commands() {
         </label>
       )}
       {command && <CommandForm key={command.name} command={command} component={component} />}
+      {drivers.length > 0 && (
+        <Suspense fallback={null}>
+          <Drawing component={component} drivers={drivers} />
+        </Suspense>
+      )}
     </section>
   );
 }

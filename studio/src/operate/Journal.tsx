@@ -8,7 +8,8 @@ export function Journal() {
   return (
     <section className="journal" aria-label="Journal">
       <h2>Journal</h2>
-      <ol>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls by keys */}
+      <ol tabIndex={0} aria-label="Entries, the latest first">
         {journal
           .slice(-MOST_SHOWN)
           .reverse()

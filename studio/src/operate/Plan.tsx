@@ -1,5 +1,5 @@
 import { useEffect, useState } from "react";
-import { around, barOf, FRAMES, type Frame, paired } from "./plan";
+import { around, barOf, FRAMES, type Frame, type Place, paired } from "./plan";
 import type { Values } from "./protocol";
 import { ask } from "./unit";
 
@@ -8,9 +8,9 @@ const SECONDS = 120;
 const POINTS = 2000;
 const LEAST_M = 10;
 
-interface Track {
+export interface Track {
   component: string;
-  values: [number, number][];
+  values: Place[];
 }
 
 /** Where the components are whose poses are watched, and where they were. */
@@ -83,7 +83,8 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
   );
 }
 
-async function trackOf({ report, paths }: Frame, component: string): Promise<Track> {
+/** Where a component was in the last minutes. */
+export async function trackOf({ report, paths }: Frame, component: string): Promise<Track> {
   const asked = { component, report, seconds: SECONDS, points: POINTS };
   const [first, second] = await Promise.all(
     paths.map((path) => ask("history", { ...asked, path })),

@@ -1,4 +1,4 @@
-import { useEffect, useState } from "react";
+import { lazy, Suspense, useEffect, useState } from "react";
 import { messageOf } from "../actions";
 import { Quiet } from "../panels/base/parts";
 import { Plan } from "./Plan";
@@ -6,7 +6,12 @@ import { Plot, type Series } from "./Plot";
 import type { Values } from "./protocol";
 import { ask, tell, tried, useUnit } from "./unit";
 
+const Media = lazy(() => import("./Media"));
+
 const LOOK_MS = 500;
+/** A report that is asked for by sensors, and one that tells where streams are. */
+const PICTURE = "StillImageData";
+const ENDPOINTS = "ReportDigitalResourceEndpoint";
 const RATES = ["every change", "1", "2", "5", "10", "25"];
 /** Seconds without a report after which its values are told to be old. */
 const OLD_S = 3;
@@ -80,6 +85,7 @@ function Watch({ component }: { component: string }) {
   const [reports, setReports] = useState<string[]>([]);
   const [report, setReport] = useState("");
   const [rate, setRate] = useState("");
+  const [sensor, setSensor] = useState("1");
   useEffect(() => {
     let isWanted = true;
     ask("messages", { component }).then(
@@ -119,11 +125,27 @@ function Watch({ component }: { component: string }) {
           ))}
         </select>
       </label>
+      {report === PICTURE && (
+        <label>
+          Sensor
+          <input
+            inputMode="numeric"
+            size={5}
+            value={sensor}
+            onChange={(event) => setSensor(event.currentTarget.value)}
+          />
+        </label>
+      )}
       <button
         type="button"
         disabled={report === ""}
         onClick={() =>
-          void tried("watch", { component, report, rate: rate === "" ? null : Number(rate) })
+          void tried("watch", {
+            component,
+            report,
+            rate: rate === "" ? null : Number(rate),
+            fields: report === PICTURE ? pictureOf(Number(sensor)) : null,
+          })
         }
       >
         Watch
@@ -131,6 +153,13 @@ function Watch({ component }: { component: string }) {
     </div>
   );
 }
+
+/** The query of the picture of one sensor, with its time (AS6060). */
+const pictureOf = (sensor: number) => ({
+  QueryStillImageDataList: [
+    { SensorID: sensor, ReportCoordinateSystem: 0, QueryPresenceVector: 1 },
+  ],
+});
 
 interface ReportProps {
   values: Values;
@@ -155,34 +184,41 @@ function Report({ values, plotted, onPlot }: ReportProps) {
     );
   };
   return (
-    <table className={isOld ? "old" : ""}>
-      <caption>
-        {report} of {component}{" "}
-        <small>
-          {age === null ? "nothing yet" : isOld ? `✝ ${age} s old` : `${age} s ago`}, {values.count}{" "}
-          in all
-        </small>{" "}
-        {button("", "the rate")}{" "}
-        <button type="button" onClick={() => void tried("unwatch", { component, report })}>
-          Watch no more
-        </button>
-      </caption>
-      <tbody>
-        {values.fields.map(([path, text]) => (
-          <tr key={path}>
-            <th scope="row">{path}</th>
-            <td>{text}</td>
-            <td>{values.numbers.includes(path) && button(path, path)}</td>
-          </tr>
-        ))}
-        {values.fields.length === 0 && (
-          <tr>
-            <td>
-              <Quiet>No values.</Quiet>
-            </td>
-          </tr>
-        )}
-      </tbody>
-    </table>
+    <>
+      <table className={isOld ? "old" : ""}>
+        <caption>
+          {report} of {component}{" "}
+          <small>
+            {age === null ? "nothing yet" : isOld ? `✝ ${age} s old` : `${age} s ago`},{" "}
+            {values.count} in all
+          </small>{" "}
+          {button("", "the rate")}{" "}
+          <button type="button" onClick={() => void tried("unwatch", { component, report })}>
+            Watch no more
+          </button>
+        </caption>
+        <tbody>
+          {values.fields.map(([path, text]) => (
+            <tr key={path}>
+              <th scope="row">{path}</th>
+              <td>{text}</td>
+              <td>{values.numbers.includes(path) && button(path, path)}</td>
+            </tr>
+          ))}
+          {values.fields.length === 0 && (
+            <tr>
+              <td>
+                <Quiet>No values.</Quiet>
+              </td>
+            </tr>
+          )}
+        </tbody>
+      </table>
+      {(values.pictures.length > 0 || report === ENDPOINTS) && (
+        <Suspense fallback={null}>
+          <Media values={values} />
+        </Suspense>
+      )}
+    </>
   );
 }

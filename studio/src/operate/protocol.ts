@@ -95,23 +95,31 @@ export interface Values {
   fields: [string, string][];
   /** Paths of numbers, of which there is a history. */
   numbers: string[];
+  /** Paths of bytes that may be a picture. */
+  pictures: string[];
 }
 
 type Of = { component: string };
+/** Messages that are the elements of a list, in their order. */
+type Drawn = Of & { message: string; elements: object[] };
 
 /** Requests: parameters and result by method. */
 export interface OperateMethods {
   claim: [{ right: string; name: string }, { name: string }];
-  messages: [Of, { commands: Command[]; reports: { name: string; service: string }[] }];
+  messages: [
+    Of,
+    { services: string[]; commands: Command[]; reports: { name: string; service: string }[] },
+  ];
   form: [Of & { message: string }, { message: string; fields: Field[] }];
   journal: [Record<string, never>, { entries: JournalEntry[] }];
-  watch: [Of & { report: string; rate: number | null }, { report: string }];
+  watch: [Of & { report: string; rate: number | null; fields?: object | null }, { report: string }];
   unwatch: [Of & { report: string }, unknown];
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
     { times: number[]; values: number[] },
   ];
+  picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
   take: [Of & { authority: number }, unknown];
   release: [Of, { confirmed: boolean }];
@@ -123,6 +131,9 @@ export interface OperateMethods {
   silence: [{ number: number; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];
   decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, { client: string }];
+  "list.set": [Drawn, unknown];
+  "list.execute": [Drawn & { speed: number; first: number }, { answer: string; time: number }];
+  "list.end": [Of, unknown];
   "stick.begin": [Of & { message: string }, { stick: number; timeout: number }];
   "stick.move": [{ stick: number; fields: object }, unknown];
   "stick.end": [{ stick: number }, unknown];

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import struct
+import zlib
 
 import pytest
 from browsers import BROWSER
@@ -11,11 +13,14 @@ from playwright.sync_api import expect
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
 
+from jausml import Component, decode
+
 from .conftest import Studio
+from .test_windows import broken
 
 pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.live, pytest.mark.timeout(300)]
 
-LEASE, TIMEOUT = 3, 1.0
+LEASE, TIMEOUT = 5, 1.0
 STOP = f"SetWrenchEffort {TIMEOUT} PropulsiveLinearEffortX=0"
 EFFORT = "PropulsiveLinearEffortX (optional)"
 
@@ -65,7 +70,7 @@ def hold(page):
     choose_effort(page)
     page.get_by_label("Up and down", exact=True).select_option(label="PropulsiveLinearEffortX")
     page.get_by_label("Up and down: value at full").fill("40")
-    pad = page.get_by_role("application")
+    pad = page.get_by_role("application", name="Stick of")
     expect(pad).to_have_attribute("aria-disabled", "false")
     pad.scroll_into_view_if_needed()
     box = pad.bounding_box()
@@ -136,7 +141,7 @@ def test_a_stick_is_held_by_a_key(operator, vehicle):
     hold(operator)
     operator.mouse.up()
     until(lambda: stopped(vehicle))
-    operator.get_by_role("application").focus()
+    operator.get_by_role("application", name="Stick of").focus()
     operator.keyboard.down("ArrowUp")
     until(lambda: vehicle.last == 40.0)
     operator.keyboard.up("ArrowUp")
@@ -237,3 +242,187 @@ def test_on_a_phone_the_stop_is_in_reach(studio, vehicle, open_studio):
     assert page.locator(".operate").evaluate("room => room.scrollWidth") <= 390
     button.tap()
     until(lambda: vehicle.status == "STANDBY")
+
+
+# ---- waypoints that are drawn --------------------------------------------------------------------
+
+PHONE = {"width": 390, "height": 844}
+
+
+def plan_of(page):
+    plan = page.get_by_role("application", name="Plan of waypoints")
+    plan.scroll_into_view_if_needed()
+    return plan
+
+
+def point_on(plan, up, right):
+    """Returns where metres are on the page, of a plan that shows 20 m around (0, 0)."""
+    box = plan.bounding_box()
+    across = box["width"] / 20
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    return middle[0] + right * across, middle[1] - up * across
+
+
+def places_of(vehicle):
+    """Returns x and y of the elements that a vehicle was given, in decimetres' precision."""
+    decoded = [decode(each.data).fields["LocalWaypointRec"] for each in vehicle.list]
+    return [(round(each["X"], 1), round(each["Y"], 1)) for each in decoded]
+
+
+def near(found, wanted):
+    """Whether places are where they were drawn, but for a pixel."""
+    return len(found) == len(wanted) and all(
+        abs(one[axis] - other[axis]) < 0.2
+        for one, other in zip(found, wanted, strict=True)
+        for axis in (0, 1)
+    )
+
+
+def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
+    plan = plan_of(operator)
+    for up, right in ((5, 0), (5, 5), (-3, 2)):
+        operator.mouse.click(*point_on(plan, up, right))
+    rows = operator.get_by_role("list", name="Waypoints in their order").get_by_role("listitem")
+    expect(rows).to_have_count(3)
+    # The last one is dragged, and then made the first.
+    operator.mouse.move(*point_on(plan, -3, 2))
+    operator.mouse.down()
+    operator.mouse.move(*point_on(plan, -6, -2), steps=4)
+    operator.mouse.up()
+    for at in (3, 2):
+        operator.get_by_role("button", name=f"Waypoint {at} earlier").click()
+    expect(operator.get_by_text("Length on the plan: 16.3 m")).to_be_visible()
+    assert vehicle.list == []
+    send = operator.get_by_role("button", name="Send 3 waypoints")
+    operator.get_by_label("X", exact=True).fill("200000")
+    send.click()
+    expect(operator.get_by_text("Nothing is sent: elements[0].LocalWaypointRec.X")).to_be_visible()
+    operator.get_by_label("X", exact=True).fill("-5.5")
+    send.click()
+    expect(operator.get_by_text("has confirmed what is drawn")).to_be_visible()
+    assert near(places_of(vehicle), [(-5.5, -2), (5, 0), (5, 5)])
+    drive = operator.get_by_role("button", name="Execute")
+    expect(drive).to_be_disabled()
+    operator.get_by_label("Speed, 0 .. 327.67 m/s").fill("1.5")
+    drive.click()
+    expect(operator.get_by_text("It drives to waypoint 1 of 3.")).to_be_visible()
+    assert vehicle.executed == [(1.5, 1)]
+    vehicle.reach()
+    expect(rows.first).to_contain_text("reached")
+    expect(rows.nth(1)).to_contain_text("active")
+    plan_of(operator)
+    operator.screenshot(path=tmp_path / "plan-1440.png")
+    # The page is lost while it drives: it stops, what is drawn stays, and nothing is sent again.
+    operator.reload()
+    until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
+    assert vehicle.active == 0
+    operator.get_by_role("button", name=VEHICLE).click()
+    expect(rows).to_have_count(3)
+    expect(operator.get_by_role("button", name="Execute")).to_be_disabled()
+    assert broken(operator) == {}
+    assert vehicle.executed == [(1.5, 1)]
+
+
+def test_a_list_is_drawn_and_ended_by_keys_alone(operator, vehicle):
+    def to(role, name):
+        wanted = operator.get_by_role(role, name=name, exact=False)
+        expect(wanted).to_be_enabled()
+        for _ in range(200):
+            operator.keyboard.press("Tab")
+            if wanted.evaluate("each => each === document.activeElement"):
+                return
+        raise AssertionError(f"no key comes to {name}")
+
+    to("application", "Plan of waypoints")
+    for keys in ("Shift+ArrowUp", "Enter", "Shift+ArrowLeft", "Enter"):
+        operator.keyboard.press(keys)
+    to("button", "Waypoint 1:")
+    operator.keyboard.press("Enter")
+    operator.keyboard.press("Shift+Tab")
+    operator.keyboard.press("Shift+Tab")
+    to("button", "Send 2 waypoints")
+    operator.keyboard.press("Enter")
+    until(lambda: places_of(vehicle) == [(5.0, 0.0), (5.0, -5.0)])
+    to("textbox", "Speed, 0")
+    operator.keyboard.type("2")
+    to("button", "Execute")
+    operator.keyboard.press("Enter")
+    until(lambda: vehicle.executed == [(2.0, 1)])
+    to("button", "End the list")
+    operator.keyboard.press("Enter")
+    until(lambda: vehicle.executed[1:] == [(0.0, None)] and vehicle.list == [])
+
+
+def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, tmp_path):
+    page = open_studio.page_of(studio.commanding_address, viewport=PHONE, has_touch=True)
+    control(page)
+    plan = plan_of(page)
+    page.touchscreen.tap(*point_on(plan, 4, -4))
+    page.get_by_role("button", name="Send 1 waypoint").tap()
+    until(lambda: near(places_of(vehicle), [(4, -4)]))
+    assert page.locator(".operate").evaluate("room => room.scrollWidth") <= PHONE["width"]
+    assert broken(page) == {}
+    plan_of(page)
+    page.screenshot(path=tmp_path / "plan-390.png")
+
+
+# ---- pictures and streams ------------------------------------------------------------------------
+
+CAMERA = "100.1.20"
+
+
+def png(size):
+    """A picture with a corner that is dark, made by the standard of the format."""
+
+    def chunk(kind, data):
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
+
+    rows = [b"\0" + bytes(255 if x + y > size else 60 for x in range(size)) for y in range(size)]
+    header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
+    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows))), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in parts)
+
+
+@pytest.fixture
+def camera(port):
+    """A component with a picture, and with addresses of which none leads anywhere."""
+    provided = ("StillImage", "DigitalResourceDiscovery")
+    with Component(CAMERA, provides=provided, name="camera", port=port) as component:
+        picture = {"format": 0, "hex": png(120).hex()}
+        record = {"SensorID": 1, "ReportCoordinateSystem": 0, "ImageFrame": picture}
+        component.answer("StillImageData", lambda: {"StillImageDataList": [record]})
+        with Component(name="registrar", port=port) as registrar:
+            for url in ("rtsp://192.0.2.7/front", "http://192.0.2.7/rear", "javascript:alert(1)"):
+                told = {"ServerType": 0, "ServerURL": url}
+                fields = {"DigitalResourceEndpointRec": told}
+                registrar.request(CAMERA, "RegisterDigitalResourceEndpoint", fields)
+        yield CAMERA
+
+
+def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, tmp_path):
+    page = open_studio.page_of(studio.address)
+    page.get_by_role("button", name="Operate").click()
+    page.get_by_role("button", name=camera).click()
+    reports = page.get_by_label(f"Report of {camera}")
+    reports.select_option("StillImageData")
+    page.get_by_label("Hz").select_option("5")
+    page.get_by_role("button", name="Watch", exact=True).click()
+    picture = page.get_by_role("img", name="ImageFrame")
+    expect(picture).to_be_visible()
+    picture.scroll_into_view_if_needed()
+    page.screenshot(path=tmp_path / "picture.png")
+    assert picture.evaluate("each => [each.complete, each.naturalWidth]") == [True, 120]
+    reports.select_option("DigitalResourceEndpoint")
+    page.get_by_role("button", name="Watch", exact=True).click()
+    told = page.get_by_role("list", name="Streams and files").get_by_role("listitem")
+    expect(told).to_have_count(3)
+    expect(told.first).to_contain_text("ffplay 'rtsp://192.0.2.7/front'")
+    expect(told.first).to_contain_text("Browsers do not speak RTSP")
+    link = told.nth(1).get_by_role("link")
+    expect(link).to_have_attribute("href", "http://192.0.2.7/rear")
+    expect(link).to_have_attribute("rel", "noreferrer noopener")
+    expect(told.nth(2)).to_contain_text("no address")
+    assert broken(page) == {}
+    page.screenshot(path=tmp_path / "pictures.png", full_page=True)

@@ -9,8 +9,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from ports import free_port
-from simulated_vehicle import VEHICLE, Vehicle, until
+from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
 from studio_client import LONGEST, RefusedError, begun, serving
 from websockets.exceptions import InvalidStatus
 
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from simulated_vehicle import Vehicle
     from studio_client import Page, Server
 
     from jausml.runtime.transports.transport import Transport
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 
 REFUSED, UNAUTHORIZED = -32000, -32001
-LEASE, TIMEOUT = 2.0, 0.6
-STOP = f"SetWrenchEffort {TIMEOUT} PropulsiveLinearEffortX=0"
 COMMANDS: dict[str, dict[str, Any]] = {
     "renew": {},
     "take": {"component": VEHICLE, "authority": 205},
@@ -51,6 +49,15 @@ COMMANDS: dict[str, dict[str, Any]] = {
     "silence": {"number": 1, "reason": "seen"},
     "handoff": {"component": VEHICLE, "authority": 205, "reason": ""},
     "decide": {"component": VEHICLE, "number": 0, "decision": "grant"},
+    "list.set": {"component": VEHICLE, "message": "SetLocalWaypoint", "elements": []},
+    "list.execute": {
+        "component": VEHICLE,
+        "message": "SetLocalWaypoint",
+        "elements": [],
+        "speed": 1.0,
+        "first": 1,
+    },
+    "list.end": {"component": VEHICLE},
     "stick.begin": {"component": VEHICLE, "message": "SetWrenchEffort"},
     "stick.move": {"stick": 1, "fields": {}},
     "stick.end": {"stick": 1},
@@ -58,50 +65,8 @@ COMMANDS: dict[str, dict[str, Any]] = {
 
 
 @pytest.fixture(scope="module")
-def port() -> int:
-    return free_port()
-
-
-@pytest.fixture
-def vehicle(port: int) -> Iterator[Vehicle]:
-    with Vehicle(port) as vehicle:
-        yield vehicle
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory, built: Path, port: int) -> Iterator[Server]:
-    folder = tmp_path_factory.mktemp("project")
-    options = ("--operate", "standby", "--lease", str(LEASE), "--stop", STOP)
-    with serving(folder, built, *options, "--jaus-port", str(port)) as server:
-        yield server
-
-
-@pytest.fixture
-def commanding(server: Server) -> Iterator[Page]:
-    with server.page("/operate") as page:
-        page.ask("claim", right=server.right, name="anna")
-        yield page
-
-
-@pytest.fixture
-def holding(commanding: Page, vehicle: Vehicle) -> Page:  # noqa: ARG001 - it is there
-    """A page that controls the vehicle, which is Ready."""
-    take(commanding)
-    assert commanding.ask("resume", component=VEHICLE)["state"] == "READY"
-    return commanding
-
-
-def take(page: Page, component: str = VEHICLE) -> None:
-    """Takes control; whoever commanded in the test before is released meanwhile."""
-
-    def taken() -> bool:
-        try:
-            page.ask("take", component=component, authority=205)
-        except RefusedError:
-            return False
-        return True
-
-    until(taken)
+def server(operated: Server) -> Server:
+    return operated
 
 
 def nobody_commands(server: Server) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from contextlib import contextmanager
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,11 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 from jausml.authoring.studio.context import Subscribers
 from jausml.authoring.studio.operating.forms import form_of
 from jausml.authoring.studio.operating.leases import StickOverError
+from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
 from jausml.authoring.studio.operating.stops import NoStopError
-from jausml.authoring.studio.operating.unit import (
-    NotAllowedError,
-    OperatorUnit,
-)
+from jausml.authoring.studio.operating.unit import NotAllowedError, OperatorUnit
 from jausml.authoring.studio.operating.values import TooManyError
 from jausml.authoring.studio.operating.watching import UnitError
 from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
@@ -110,6 +109,7 @@ class Seat:
             "unwatch": self._unwatch,
             "values": self._values,
             "history": self._history,
+            "picture": self._picture,
         }
         commanding: Mapping[str, Callable[..., object]] = {
             "renew": self._renew,
@@ -123,6 +123,9 @@ class Seat:
             "silence": self._silence,
             "handoff": self._handoff,
             "decide": self._decide,
+            "list.set": self._set_list,
+            "list.execute": self._execute_list,
+            "list.end": self._end_list,
             "stick.begin": self._begin_stick,
             "stick.move": self._move_stick,
             "stick.end": self._end_stick,
@@ -208,6 +211,7 @@ class Seat:
                     elif entry.is_command:
                         commands.setdefault(entry.name, self._command(target, entry, each.name))
         return {
+            "services": sorted({each.urn.rpartition(":")[2] for each in provided}),
             "commands": sorted(commands.values(), key=lambda each: str(each["name"])),
             "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
         }
@@ -234,12 +238,18 @@ class Seat:
     def _journal(self) -> dict[str, Any]:
         return {"entries": self._unit.journal.entries}
 
-    def _watch(self, component: str, report: str, rate: float | None = None) -> dict[str, Any]:
+    def _watch(
+        self,
+        component: str,
+        report: str,
+        rate: float | None = None,
+        fields: dict[str, object] | None = None,
+    ) -> dict[str, Any]:
         target = component_address(component)
         unit = self._unit
         if rate is not None and not 0 < rate <= 50:
             raise UnitError(f"{rate:g} Hz is not above 0 and at most 50")
-        name = unit.values.watch(unit.operator, target, report, rate, self._number)
+        name = unit.values.watch(unit.operator, target, report, rate, self._number, fields)
         return {"report": name}
 
     def _unwatch(self, component: str, report: str) -> dict[str, Any]:
@@ -256,6 +266,9 @@ class Seat:
         most = min(max(points, 2), MOST_POINTS)
         found = self._unit.values.history(component, report, path, within, most)
         return {"times": [time for time, _ in found], "values": [value for _, value in found]}
+
+    def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
+        return {"url": self._unit.values.picture(component, report, path)}
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -336,6 +349,28 @@ class Seat:
         client = self._unit.decide(target, number, _DECISIONS[decision])
         self._unit.journal.note(self._name, f"{decision}: {client} asked for control of {target}")
         return {"client": client}
+
+    # ---- lists ------------------------------------------------------------------------------
+
+    def _set_list(self, component: str, message: str, elements: Drawn) -> dict[str, Any]:
+        target, unit = component_address(component), self._unit
+        unit.require_commander(self._number)
+        unit.lists.set(self._name, target, message, elements)
+        return {}
+
+    def _execute_list(
+        self, component: str, message: str, elements: Drawn, speed: float, first: int
+    ) -> dict[str, Any]:
+        """Has a component execute what is drawn, which must be what it has."""
+        self._unit.require_commander(self._number)
+        self._unit.lists.check(component_address(component), message, elements)
+        begin = {"time": time.time()}
+        return begin | self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first})
+
+    def _end_list(self, component: str) -> dict[str, Any]:
+        self._unit.require_commander(self._number)
+        self._unit.lists.end(self._name, component_address(component))
+        return {}
 
     # ---- the stick --------------------------------------------------------------------------
 

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
-from threading import Lock, RLock, Thread
+from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.studio.operating.journal import Journal
 from jausml.authoring.studio.operating.leases import Lease
+from jausml.authoring.studio.operating.lists import Lists
 from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
 from jausml.authoring.studio.operating.values import Values
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 
 LONGEST = 1.0
 """Seconds after which a state is told that has not changed."""
+
+_LONGEST_STOP = 30.0
+"""Seconds that the end of the unit waits for what stops a lost page's components."""
 
 
 class NotAllowedError(Exception):
@@ -95,9 +99,11 @@ class OperatorUnit:
         told_stops = [told_stop(each, self._system.catalogue) for each in stops]
         declared = Stops(self._system.model, told_stops)
         self.sticks = Sticks(self._system, self.journal, declared)
+        self.lists = Lists(self._system, self.journal)
         self._told_last: tuple[float, dict[str, Any]] | None = None
         self._commander: Commander | None = None
-        self._is_losing = False
+        self._is_settled = Event()  # nothing of a lost page is being stopped
+        self._is_settled.set()
         self._turn = RLock()
         self._state = Lock()
 
@@ -112,9 +118,12 @@ class OperatorUnit:
         self._system.stop()
 
     def _leave_all(self) -> None:
+        self.operator.drop_list_changes()
         commander = self._commander
         if commander is not None:
             self._lose(commander, "the studio ends")
+        # Who still waits for a component would wait for ever once ours has ended.
+        self._is_settled.wait(_LONGEST_STOP)
 
     @property
     def operator(self) -> Operator:
@@ -195,7 +204,7 @@ class OperatorUnit:
             raise NotAllowedError("this studio was started without --operate")
         self.operator  # noqa: B018 - it must be there
         with self._state:
-            if self._is_losing:
+            if not self._is_settled.is_set():
                 raise UnitError("what the page before commanded is being stopped; try again")
             if self._commander is None:
                 lease = Lease(powers.lease, lambda: self._silent(page))
@@ -274,6 +283,7 @@ class OperatorUnit:
             raise NotAllowedError("this studio was started without --operate")
         operator = self.operator
         self.sticks.end(STOPPED)
+        operator.drop_list_changes()
         stopped = list(dict.fromkeys((*(each.target for each in operator.holds), *targets)))
         shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
         self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
@@ -330,12 +340,12 @@ class OperatorUnit:
             if self._commander is not commander:
                 return
             self._commander = None
-            self._is_losing = True  # what is released at the end is nothing of the next page
+            self._is_settled.clear()  # what is released at the end is nothing of the next page
             commander.lease.end()
         try:
             self._stop_and_release(commander, why)
         finally:
-            self._is_losing = False
+            self._is_settled.set()
 
     def _stop_and_release(self, commander: Commander, why: str) -> None:
         operator = self._system.running

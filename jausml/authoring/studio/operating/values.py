@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.studio.operating.pictures import picture_url
 from jausml.language import wire
 from jausml.live.messages.entries import parts
 from jausml.live.peers.rendering import field_texts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.operator import Operator
@@ -26,6 +27,9 @@ MOST_FIELDS = 64
 
 MOST_KEPT = 20_000
 """Values of a number that are kept: 10 minutes of 30 Hz and more."""
+
+LONGEST_TEXT = 80
+"""Characters of a value that are shown."""
 
 RATE = ""
 """Path of the rate at which a report comes."""
@@ -40,7 +44,7 @@ class TooManyError(Exception):
 
 @dataclass
 class Watched:
-    """A report of a component that is watched."""
+    """A report of a component that is watched (`pictures`: bytes by their paths, hexadecimal)."""
 
     component: str
     report: str
@@ -49,6 +53,7 @@ class Watched:
     told: float = 0.0
     count: int = 0
     texts: list[tuple[str, str]] = field(default_factory=list)
+    pictures: dict[str, str] = field(default_factory=dict)
     history: dict[str, deque[Point]] = field(default_factory=dict)
 
 
@@ -61,9 +66,19 @@ class Values:
         self._lock = Lock()
 
     def watch(
-        self, operator: Operator, target: JausAddress, name: str, rate: float | None, page: int
+        self,
+        operator: Operator,
+        target: JausAddress,
+        name: str,
+        rate: float | None,
+        page: int,
+        fields: dict[str, Any] | None = None,
     ) -> str:
-        """Subscribes to a report for a page, once for all of them; returns its name."""
+        """Subscribes to a report for a page, once for all of them; returns its name.
+
+        Args:
+            fields: Those of the query, for all that the report may hold if they are absent.
+        """
         _, report = operator.exchange(target, name)
         key = str(target), report.name
         with self._lock:
@@ -75,7 +90,7 @@ class Values:
         if is_first:
             try:
                 subscription = operator.watch(
-                    target, report.name, rate, lambda entry, fields: self._take(key, entry, fields)
+                    target, report.name, rate, lambda *told: self._take(key, *told), fields
                 )
             except BaseException:
                 with self._lock:
@@ -118,9 +133,17 @@ class Values:
                     "count": each.count,
                     "fields": [list(pair) for pair in each.texts],
                     "numbers": [path for path in each.history if path != RATE],
+                    "pictures": list(each.pictures),
                 }
                 for each in self._watched.values()
             ]
+
+    def picture(self, component: str, report: str, path: str) -> str:
+        """Returns the URL of the last picture of a report (`NoPictureError`: there is none)."""
+        with self._lock:
+            known = self._watched.get((component, report))
+            found = known.pictures.get(path, "") if known is not None else ""
+        return picture_url(bytes.fromhex(found))
 
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
@@ -135,15 +158,16 @@ class Values:
 
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
         now = time.time()
-        texts = list(field_texts(entry.record, fields))
-        found = dict(_numbers(entry.record, fields))
+        texts = [(path, _short(text)) for path, text in field_texts(entry.record, fields)]
+        leaves = list(_leaves(entry.record, fields))
+        found = dict(_numbers(leaves))
         with self._lock:
             known = self._watched.get(key)
             if known is None:
                 return
             if known.told and now > known.told:
                 found[RATE] = 1 / (now - known.told)
-            known.told, known.texts = now, texts
+            known.told, known.texts, known.pictures = now, texts, dict(_pictures(leaves))
             known.count += 1
             for path, value in found.items():
                 if path in known.history or len(known.history) < MOST_FIELDS:
@@ -151,21 +175,41 @@ class Values:
                     kept.append((now, value))
 
 
-def _numbers(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, float]]:
-    """Yields the numbers of a report by the paths that `field_texts` gives them."""
+Leaf = tuple[str, wire.Kind, Any]
+"""The path that `field_texts` gives a value, its kind, and the value."""
+
+
+def _leaves(kind: wire.Kind, value: Any, path: str = "") -> Iterator[Leaf]:
+    """Yields the values of a report that have no parts."""
     match kind:
-        case wire.VariableNumber():
-            yield path, float(value["value"])
-        case wire.Integer() | wire.Scaled() | wire.Real():
-            yield path, float(int(value) if isinstance(kind, wire.Integer) else value)
         case wire.Record() | wire.List() | wire.Array() | wire.Variant():
             outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
             for name, inner, part in parts(kind, value):
                 step = "" if outermost and isinstance(inner, wire.Record) else name
                 dot = "." if path and step and not step.startswith("[") else ""
-                yield from _numbers(inner, part, f"{path}{dot}{step}")
+                yield from _leaves(inner, part, f"{path}{dot}{step}")
         case _:
-            return
+            yield path, kind, value
+
+
+def _numbers(leaves: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
+    for path, kind, value in leaves:
+        match kind:
+            case wire.VariableNumber():
+                yield path, float(value["value"])
+            case wire.Integer() | wire.Scaled() | wire.Real():
+                yield path, float(int(value) if isinstance(kind, wire.Integer) else value)
+
+
+def _pictures(leaves: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
+    """Yields what may be a picture: bytes with a format, which hold no message."""
+    for path, kind, value in leaves:
+        if isinstance(kind, wire.FormattedOctets) and value.get("hex"):
+            yield path, value["hex"]
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}…"
 
 
 def decimated(points: Sequence[Point], most: int) -> list[Point]:

@@ -1,0 +1,96 @@
+"""Lists that a person has drawn: set as they are drawn, executed as they were set, and ended."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.authoring.studio.operating.watching import UnitError
+from jausml.live.messages.errors import CodecError
+from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.peers.rendering import printable, shown_fields
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.studio.operating.journal import Journal
+    from jausml.authoring.studio.operating.watching import WatchedSystem
+    from jausml.live.messages import MessageEntry
+    from jausml.runtime.base.address import JausAddress
+
+MOST_ELEMENTS = 1000
+
+Drawn = tuple[dict[str, object], ...]
+"""The fields of the messages that are the elements, in their order."""
+
+
+class Lists:
+    """The lists of the components that the unit controls; any thread may ask."""
+
+    def __init__(self, system: WatchedSystem, journal: Journal) -> None:
+        """Sets none."""
+        self._system, self._journal = system, journal
+
+    def set(self, name: str, target: JausAddress, message: str, drawn: Drawn) -> None:
+        """Replaces the list of a component; one that it executes ends with that.
+
+        Raises:
+            CodecError: A value is not one of its field; nothing is sent.
+            UnitError: The component takes no such list.
+        """
+        operator = self._system.operator
+        entry, payloads = self._encoded(target, message, drawn)
+        operator.check_obeyed(target, operator.find(target, "SetElement"))
+        shown = "; ".join(
+            f"{uid}: {printable(shown_fields(entry, entry.decode(each)))}"
+            for uid, each in enumerate(payloads, 1)
+        )
+        self._journal.note(name, f"list of {len(payloads)} {entry.name} to {target}: {shown}")
+        self._change(target, payloads)
+        self._journal.note(str(target), f"has the list of {len(payloads)} {entry.name}")
+
+    def check(self, target: JausAddress, message: str, drawn: Drawn) -> None:
+        """Refuses what is drawn unless the component has just that."""
+        _, payloads = self._encoded(target, message, drawn)
+        if not self._system.operator.has_list(target, payloads):
+            raise UnitError(f"{target} has another list than the one that is drawn; send it first")
+
+    def end(self, name: str, target: JausAddress) -> None:
+        """Has a component stand and forget its list: together they leave nothing that could go on.
+
+        The speed alone may be followed by an ExecuteList that was lost and comes again.
+        """
+        operator = self._system.operator
+        execute = operator.find(target, "ExecuteList")
+        operator.check_obeyed(target, execute)
+        self._journal.note(name, f"ends the list of {target}: speed 0, and no element")
+        operator.send(target, operator.message(execute, {"Speed": 0.0}), acknowledge=True)
+        self._change(target, ())
+        self._journal.note(str(target), "has no element in its list")
+
+    def _change(self, target: JausAddress, payloads: Sequence[bytes]) -> None:
+        try:
+            self._system.operator.set_list(target, payloads)
+        except (NoAnswer, Refused) as error:
+            self._journal.alarm(f"list of {target}", str(error))
+            raise
+
+    def _encoded(
+        self, target: JausAddress, message: str, drawn: Drawn
+    ) -> tuple[MessageEntry, list[bytes]]:
+        if not 0 < len(drawn) <= MOST_ELEMENTS:
+            raise UnitError(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
+        operator = self._system.operator
+        entry = operator.find(target, message)
+        provided = {each.urn for each in operator.services(target)}
+        taken = {code for urn, code in ELEMENTS_OF_DRIVERS.items() if urn in provided}
+        if entry.code not in taken:
+            raise UnitError(f"{target} provides no driver for lists of {entry.name}")
+        return entry, [_encoded(entry, at, each) for at, each in enumerate(drawn)]
+
+
+def _encoded(entry: MessageEntry, at: int, fields: dict[str, Any]) -> bytes:
+    try:
+        return entry.encode(entry.completed(fields))
+    except CodecError as error:
+        raise error.inside(f"elements[{at}]") from None

@@ -1,0 +1,82 @@
+import { useEffect, useState } from "react";
+import { messageOf } from "../actions";
+import { Copyable, Quiet } from "../panels/base/parts";
+import { endpointOf, textsOfUrls } from "./endpoints";
+import type { Values } from "./protocol";
+import { ask } from "./unit";
+
+/** What a report has beside values: pictures, and where streams are. */
+export default function Media({ values }: { values: Values }) {
+  const urls = textsOfUrls(values.fields);
+  return (
+    <>
+      {values.pictures.map((path) => (
+        <Picture key={path} values={values} path={path} />
+      ))}
+      {urls.length > 0 && (
+        <ul className="endpoints" aria-label={`Streams and files that ${values.component} tells`}>
+          {urls.map((each) => (
+            <Endpoint key={each} text={each} />
+          ))}
+        </ul>
+      )}
+    </>
+  );
+}
+
+/** The last picture of a report, again with each report. */
+function Picture({ values, path }: { values: Values; path: string }) {
+  const { component, report, count, age } = values;
+  const [url, setUrl] = useState("");
+  const [reason, setReason] = useState("");
+  // biome-ignore lint/correctness/useExhaustiveDependencies: each report has another picture
+  useEffect(() => {
+    let isWanted = true;
+    ask("picture", { component, report, path }).then(
+      (found) => {
+        if (!isWanted) return;
+        setUrl(found.url);
+        setReason("");
+      },
+      (error: unknown) => isWanted && setReason(messageOf(error)),
+    );
+    return () => {
+      isWanted = false;
+    };
+  }, [component, report, path, count]);
+  if (reason) return <Quiet>{`${path} is no picture that is shown here: ${reason}.`}</Quiet>;
+  return (
+    <figure className="picture">
+      {url && (
+        <img
+          src={url}
+          alt={`${path} of ${component}`}
+          onError={() => setReason("the browser cannot read it")}
+        />
+      )}
+      <figcaption>
+        {path} of {component}, picture {count}, {age} s old
+      </figcaption>
+    </figure>
+  );
+}
+
+/** An address that a peer told: nothing connects to it unless a person does. */
+function Endpoint({ text }: { text: string }) {
+  const endpoint = endpointOf(text);
+  if (!endpoint) return <li>{text} is no address of a stream or file.</li>;
+  return (
+    <li>
+      <Copyable label={`the address ${endpoint.href}`} text={endpoint.href} />
+      <p className="quiet">{endpoint.why}</p>
+      {endpoint.isPage && (
+        <a href={endpoint.href} target="_blank" rel="noreferrer noopener">
+          Open {endpoint.href} in a tab of its own
+        </a>
+      )}
+      {endpoint.commands.map((each) => (
+        <Copyable key={each} label={`the command ${each}`} text={each} />
+      ))}
+    </li>
+  );
+}
