@@ -9,7 +9,7 @@ clause of a map that begins a line tells that the list before it lacks its brack
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lark import Token, UnexpectedToken
 
@@ -24,6 +24,9 @@ from jausml.language.text.reading.scanning import (
 )
 from jausml.language.text.reading.shaping import Items, span_of
 from jausml.language.text.tree import DEEPEST, LONGEST, Element, Span, SyntaxTree
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 __all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse", "parse_part"]
 
@@ -43,7 +46,7 @@ class Parsed:
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
-    tokens: list[Token] = field(default_factory=list)
+    tokens: Iterable[Token] = ()
 
 
 def parse(text: str) -> Parsed:
