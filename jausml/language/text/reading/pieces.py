@@ -226,29 +226,28 @@ class _Tokens:
 
 
 class _Moved(Items[Any]):
-    """Items on other lines; they are copied when somebody looks at them."""
+    """Items on other lines; they are copied when somebody looks at them.
+
+    Attributes:
+        waiting: Which are to be copied, and by how many lines; None when they were.
+    """
 
     def __init__(self, items: Items[Any], by: int) -> None:
         super().__init__()
-        is_waiting = isinstance(items, _Moved) and items._from is not None
-        before: tuple[Items[Any], int] = items._from if is_waiting else (items, 0)  # type: ignore
-        self._from: tuple[Items[Any], int] | None = (before[0], before[1] + by)
-        self._origin = items.origin
+        before = items.waiting if isinstance(items, _Moved) else None
+        source, moved = before or (items, 0)
+        self.waiting: tuple[Items[Any], int] | None = (source, moved + by)
         if items.start is not None:
             self.start = (items.start[0] + by, items.start[1])
             self.end = (items.end[0] + by, items.end[1])
 
-    @property
-    def origin(self) -> Items[Any]:
-        return self._origin
-
     def _here(self) -> list[Any]:
-        waiting = self._from
+        waiting = self.waiting
         if waiting is not None:
             items, by = waiting
             # At once: another thread may look meanwhile.
             self[:] = [_moved(each, by) for each in items]
-            self._from = None
+            self.waiting = None
         return self
 
     def __iter__(self) -> Iterator[Any]:
@@ -256,7 +255,7 @@ class _Moved(Items[Any]):
         return super().__iter__()
 
     def __len__(self) -> int:
-        return super().__len__() if self._from is None else len(self._from[0])
+        return super().__len__() if self.waiting is None else len(self.waiting[0])
 
     def __getitem__(self, at: Any) -> Any:
         self._here()

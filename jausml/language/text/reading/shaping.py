@@ -54,11 +54,6 @@ class Items(list[T]):
     start: tuple[int, int] | None = None
     end: tuple[int, int] = (1, 1)
 
-    @property
-    def origin(self) -> Items[T]:
-        """The items of which these are a copy on other lines; itself where they have not moved."""
-        return self
-
 
 def unescape(text: str) -> str:
     r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`."""
