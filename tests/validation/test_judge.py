@@ -265,7 +265,7 @@ KINDS = {
     "map": ("YawRate -> twist.angular.z : negate", "YawRate -> twist.angular.z"),
     "added": (
         "    bridge bridge_0 {",
-        "    component new { address: 9.9.9 }\n    bridge bridge_0 {",
+        "    component fresh { address: 9.9.9 }\n    bridge bridge_0 {",
     ),
 }
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lark import Token, UnexpectedToken
 
@@ -25,6 +25,9 @@ from jausml.language.text.reading.scanning import (
 )
 from jausml.language.text.reading.shaping import Items, span_of
 from jausml.language.text.tree import DEEPEST, LONGEST, Element, Span, SyntaxTree
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 __all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse", "parse_part"]
 
@@ -44,7 +47,7 @@ class Parsed:
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
-    tokens: list[Token] = field(default_factory=list)
+    tokens: Iterable[Token] = ()
 
 
 def parse(text: str) -> Parsed:

@@ -22,10 +22,13 @@ from jausml.language.text.reading.shaping import Items
 from jausml.language.text.tree import DEEPEST, LONGEST, Element, Span, SyntaxTree
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
 _LONG = 1_000
 """Characters from which on a piece is parsed by the pieces of its block."""
+
+_FEW = 8
+"""Texts whose trees are kept."""
 
 _MOST_KEPT = 4 * LONGEST
 """Characters of the pieces that are kept."""
@@ -92,13 +95,14 @@ class Pieces:
 
     def _all(self, text: str, pieces: Sequence[_Piece], line: int, *, in_block: bool) -> Parsed:
         """Reads pieces one behind the other."""
-        joined = Parsed(SyntaxTree())
+        tokens = _Tokens()
+        joined = Parsed(SyntaxTree(), tokens=tokens)
         for position, piece in enumerate(pieces):
             found = self._read(text, piece, line, is_first=position == 0, in_block=in_block)
             joined.document.items += found.document.items
             joined.document.closing += found.document.closing
             joined.faults += found.faults
-            joined.tokens += found.tokens
+            tokens.parts.append((found.tokens, 0))
             line += text.count("\n", piece.start, piece.end)
         return joined
 
@@ -133,14 +137,15 @@ class Pieces:
         last = found.document.items[-1] if found.document.items else None
         if found.faults or not isinstance(last, Element) or not isinstance(last.items, Items):
             return None
-        if last.items or last.items.start is None or found.tokens[-1].type != "RBRACE":
+        tokens = list(found.tokens)
+        if last.items or last.items.start is None or tokens[-1].type != "RBRACE":
             return None
         first = line + text.count("\n", piece.start, block.start)
         inner = self._all(text, block.pieces, first, in_block=True)
         last.items += inner.document.items
         last.closing += inner.document.closing
-        at = next(n for n, each in enumerate(found.tokens) if (each.line or 1) >= first)
-        found.tokens[at:at] = inner.tokens
+        at = next(n for n, each in enumerate(tokens) if (each.line or 1) >= first)
+        found.tokens = _Tokens([(tokens[:at], 0), (inner.tokens, 0), (tokens[at:], 0)])
         found.faults += inner.faults
         return found
 
@@ -150,7 +155,7 @@ def _pieces() -> Pieces:
     return Pieces()
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=_FEW)
 def roughly_parsed(text: str) -> Parsed:
     """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
 
@@ -159,7 +164,7 @@ def roughly_parsed(text: str) -> Parsed:
     return _pieces().parsed(text)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=_FEW)
 def parsed_text(text: str) -> Parsed:
     """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
     found = roughly_parsed(text)
@@ -206,12 +211,87 @@ def _complete(block: _Block, text: str, end: int) -> None:
     block.pieces.append(_Piece(block.at, end))
 
 
+class _Tokens:
+    """The tokens of parts of a text, each of which has moved by some lines."""
+
+    def __init__(self, parts: Sequence[tuple[Iterable[Token], int]] = ()) -> None:
+        self.parts = list(parts)
+
+    def __iter__(self) -> Iterator[Token]:
+        for tokens, by in self.parts:
+            yield from (_moved(each, by) for each in tokens) if by else tokens
+
+    def moved(self, by: int) -> _Tokens:
+        return _Tokens([(tokens, before + by) for tokens, before in self.parts])
+
+
+class _Moved(Items[Any]):
+    """Items on other lines; they are copied when somebody looks at them.
+
+    Attributes:
+        waiting: Which are to be copied, and by how many lines; None when they were.
+    """
+
+    def __init__(self, items: Items[Any], by: int) -> None:
+        super().__init__()
+        before = items.waiting if isinstance(items, _Moved) else None
+        source, moved = before or (items, 0)
+        self.waiting: tuple[Items[Any], int] | None = (source, moved + by)
+        if items.start is not None:
+            self.start = (items.start[0] + by, items.start[1])
+            self.end = (items.end[0] + by, items.end[1])
+
+    def _here(self) -> list[Any]:
+        waiting = self.waiting
+        if waiting is not None:
+            items, by = waiting
+            # At once: another thread may look meanwhile.
+            self[:] = [_moved(each, by) for each in items]
+            self.waiting = None
+        return self
+
+    def __iter__(self) -> Iterator[Any]:
+        self._here()
+        return super().__iter__()
+
+    def __len__(self) -> int:
+        return super().__len__() if self.waiting is None else len(self.waiting[0])
+
+    def __getitem__(self, at: Any) -> Any:
+        self._here()
+        return super().__getitem__(at)
+
+    def __reversed__(self) -> Iterator[Any]:
+        self._here()
+        return super().__reversed__()
+
+    def __contains__(self, item: object) -> bool:
+        self._here()
+        return super().__contains__(item)
+
+    def __eq__(self, other: object) -> bool:
+        self._here()
+        return super().__eq__(other)
+
+    def __repr__(self) -> str:
+        self._here()
+        return super().__repr__()
+
+    def index(self, *about: Any) -> int:
+        self._here()
+        return super().index(*about)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
 def _shifted(found: Parsed, by: int) -> Parsed:
     """Returns what stands on other lines now."""
     if not by:
         return found
     faults = [each._replace(span=_moved(each.span, by)) for each in found.faults]
-    return Parsed(_moved(found.document, by), faults, [_moved(each, by) for each in found.tokens])
+    document = found.document
+    tree = SyntaxTree([_moved(each, by) for each in document.items], document.closing)
+    return Parsed(tree, faults, _Tokens([(found.tokens, 0)]).moved(by))
 
 
 def _moved(value: Any, by: int) -> Any:
@@ -221,11 +301,7 @@ def _moved(value: Any, by: int) -> Any:
         places = (value.column, (value.end_line or 1) + by, value.end_column, value.end_pos)
         return Token(value.type, str(value), value.start_pos, (value.line or 1) + by, *places)
     if isinstance(value, Items):
-        items: Items[Any] = Items(_moved(each, by) for each in value)
-        if value.start is not None:
-            items.start = (value.start[0] + by, value.start[1])
-            items.end = (value.end[0] + by, value.end[1])
-        return items
+        return _Moved(value, by)
     if isinstance(value, list | tuple):
         return type(value)(_moved(each, by) for each in value)
     if is_dataclass(value) and not isinstance(value, type):
