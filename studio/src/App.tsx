@@ -3,7 +3,7 @@ import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
 import { Header } from "./header/Header";
-import { onShortcut } from "./keyboard/shortcuts";
+import { onPaste, onShortcut } from "./keyboard/shortcuts";
 import { hasRight, useOperating } from "./operate/mode";
 import { PropertyForm } from "./panels/form/PropertyForm";
 import { Generate } from "./panels/generate/Generate";
@@ -27,7 +27,11 @@ const Operate = lazy(() => import("./operate/Operate"));
 export function App() {
   useEffect(() => {
     document.addEventListener("keydown", onShortcut);
-    return () => document.removeEventListener("keydown", onShortcut);
+    document.addEventListener("paste", onPaste);
+    return () => {
+      document.removeEventListener("keydown", onShortcut);
+      document.removeEventListener("paste", onPaste);
+    };
   }, []);
   const right = useStudio((studio) => studio.right);
   const isOperating = useOperating((mode) => mode.isOpen);

@@ -15,10 +15,12 @@ import type {
   LegalEnd,
   LiveState,
   Point,
+  PresentPage,
   Problems,
   Project,
   Ref,
   Referrer,
+  StartingPoint,
   ViewInfo,
 } from "./protocol";
 import type { PartKey } from "./selection";
@@ -26,7 +28,8 @@ import type { PartKey } from "./selection";
 /** A dialog that is open; one at a time. */
 export type Dialog =
   | { kind: "help" }
-  | { kind: "create" }
+  | { kind: "create"; points: StartingPoint[] | null }
+  | { kind: "presence" }
   | {
       kind: "delete";
       commands: Command[];
@@ -134,8 +137,11 @@ export interface Studio {
   /** When the live state came, in milliseconds since 1970. */
   liveAt: number;
   said: Said;
-  clip: Command[];
+  /** What was copied, where the clipboard of the system does not take it. */
+  clip: string;
   undoable: Entry | null;
+  /** The pages that have the project open, this one too. */
+  pages: PresentPage[];
   /** Parts that stay bright while all others fade; null without a focus. */
   bright: Set<PartKey> | null;
   /** Ends to which the line that is being drawn may go. */
@@ -178,8 +184,9 @@ export const BEGINNING: Studio = {
   drafts: [],
   liveAt: 0,
   said: { text: "", isError: false, number: 0 },
-  clip: [],
+  clip: "",
   undoable: null,
+  pages: [],
   bright: null,
   legal: null,
   under: null,

@@ -166,15 +166,32 @@ test("a box that was dropped stands where it was dropped", async () => {
 
 test("what was copied is pasted into what is chosen", async () => {
   const server = serveGraph();
-  const commands = [{ kind: "remove" as const, element: "x" }];
-  server.answer("copy", () => ({ commands }));
-  server.answer("paste", () => DONE);
-  await actions.paste();
+  server.answer("copy", () => ({ text: "bridge nav { }" }));
+  const left_out = [{ name: "nav", message: "no vehicle" }];
+  server.answer("paste", () => ({ ...DONE, left_out }));
+  await actions.paste("");
   expect(state().said.text).toBe("Nothing was copied.");
   actions.select([nodeKey("bridge")]);
   await actions.copySelected();
-  await actions.paste();
-  expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", commands }]);
+  expect(state().said.text).toBe("Copied bridge, for this page alone.");
+  await actions.paste("");
+  expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", text: "bridge nav { }" }]);
+  expect(state().drafts).toMatchObject([{ field: "pasted", what: "nav: no vehicle" }]);
+});
+
+test("what was copied goes by the clipboard of the system where there is one", async () => {
+  const server = serveGraph();
+  const written: string[] = [];
+  const writeText = async (text: string) => void written.push(text);
+  vi.stubGlobal("navigator", { clipboard: { writeText } });
+  server.answer("copy", () => ({ text: "bridge nav { }" }));
+  server.answer("paste", () => ({ ...DONE, left_out: [] }));
+  actions.select([nodeKey("bridge")]);
+  await actions.copySelected();
+  vi.unstubAllGlobals();
+  expect([written, state().clip]).toEqual([["bridge nav { }"], ""]);
+  await actions.paste("node other");
+  expect(server.params("paste")).toMatchObject([{ text: "node other" }]);
 });
 
 test("where a line may end lights up until it is drawn, also if the answer comes late", async () => {

@@ -4,6 +4,7 @@ import type { Command, EditResult, KeptEdit } from "../protocol";
 import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { choose } from "./choosing";
+import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
 /**
@@ -51,11 +52,21 @@ export async function settled(result: EditResult, label: string): Promise<EditRe
   return result;
 }
 
-/** Makes a model file with an empty system, and opens it. */
-export async function newModel(file: string): Promise<void> {
-  const name = file.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
-  const create: Command = { kind: "create", file, type: "system.System", values: { name: [name] } };
-  if (await edit([create], `Create ${file}`)) await openFile(file);
+/** Asks for a new model. */
+export async function beginModel(): Promise<void> {
+  const asked = ask("starting_points", {});
+  await openFor({ kind: "create", points: null }, asked, ({ points }) => ({
+    kind: "create",
+    points,
+  }));
+}
+
+/** Makes a model file that begins with a starting point, and opens it. */
+export async function newModel(file: string, origin: string): Promise<void> {
+  const result = await tried(ask("create", { file, origin }));
+  if (!result) return;
+  await settled(result, `Create ${file}`);
+  await openFile(file);
 }
 
 export async function undo(): Promise<void> {

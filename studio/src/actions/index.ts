@@ -9,6 +9,7 @@ export * from "./copying";
 export * from "./drafting";
 export * from "./filtering";
 export * from "./listening";
+export * from "./looking";
 export * from "./opening";
 export * from "./placing";
 export * from "./removing";

@@ -81,7 +81,7 @@ function Kept({ edit }: { edit: KeptEdit }) {
 function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {
   return (
     <p className="banner error" role="status">
-      × Typed, and not taken: {what}
+      × {text ? "Typed, and not taken" : "Not taken"}: {what}
       {text && `: “${text}”`}. {why && `${why}.`}
       {element && (
         <button type="button" onClick={() => choose(element)}>

@@ -1,14 +1,16 @@
 // Requests and notifications.
 
-import type { Command, EditResult, Entry, KeptEdit } from "./commands";
+import type { Command, EditResult, Entry, KeptEdit, LeftOut } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
+import type { PresentPage } from "./presence";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
 import type { FileText, OutlineRow, Source } from "./sources";
+import type { StartingPoint } from "./starting";
 import type { ChosenStep, Stepping } from "./steps";
 
 /** Requests: parameters and results by method. */
@@ -28,8 +30,13 @@ export interface Methods {
   "kept.discard": [{ number: number }, unknown];
   /** What went wrong in the studio itself, the latest first. */
   faults: [Record<string, never>, { faults: LoggedFault[] }];
-  copy: [{ elements: Ref[] }, { commands: Command[] }];
-  paste: [{ owner: Ref; commands: Command[] }, EditResult];
+  starting_points: [Record<string, never>, { points: StartingPoint[] }];
+  /** Makes a model file that begins with a starting point. */
+  create: [{ file: string; origin: string }, EditResult];
+  copy: [{ elements: Ref[] }, { text: string }];
+  paste: [{ owner: Ref; text: string }, EditResult & { left_out: LeftOut[] }];
+  /** Tells others where this page looks. */
+  look: [Omit<PresentPage, "id" | "here">, { pages: PresentPage[] }];
   form: [{ element: Ref }, Form];
   palette: [
     /** `onto` is the element that it is added to, or dropped on. */
@@ -96,6 +103,7 @@ export interface Notifications {
   live: { state: LiveState; freshness?: Freshness };
   /** The edits that are kept have changed. */
   kept: { edits: KeptEdit[] };
+  presence: { pages: PresentPage[] };
 }
 
 export type Notification = keyof Notifications;

@@ -34,6 +34,8 @@ export interface Project {
   version: string;
   revision: number;
   files: FileInfo[];
+  /** Id of this page among those that have the project open. */
+  page: string;
   /** The file to show first, empty for none. */
   opened: string;
   extras: { live: boolean; graphviz: boolean };
