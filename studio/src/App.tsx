@@ -103,6 +103,8 @@ function Middle() {
 
 function Left() {
   const left = useStudio((studio) => studio.left);
+  // What was searched for one view is not for another one.
+  const where = useStudio((studio) => `${studio.file} ${studio.view}`);
   return (
     <Tabs
       label="Show of what there is"
@@ -113,7 +115,7 @@ function Left() {
       chosen={left}
       onChoose={(tab) => update({ left: tab })}
     >
-      {left === "outline" ? <Outline /> : <Palette />}
+      {left === "outline" ? <Outline /> : <Palette key={where} />}
     </Tabs>
   );
 }

@@ -14,6 +14,7 @@ import type {
   LayoutKey,
   LegalEnd,
   LiveState,
+  OutsideChange,
   Point,
   PresentPage,
   Problems,
@@ -55,9 +56,7 @@ export type Dialog =
   | { kind: "diff"; title: string; diff: string };
 
 /** Something that another program did to a file. */
-export interface Outside {
-  file: string;
-  diff: string;
+export interface Outside extends OutsideChange {
   isConflict: boolean;
 }
 

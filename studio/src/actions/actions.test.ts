@@ -24,7 +24,8 @@ function serveGraph(graph: Graph = smallGraph(), revision = 1) {
 }
 
 function changed(revision: number, more: Partial<Notifications["changed"]> = {}) {
-  const params = { revision, files: PROJECT.files, by: "edit" as const, ...more };
+  const log = { undoable: true, redoable: false };
+  const params = { revision, files: PROJECT.files, by: "edit" as const, ...log, ...more };
   actions.listener.onNotification("changed", params);
 }
 
@@ -265,6 +266,19 @@ test("renaming begins with the name of the model, not with what the box shows", 
   expect(server.params("edit").at(-1)?.commands).toEqual([
     { kind: "rename", element: "robot.xmi#ocu", name: "driver" },
   ]);
+});
+
+test("what is renamed stays chosen, whoever asked for its new name", async () => {
+  const graph = smallGraph();
+  const server = serveGraph(graph);
+  actions.select([nodeKey("ocu")]);
+  const nodes = graph.nodes.map((each) =>
+    each.id === "ocu" ? { ...each, key: "key:driver", title: "driver" } : each,
+  );
+  server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
+  server.answer("edit", () => ({ revision: 2, created: [] }));
+  await actions.change([{ kind: "rename", element: "robot.xmi#ocu", name: "driver" }], "Rename");
+  expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey("ocu")] });
 });
 
 test("a file that is gone makes room for another", async () => {

@@ -1,9 +1,10 @@
 // Changes of the model, and taking them back.
 
-import type { Command, EditResult, KeptEdit } from "../protocol";
+import type { Command, EditResult, KeptEdit, Ref } from "../protocol";
+import { has, type PartKey } from "../selection";
 import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
-import { choose } from "./choosing";
+import { choose, select } from "./choosing";
 import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
@@ -19,7 +20,20 @@ export async function change(
   label: string,
   base = revisionOf(state()),
 ): Promise<EditResult> {
-  return settled(await ask("edit", { commands, label, base }), label);
+  const result = await ask("edit", { commands, label, base });
+  const { selection, chosen } = state();
+  await settled(result, label);
+  if (commands.some((each) => each.kind === "rename")) keepChoice(selection, chosen);
+  return result;
+}
+
+/** Keeps what was chosen: names change the keys by which parts are found again, places do not. */
+function keepChoice(selection: PartKey[], chosen: Ref | ""): void {
+  const { graph, chosen: now } = state();
+  if (!graph || now) return;
+  const again = selection.filter((key) => has(graph, key));
+  if (again.length) select(again);
+  else if (chosen) choose(chosen);
 }
 
 /** Changes the model; null if the server refused, which the user is told. */

@@ -54,10 +54,21 @@ export function Header() {
       <button type="button" onClick={() => void beginModel()}>
         New model…
       </button>
-      <button type="button" onClick={() => void undo()} title="Ctrl+Z">
+      {/* A button that is disabled while it has the focus would lose it. */}
+      <button
+        type="button"
+        aria-disabled={!project?.undoable}
+        onClick={() => void undo()}
+        title="Ctrl+Z"
+      >
         Undo
       </button>
-      <button type="button" onClick={() => void redo()} title="Ctrl+Shift+Z">
+      <button
+        type="button"
+        aria-disabled={!project?.redoable}
+        onClick={() => void redo()}
+        title="Ctrl+Shift+Z"
+      >
         Redo
       </button>
       <button type="button" onClick={() => update({ dialog: { kind: "help" } })} title="?">

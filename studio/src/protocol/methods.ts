@@ -94,16 +94,30 @@ export type Result<M extends Method> = Methods[M][1];
 
 /** Notifications of the server: parameters by method. */
 export interface Notifications {
-  changed: { revision: number; files: FileInfo[]; entry?: Entry | null; by: "edit" | "outside" };
+  changed: {
+    revision: number;
+    files: FileInfo[];
+    entry?: Entry | null;
+    by: "edit" | "outside";
+    undoable: boolean;
+    redoable: boolean;
+  };
   problems: Problems;
   /** Another program changed a file while there were changes here that it does not have. */
-  conflict: { file: string; diff: string };
+  conflict: OutsideChange;
   /** Another program changed a file. */
-  outside: { file: string; diff: string };
+  outside: OutsideChange;
   live: { state: LiveState; freshness?: Freshness };
   /** The edits that are kept have changed. */
   kept: { edits: KeptEdit[] };
   presence: { pages: PresentPage[] };
+}
+
+export interface OutsideChange {
+  file: string;
+  diff: string;
+  /** Whether the file is there no more. */
+  gone: boolean;
 }
 
 export type Notification = keyof Notifications;

@@ -38,6 +38,9 @@ export interface Project {
   page: string;
   /** The file to show first, empty for none. */
   opened: string;
+  /** Whether there is something to undo, or to do again. */
+  undoable: boolean;
+  redoable: boolean;
   extras: { live: boolean; graphviz: boolean };
 }
 

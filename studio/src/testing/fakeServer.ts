@@ -46,6 +46,8 @@ export const PROJECT: Project = {
   files: [{ path: "robot.xmi", notation: "xmi", revision: 1, stale: false, dirty: false }],
   page: "1",
   opened: "robot.xmi",
+  undoable: true,
+  redoable: true,
   extras: { live: true, graphviz: true },
 };
 

@@ -234,15 +234,16 @@ def _field(
         shown = tuple(label_of(each) for each in values)
     else:
         texts = shown = tuple(map(literal, values))
+    is_required = feature.lower > 0 and feature.can_be_missing
     return Field(
         feature=feature.name,
         label=in_words(feature.name),
         kind="reference" if is_reference else _kind(feature),
         many=feature.many,
-        required=feature.lower > 0 and feature.can_be_missing,
+        required=is_required,
         values=texts,
         shown=shown,
-        default="" if feature.default is None else literal(feature.default),
+        default="" if is_required else _default(element, feature),
         documentation=documentation(feature.feature),
         unit=_unit(element, feature),
         choices=_references(scope, element, feature)
@@ -251,6 +252,14 @@ def _field(
         problems=problems.of(feature.name),
         changeable=not is_fixed,
     )
+
+
+def _default(element: EObject, feature: FeatureTable) -> str:
+    """Returns what holds while nothing is set; of a rate that follows, the one that does."""
+    if feature.name == "rate" and isinstance(element, bridge.Connection):
+        owner = element.eContainer()
+        return literal(owner.frequency) if isinstance(owner, bridge.Bridge) else ""
+    return "" if feature.default is None else literal(feature.default)
 
 
 def _kind(feature: FeatureTable) -> str:

@@ -1,7 +1,8 @@
 import { useEffect, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
-import { state, update, useStudio } from "../../store";
+import { partOf } from "../../selection";
+import { active, type Studio, state, update, useStudio } from "../../store";
 import { Fault, figure, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 
@@ -25,6 +26,10 @@ export function Live() {
   const [fault, setFault] = useState("");
   const [isStarting, setStarting] = useState(false);
   const [open, setOpen] = useState("");
+  const chosen = useStudio(chosenRow);
+  useEffect(() => {
+    if (chosen) setOpen(chosen);
+  }, [chosen]);
 
   async function turn(isOn: boolean) {
     setStarting(true);
@@ -82,6 +87,18 @@ export function Live() {
     </section>
   );
 }
+
+/** The connection that is chosen in the diagram, by its row or a line of that; empty for none. */
+function chosenRow(studio: Studio): string {
+  const key = active(studio);
+  if (!key) return "";
+  const { id } = partOf(key);
+  const isOf = ({ row }: LiveConnection) => row !== "" && (id === row || id.startsWith(`${row}!`));
+  const found = studio.live?.connections?.find(isOf);
+  return found ? nameOf(found) : "";
+}
+
+const nameOf = ({ bridge, connection }: LiveConnection) => `${bridge}/${connection}`;
 
 /** Says of what time the values are as soon as no new ones come. */
 function Old() {
@@ -143,7 +160,7 @@ function Connections({ connections, open, onOpen }: ConnectionsProps) {
         </tr>
       </thead>
       {connections.map((each) => {
-        const name = `${each.bridge}/${each.connection}`;
+        const name = nameOf(each);
         const isOpen = open === name;
         return (
           <tbody key={name}>
