@@ -11,6 +11,7 @@ from jausml.authoring.proposals.elements import Choice, label_of, legal_targets,
 from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
 
