@@ -63,10 +63,10 @@ export const ros2jaus = StreamLanguage.define<State>({
   },
 });
 
-/** Colours of words, the same for text and XMI; the page's style sheet names the values. */
 /** A colour that can be read on what is selected, too. */
 const read = (name: string) => `color-mix(in srgb, var(--${name}) 70%, var(--ink))`;
 
+/** Colours of words, the same for text and XMI; the page's style sheet names the values. */
 export const colours = HighlightStyle.define([
   { tag: [tags.comment, tags.lineComment, tags.blockComment], color: read("muted") },
   { tag: tags.docComment, color: read("muted"), fontStyle: "italic" },
