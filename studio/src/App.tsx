@@ -3,7 +3,7 @@ import { Canvas } from "./canvas/Canvas";
 import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
 import { Header } from "./header/Header";
-import { onShortcut } from "./keyboard/shortcuts";
+import { onPaste, onShortcut } from "./keyboard/shortcuts";
 import { hasRight, useOperating } from "./operate/mode";
 import { PropertyForm } from "./panels/form/PropertyForm";
 import { Generate } from "./panels/generate/Generate";
@@ -28,7 +28,11 @@ const Operate = lazy(() => import("./operate/Operate"));
 export function App() {
   useEffect(() => {
     document.addEventListener("keydown", onShortcut);
-    return () => document.removeEventListener("keydown", onShortcut);
+    document.addEventListener("paste", onPaste);
+    return () => {
+      document.removeEventListener("keydown", onShortcut);
+      document.removeEventListener("paste", onPaste);
+    };
   }, []);
   const right = useStudio((studio) => studio.right);
   const isOperating = useOperating((mode) => mode.isOpen);
@@ -100,6 +104,8 @@ function Middle() {
 
 function Left() {
   const left = useStudio((studio) => studio.left);
+  // What was searched for one view is not for another one.
+  const where = useStudio((studio) => `${studio.file} ${studio.view}`);
   return (
     <Tabs
       label="Show of what there is"
@@ -110,7 +116,7 @@ function Left() {
       chosen={left}
       onChoose={(tab) => update({ left: tab })}
     >
-      {left === "outline" ? <Outline /> : <Palette />}
+      {left === "outline" ? <Outline /> : <Palette key={where} />}
     </Tabs>
   );
 }

@@ -14,11 +14,14 @@ import type {
   LayoutKey,
   LegalEnd,
   LiveState,
+  OutsideChange,
   Point,
+  PresentPage,
   Problems,
   Project,
   Ref,
   Referrer,
+  StartingPoint,
   ViewInfo,
 } from "./protocol";
 import type { PartKey } from "./selection";
@@ -26,7 +29,8 @@ import type { PartKey } from "./selection";
 /** A dialog that is open; one at a time. */
 export type Dialog =
   | { kind: "help" }
-  | { kind: "create" }
+  | { kind: "create"; points: StartingPoint[] | null }
+  | { kind: "presence" }
   | {
       kind: "delete";
       commands: Command[];
@@ -52,9 +56,7 @@ export type Dialog =
   | { kind: "diff"; title: string; diff: string };
 
 /** Something that another program did to a file. */
-export interface Outside {
-  file: string;
-  diff: string;
+export interface Outside extends OutsideChange {
   isConflict: boolean;
 }
 
@@ -136,8 +138,11 @@ export interface Studio {
   /** When the live state came, in milliseconds since 1970. */
   liveAt: number;
   said: Said;
-  clip: Command[];
+  /** What was copied, where the clipboard of the system does not take it. */
+  clip: string;
   undoable: Entry | null;
+  /** The pages that have the project open, this one too. */
+  pages: PresentPage[];
   /** Parts that stay bright while all others fade; null without a focus. */
   bright: Set<PartKey> | null;
   /** Ends to which the line that is being drawn may go. */
@@ -181,8 +186,9 @@ export const BEGINNING: Studio = {
   drafts: [],
   liveAt: 0,
   said: { text: "", isError: false, number: 0 },
-  clip: [],
+  clip: "",
   undoable: null,
+  pages: [],
   bright: null,
   legal: null,
   under: null,

@@ -31,6 +31,12 @@ def project(tmp_path):
     return Project(folder)
 
 
+def pasted(project, text, owner):
+    clip = project.clip(text, owner)
+    assert clip.left_out == ()
+    return project.paste(clip.commands, owner, "paste")
+
+
 def own(project, file, name):
     model = project.model(file).model
     return next(each for each in model.root.eAllContents() if getattr(each, "name", "") == name)
@@ -42,12 +48,12 @@ def own(project, file, name):
 def test_a_copy_holds_the_same(project, source, target, name):
     model = project.model(source).model
     original = own(project, source, name)
-    commands = project.describe([project.ref(original, model)])
+    text = project.copy([project.ref(original, model)])
     before = (project.root / target).read_bytes()
     owner = own(project, target, "bridge") if name == "velocity_state" else None
     there = project.model(target).model
     ref = project.ref(owner or there.root, there)
-    entry = project.paste(commands, ref, "paste")
+    entry = pasted(project, text, ref)
     obj, found = project.find(entry.created[0])
     assert obj.name == f"{name}_2"
     assert compare(own(project, source, name), obj, found.metamodels, NAMES) == []
@@ -59,10 +65,9 @@ def test_copies_refer_to_each_other(project):
     model = project.model("catvehicle.ros2jaus").model
     bridge = own(project, "catvehicle.ros2jaus", "bridge")
     chosen = [bridge.maps[0], bridge.bridgeConnections[0]]
-    commands = project.describe([project.ref(each, model) for each in chosen])
-    assert commands[1].values["map"] == ("new:0",)
+    text = project.copy([project.ref(each, model) for each in chosen])
     # What stands beside is as good as the owner itself.
-    entry = project.paste(commands, project.ref(bridge.maps[2], model), "paste")
+    entry = pasted(project, text, project.ref(bridge.maps[2], model))
     copied = project.find(entry.created[1])[0]
     assert (copied.name, copied.map.name) == ("odometry_2", "velocity_state_2")
 
@@ -73,9 +78,9 @@ def test_a_copied_bridge_uses_its_own_maps(project, source, target):
     model = project.model(source).model
     original = own(project, source, "bridge")
     before = (project.root / target).read_bytes()
-    commands = project.describe([project.ref(original, model)])
+    text = project.copy([project.ref(original, model)])
     there = project.model(target).model
-    entry = project.paste(commands, project.ref(there.root, there), "paste")
+    entry = pasted(project, text, project.ref(there.root, there))
     copied = project.find(entry.created[0])[0]
     assert [each.name for each in copied.maps] == [each.name for each in original.maps]
     for now, then in zip(copied.bridgeConnections, original.bridgeConnections, strict=True):
@@ -107,7 +112,7 @@ def test_a_copied_map_uses_its_own_tables(project, target):
     original = own(project, "lights.ros2jaus", "set_lamps")
     there = project.model(target).model
     owner = project.ref(own(project, target, "bridge"), there)
-    entry = project.paste(project.describe([project.ref(original, model)]), owner, "paste")
+    entry = pasted(project, project.copy([project.ref(original, model)]), owner)
     copied, found = project.find(entry.created[0])
     assert copied.name == "set_lamps"
     conversions = [e for e in copied.eAllContents() if e.eClass.name == "Conversion" and e.table]
@@ -120,8 +125,8 @@ def test_what_is_copied_together_refers_to_each_other_in_any_order(project):
     file = "catvehicle.xmi"
     model = project.model(file).model
     chosen = [own(project, file, name) for name in ("bridge", "operator_control_unit", "vehicle")]
-    commands = project.describe([project.ref(each, model) for each in chosen])
-    entry = project.paste(commands, project.ref(model.root, model), "paste")
+    text = project.copy([project.ref(each, model) for each in chosen])
+    entry = pasted(project, text, project.ref(model.root, model))
     bridge, unit, vehicle = (project.find(each)[0] for each in entry.created[:3])
     assert [each.name for each in (bridge, unit, vehicle)] == [f"{each.name}_2" for each in chosen]
     peers = {each.name for one in bridge.bridgeConnections for each in one.peers}
@@ -137,8 +142,8 @@ def test_a_copy_goes_into_a_new_file(project):
     project.do([Create("other.ros2jaus", "system.System", {"name": ("other",)})], "create")
     model = project.model("catvehicle.xmi").model
     component = own(project, "catvehicle.xmi", "vehicle")
-    commands = project.describe([project.ref(component, model)])
-    entry = project.paste(commands, "other.ros2jaus#/", "paste")
+    text = project.copy([project.ref(component, model)])
+    entry = pasted(project, text, "other.ros2jaus#/")
     copied = project.find(entry.created[0])[0]
     assert copied.name == "vehicle"
     assert [
@@ -150,9 +155,9 @@ def test_a_copy_goes_into_a_new_file(project):
 def test_what_has_no_place_is_refused(project):
     model = project.model("catvehicle.xmi").model
     node = own(project, "catvehicle.xmi", "odometry")
-    commands = project.describe([project.ref(node, model)])
+    text = project.copy([project.ref(node, model)])
     with pytest.raises(EditError, match="has no place in catvehicle"):
-        project.paste(commands, "catvehicle.xmi#/", "paste")
+        pasted(project, text, "catvehicle.xmi#/")
 
 
 def test_a_text_keeps_its_elements_and_says_how_they_get_elsewhere(project):

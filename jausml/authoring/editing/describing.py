@@ -244,11 +244,12 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
     table = model.metamodels.classes.get(command.kind)
     owner: EObject | None = chosen
     while owner is not None and table is not None:
-        names = [
-            each.name
+        features = [
+            each
             for each in model.metamodels.class_of(owner).contained
             if each.target in table.supertypes and (each.many or not contents(owner, each))
         ]
+        names = [each.name for each in sorted(features, key=lambda each: each.target is not table)]
         if names:
             return owner, command.feature if command.feature in names else names[0]
         owner = owner.eContainer()

@@ -167,7 +167,7 @@ def _mentions(data: bytes, file: str) -> bool:
 
 def new_document(command: Create, draft: Draft) -> tuple[bytes, dict[str, Values]]:
     """Returns the bytes of a new file, and references of its root that are still to be set."""
-    _check_name(command.file, draft)
+    check_new_file(command.file, draft)
     metamodels = load_metamodels()
     root, later = _root(command, metamodels)
     write = to_text if command.file.endswith(SUFFIX) else to_xmi
@@ -196,7 +196,8 @@ def _root(command: Create, metamodels: Metamodels) -> tuple[Any, dict[str, Value
     return root, later
 
 
-def _check_name(file: str, draft: Draft) -> None:
+def check_new_file(file: str, draft: Draft) -> None:
+    """Sees to it that a model file can be made without overwriting anything."""
     parts = file.split("/")
     is_plain = posixpath.normpath(file) == file and not file.startswith("/") and "\\" not in file
     if not is_plain or any(each.startswith(".") or "\0" in each for each in parts):

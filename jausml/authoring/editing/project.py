@@ -8,9 +8,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.authoring.editing.clips import clip_text, read_clip
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.describing import described, pasted
-from jausml.authoring.editing.drafts import Draft
+from jausml.authoring.editing.describing import pasted
+from jausml.authoring.editing.drafts import Draft, check_new_file
 from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
 from jausml.authoring.editing.reading import Disk, Reader, encoded, is_library, is_text, stored
@@ -35,6 +36,7 @@ from jausml.language.model.project import is_model_file, model_files
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from jausml.authoring.editing.clips import Clip
     from jausml.authoring.editing.commands import Add, Command, LayoutKey, Set
     from jausml.authoring.editing.records import Stored
     from jausml.language.metamodel.classes.ecore import EObject
@@ -228,15 +230,27 @@ class Project:
             if known.revision > base:
                 message = f"{file} has changed since: look at it again, and repeat what you typed"
                 raise EditError(message, conflict=True)
-            draft = self._draft()
-            draft.put(file, encoded(text, known.data))
-            changes = draft.changes()
+            changes = self._put(file, encoded(text, known.data))
             if not changes:
                 return Entry(0, f"Type in {file}", ())
+            return self._log.add_typing(f"Type in {file}", changes, self.typing_pause)
+
+    def add_file(self, file: str, data: bytes, label: str) -> Entry:
+        """Makes a model file of bytes; one that is there is left alone."""
+        with self._lock:
+            check_new_file(file, self._draft())
+            return self._log.add(label, self._put(file, data))
+
+    def _put(self, file: str, data: bytes) -> tuple[FileChange, ...]:
+        """Gives a file bytes that no commands made."""
+        draft = self._draft()
+        draft.put(file, data)
+        changes = draft.changes()
+        if changes:
             before = dict(self._files)
             self._write({file: draft.files[file]})
             self._note_outside(file, before)
-            return self._log.add_typing(f"Type in {file}", changes, self.typing_pause)
+        return changes
 
     def undo(self) -> Entry | None:
         """Takes the last entry back, if there is one and its files are as it left them."""
@@ -272,14 +286,27 @@ class Project:
             met, self._unreported = self._unreported, []
             return tuple(met)
 
-    def describe(self, elements: Sequence[Ref]) -> tuple[Add | Set, ...]:
-        """Returns commands that would add elements once more, to whatever owner."""
+    def copy(self, elements: Sequence[Ref]) -> str:
+        """Returns elements of one model as text, for any clipboard."""
+        with self._lock:
+            if not elements:
+                raise EditError("nothing was chosen that could be copied")
+            model = self._draft().locate(elements[0])[1]
+            found = [refs.find(each, model, self.root) for each in elements]
+            missing = [each for each, obj in zip(elements, found, strict=True) if obj is None]
+            if missing:
+                raise EditError(f"{missing[0]} is of another model: copy it by itself")
+            return clip_text([each for each in found if each is not None], model, self.root)
+
+    def clip(self, text: str, owner: Ref) -> Clip:
+        """Returns what a text has, as it can be pasted into an owner."""
         with self._lock:
             draft = self._draft()
-            return described([draft.locate(each) for each in elements], self.ref)
+            held = {file: draft.files[file].data for file in draft.models}
+            return read_clip(text, self.root, held, draft.documents(draft.editable(owner)))
 
     def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
-        """Adds what `describe` gave, under names that are free."""
+        """Adds what a clip has, under names that are free."""
         with self._lock:
             obj, model = self._draft().element(owner)
             return self.do(pasted(commands, obj, model, self.ref), label)

@@ -25,6 +25,7 @@ from jausml.authoring.projects.places import (
     text_of,
     with_schema_location,
 )
+from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
@@ -61,14 +62,12 @@ SUMS = "SHA256SUMS"
 class Wish:
     """What is wanted.
 
-    `is_empty`: whether the system shall be empty, without an example. `profile`: the template of
-    the model, which is text; empty for the example.
+    `origin`: the name of the starting point of the model.
     """
 
     name: str
     is_text: bool = False
-    is_empty: bool = False
-    profile: str = ""
+    origin: str = EXAMPLE
 
     @property
     def model(self) -> str:
@@ -131,9 +130,9 @@ def _contents(wish: Wish) -> dict[str, bytes]:
         keep_trailing_newline=True,
         autoescape=False,  # noqa: S701 - names are checked, and no file is HTML
     )
-    found = {} if wish.profile else {wish.model: _model(wish)}
-    made = {wish.model: f"{wish.profile}.ros2jaus.j2"} if wish.profile else {}
-    for path, template in (made | TEMPLATES).items():
+    beside = f"../{METAMODELS}"
+    found = {wish.model: model_text(wish.origin, wish.name, beside, is_text=wish.is_text)}
+    for path, template in TEMPLATES.items():
         text = environment.get_template(template).render(wish=wish, version=__version__)
         found[path] = text.encode()
     for folder, copies in copies_for().items():
@@ -156,12 +155,23 @@ def _metamodels() -> dict[str, bytes]:
     return {each.name: each.read_bytes() for each in sorted(folder.glob("*.ecore"))}
 
 
-def _model(wish: Wish) -> bytes:
-    beside = f"../{METAMODELS}"
-    if wish.is_empty:
-        return (empty_text(wish.name) if wish.is_text else empty_xmi(wish.name, beside)).encode()
-    xmi = as_xmi(wish.name, beside)
-    return (text_of(xmi, wish.name) if wish.is_text else xmi).encode()
+def model_text(origin: str, name: str, metamodels: str = "", *, is_text: bool) -> bytes:
+    """Returns a model that begins with a starting point.
+
+    `metamodels`: folder of the metamodels for Eclipse, relative to the model; empty for none.
+    `ProjectError`: there is no such starting point, or none in XMI.
+    """
+    point = starting_point(origin)
+    if point is None:
+        raise ProjectError(f"there is no starting point {origin!a}")
+    if point.is_text_only:
+        if not is_text:
+            raise ProjectError(f"{origin} uses ready maps, which are text")
+        return text_to_begin_with(point, name).encode()
+    if origin == EMPTY:
+        return (empty_text(name) if is_text else empty_xmi(name, metamodels)).encode()
+    xmi = as_xmi(name, metamodels)
+    return (text_of(xmi, name) if is_text else xmi).encode()
 
 
 def _differs(path: Path, data: bytes) -> bool:
@@ -250,7 +260,7 @@ def _begin(folder: Path, wish: Wish) -> list[str]:
     """Makes an empty project in which its model is new."""
     if (folder / wish.model).exists():
         raise ProjectError(f"{folder / wish.model} is there already; nothing was written")
-    return create(folder, replace(wish, is_empty=True))
+    return create(folder, replace(wish, origin=EMPTY))
 
 
 def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:

@@ -16,7 +16,7 @@ from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.recordings import Recordings
-from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json
+from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json, log_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
 from jausml.language.model.refs import file_of
@@ -286,7 +286,9 @@ class StudioContext:
         """Tells of changes by other programs."""
         for each in found:
             event = "conflict" if each.is_conflict else "outside"
-            self.subscribers.notify(event, {"file": each.file, "diff": each.diff})
+            is_gone = all(held.path != each.file for held in self.project.files)
+            told = {"file": each.file, "diff": each.diff, "gone": is_gone}
+            self.subscribers.notify(event, told)
         if found:
             log = reversed(self.project.log)
             self.changed(next((each for each in log if each.is_outside), None), by="outside")
@@ -304,6 +306,7 @@ class StudioContext:
             "files": files_as_json(self.project),
             "entry": entry_as_json(entry),
             "by": by,
+            **log_as_json(self.project),
         }
         self.subscribers.notify("changed", state)
         for each in self.followers:

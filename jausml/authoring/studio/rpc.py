@@ -231,6 +231,11 @@ def files_as_json(project: Project) -> list[dict[str, Any]]:
     ]
 
 
+def log_as_json(project: Project) -> dict[str, bool]:
+    """Returns whether there is something that can be undone, or done again."""
+    return {"undoable": bool(project.log), "redoable": bool(project.undone)}
+
+
 def freshness_as_json(found: Freshness) -> dict[str, Any]:
     """Returns what an answer is worth."""
     return {"state": found.state, "since": found.since, "why": found.why}

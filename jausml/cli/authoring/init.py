@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
 from jausml.cli.authoring.topics import (
     chosen_crossings,
     show_chosen,
@@ -26,8 +27,7 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.topics import Crossing
     from jausml.language.importers.jsidl import ImportResult
 
-_EXAMPLE, _EMPTY, _TOPICS, _JSIDL = "example", "empty", "topics", "jsidl"
-_PROFILES = ("igvc", "iop-ugv", "iop-payload", "iop-manipulator", "iop-operator")
+_TOPICS, _JSIDL = "topics", "jsidl"
 _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 """A SOURCE for each way to begin that needs some."""
 
@@ -39,19 +39,16 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 @click.option(
     "--notation",
     type=click.Choice(["xmi", "text"]),
-    help="Notation of the model; by default, xmi, and text of a profile.",
+    help="Notation of the model; by default, xmi, and text of a profile or an example.",
 )
 @click.option(
     "--from",
     "origin",
-    type=click.Choice([_EXAMPLE, _EMPTY, _TOPICS, _JSIDL, *_PROFILES]),
-    default=_EXAMPLE,
-    help="Content of the model. example: a working sensor and bridge; empty: nothing; topics: a "
-    "bridge for the SOURCEs, which are topics such as odom:nav_msgs/Odometry; jsidl: a "
-    "component with the services of the SOURCEs, which are JSIDL files and folders; igvc: a robot "
-    "for the JAUS challenge, as `jausml judge` judges it; iop-ugv, iop-payload, iop-manipulator, "
-    "iop-operator: a ground vehicle, a camera on a pan-tilt unit, an arm and an operator control "
-    "unit of IOP, as far as that is public.",
+    type=click.Choice([_TOPICS, _JSIDL, *(each.name for each in STARTING_POINTS)]),
+    default=EXAMPLE,
+    help="Content of the model. topics: a bridge for the SOURCEs, which are topics such as "
+    "odom:nav_msgs/Odometry; jsidl: a component with the services of the SOURCEs, which are JSIDL "
+    f"files and folders; {'; '.join(f'{each.name}: {each.about}' for each in STARTING_POINTS)}.",
 )
 @click.option(
     "--copies",
@@ -91,14 +88,14 @@ def command(
         if sources and all(":" in each for each in sources):
             what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
-    profile = origin if origin in _PROFILES else ""
-    if profile and notation == "xmi":
+    point = starting_point(origin)
+    is_text_only = point is not None and point.is_text_only
+    if is_text_only and notation == "xmi":
         text = f"--from {origin} uses ready maps, which are text; leave out --notation"
         raise click.UsageError(text)
     chosen: Sequence[Crossing] = ()
     try:
-        is_text = notation == "text" or bool(profile)
-        wish = Wish(name or name_for(folder), is_text, origin == _EMPTY, profile)
+        wish = Wish(name or name_for(folder), notation == "text" or is_text_only, origin)
         if origin == _TOPICS:
             written, chosen = _from_topics(
                 folder, wish, sources, side=side, yes=yes, holds=holds, joints=joints

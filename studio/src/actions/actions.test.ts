@@ -24,7 +24,8 @@ function serveGraph(graph: Graph = smallGraph(), revision = 1) {
 }
 
 function changed(revision: number, more: Partial<Notifications["changed"]> = {}) {
-  const params = { revision, files: PROJECT.files, by: "edit" as const, ...more };
+  const log = { undoable: true, redoable: false };
+  const params = { revision, files: PROJECT.files, by: "edit" as const, ...log, ...more };
   actions.listener.onNotification("changed", params);
 }
 
@@ -166,15 +167,32 @@ test("a box that was dropped stands where it was dropped", async () => {
 
 test("what was copied is pasted into what is chosen", async () => {
   const server = serveGraph();
-  const commands = [{ kind: "remove" as const, element: "x" }];
-  server.answer("copy", () => ({ commands }));
-  server.answer("paste", () => DONE);
-  await actions.paste();
+  server.answer("copy", () => ({ text: "bridge nav { }" }));
+  const left_out = [{ name: "nav", message: "no vehicle" }];
+  server.answer("paste", () => ({ ...DONE, left_out }));
+  await actions.paste("");
   expect(state().said.text).toBe("Nothing was copied.");
   actions.select([nodeKey("bridge")]);
   await actions.copySelected();
-  await actions.paste();
-  expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", commands }]);
+  expect(state().said.text).toBe("Copied bridge, for this page alone.");
+  await actions.paste("");
+  expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", text: "bridge nav { }" }]);
+  expect(state().drafts).toMatchObject([{ field: "pasted", what: "nav: no vehicle" }]);
+});
+
+test("what was copied goes by the clipboard of the system where there is one", async () => {
+  const server = serveGraph();
+  const written: string[] = [];
+  const writeText = async (text: string) => void written.push(text);
+  vi.stubGlobal("navigator", { clipboard: { writeText } });
+  server.answer("copy", () => ({ text: "bridge nav { }" }));
+  server.answer("paste", () => ({ ...DONE, left_out: [] }));
+  actions.select([nodeKey("bridge")]);
+  await actions.copySelected();
+  vi.unstubAllGlobals();
+  expect([written, state().clip]).toEqual([["bridge nav { }"], ""]);
+  await actions.paste("node other");
+  expect(server.params("paste")).toMatchObject([{ text: "node other" }]);
 });
 
 test("where a line may end lights up until it is drawn, also if the answer comes late", async () => {
@@ -248,6 +266,19 @@ test("renaming begins with the name of the model, not with what the box shows", 
   expect(server.params("edit").at(-1)?.commands).toEqual([
     { kind: "rename", element: "robot.xmi#ocu", name: "driver" },
   ]);
+});
+
+test("what is renamed stays chosen, whoever asked for its new name", async () => {
+  const graph = smallGraph();
+  const server = serveGraph(graph);
+  actions.select([nodeKey("ocu")]);
+  const nodes = graph.nodes.map((each) =>
+    each.id === "ocu" ? { ...each, key: "key:driver", title: "driver" } : each,
+  );
+  server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
+  server.answer("edit", () => ({ revision: 2, created: [] }));
+  await actions.change([{ kind: "rename", element: "robot.xmi#ocu", name: "driver" }], "Rename");
+  expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey("ocu")] });
 });
 
 test("a file that is gone makes room for another", async () => {

@@ -1,9 +1,11 @@
 // Changes of the model, and taking them back.
 
-import type { Command, EditResult, KeptEdit } from "../protocol";
+import type { Command, EditResult, KeptEdit, Ref } from "../protocol";
+import { has, type PartKey } from "../selection";
 import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
-import { choose } from "./choosing";
+import { choose, select } from "./choosing";
+import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
 /**
@@ -18,7 +20,20 @@ export async function change(
   label: string,
   base = revisionOf(state()),
 ): Promise<EditResult> {
-  return settled(await ask("edit", { commands, label, base }), label);
+  const result = await ask("edit", { commands, label, base });
+  const { selection, chosen } = state();
+  await settled(result, label);
+  if (commands.some((each) => each.kind === "rename")) keepChoice(selection, chosen);
+  return result;
+}
+
+/** Keeps what was chosen: names change the keys by which parts are found again, places do not. */
+function keepChoice(selection: PartKey[], chosen: Ref | ""): void {
+  const { graph, chosen: now } = state();
+  if (!graph || now) return;
+  const again = selection.filter((key) => has(graph, key));
+  if (again.length) select(again);
+  else if (chosen) choose(chosen);
 }
 
 /** Changes the model; null if the server refused, which the user is told. */
@@ -51,11 +66,21 @@ export async function settled(result: EditResult, label: string): Promise<EditRe
   return result;
 }
 
-/** Makes a model file with an empty system, and opens it. */
-export async function newModel(file: string): Promise<void> {
-  const name = file.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
-  const create: Command = { kind: "create", file, type: "system.System", values: { name: [name] } };
-  if (await edit([create], `Create ${file}`)) await openFile(file);
+/** Asks for a new model. */
+export async function beginModel(): Promise<void> {
+  const asked = ask("starting_points", {});
+  await openFor({ kind: "create", points: null }, asked, ({ points }) => ({
+    kind: "create",
+    points,
+  }));
+}
+
+/** Makes a model file that begins with a starting point, and opens it. */
+export async function newModel(file: string, origin: string): Promise<void> {
+  const result = await tried(ask("create", { file, origin }));
+  if (!result) return;
+  await settled(result, `Create ${file}`);
+  await openFile(file);
 }
 
 export async function undo(): Promise<void> {

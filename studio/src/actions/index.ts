@@ -10,6 +10,7 @@ export * from "./drafting";
 export * from "./exporting";
 export * from "./filtering";
 export * from "./listening";
+export * from "./looking";
 export * from "./opening";
 export * from "./placing";
 export * from "./removing";

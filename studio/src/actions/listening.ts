@@ -21,8 +21,8 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   changed(params) {
     const { project } = state();
     if (!project) return;
-    const { files } = params;
-    update({ project: { ...project, revision: params.revision, files } });
+    const { revision, files, undoable, redoable } = params;
+    update({ project: { ...project, revision, files, undoable, redoable } });
     if (!files.some((each) => each.path === state().file)) {
       void openFile(files[0]?.path ?? "");
       return;
@@ -48,6 +48,9 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   },
   kept({ edits }) {
     update({ kept: edits });
+  },
+  presence({ pages }) {
+    update({ pages });
   },
 };
 

@@ -1,11 +1,10 @@
 // Giving elements other names.
 
 import type { Form, Ref } from "../protocol";
-import { elementOf, has, partOf } from "../selection";
+import { elementOf, partOf } from "../selection";
 import { active, revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
-import { select } from "./choosing";
 import { openFor } from "./opening";
 
 /** Begins to rename what the keyboard stands on. */
@@ -47,11 +46,6 @@ export async function rename(
   base?: number,
 ): Promise<void> {
   update({ renaming: null, dialog: null });
-  const { selection } = state();
   if (!name || name === before) return;
-  if (!(await edit([{ kind: "rename", element, name }], `Rename ${before} to ${name}`, base)))
-    return;
-  // Names change the keys by which parts are found again, positions do not.
-  const { graph } = state();
-  if (graph && !state().selection.length) select(selection.filter((key) => has(graph, key)));
+  await edit([{ kind: "rename", element, name }], `Rename ${before} to ${name}`, base);
 }

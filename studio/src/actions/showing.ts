@@ -10,7 +10,10 @@ import { changed } from "./differences";
 
 /** Shows a file, at a view of it or at its first. */
 export async function openFile(file: string, view = ""): Promise<void> {
-  if (!file) return update({ file, views: [], view: "", graph: null, chosen: "", selection: [] });
+  if (!file) {
+    const nothing = { graph: null, problems: null, freshness: null, chosen: "", selection: [] };
+    return update({ file, views: [], view: "", ...nothing });
+  }
   update({ file });
   if (await loadViews(file)) {
     const { views } = state();

@@ -1,6 +1,6 @@
 import { Handle, type NodeProps, Position, useStore } from "@xyflow/react";
 import { memo } from "react";
-import { beginRename, rename } from "../actions";
+import { beginRename, choosers, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
 import { CLOSED, nodeKey, type PartKey, portKey } from "../selection";
@@ -18,6 +18,9 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const states = useStudio((studio) => statesOf(studio, node));
   const live = useStudio((studio) => studio.live?.boxes[node.id]);
   const isNow = useStudio((studio) => isPresent(studio, node.id));
+  const others = useStudio((studio) =>
+    choosers(studio, [node.element, ...node.ports.map((port) => port.element)]),
+  );
   const severity = severityOf(node.findings);
   const isFar = useStore((flow) => flow.transform[2] < FAR) && node.kind !== CLOSED;
   const [own = "", ...rows] = states.split(BETWEEN);
@@ -28,9 +31,16 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
       id={domId(key)}
       className={`box ${node.kind} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
       role="group"
-      aria-label={isNow ? `${labelOf(node)}, the present state` : labelOf(node)}
+      aria-label={[
+        labelOf(node),
+        isNow ? "the present state" : "",
+        others ? `chosen by ${others}` : "",
+      ]
+        .filter(Boolean)
+        .join(", ")}
       data-part={key}
     >
+      {others && <div className="chosen-by">◆ {others}</div>}
       <div className="head" style={{ height: node.head }}>
         <Name partKey={key} text={node.title} className="title" />
         <Mark findings={node.findings} />

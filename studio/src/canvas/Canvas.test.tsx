@@ -166,8 +166,9 @@ test("an empty folder offers a new model, an empty diagram says what to do", asy
   const project = { ...state().project!, files: [] };
   act(() => update({ graph: null, file: "", view: "", project }));
   rerender(<Canvas />);
+  server.answer("starting_points", () => ({ points: [] }));
   await userEvent.click(screen.getByRole("button", { name: "New model…" }));
-  expect(state().dialog).toEqual({ kind: "create" });
+  expect(state().dialog).toMatchObject({ kind: "create" });
 });
 
 test("a box gets another host by keys, and frames are gone to from inside", async () => {

@@ -1,5 +1,5 @@
-import { openView } from "../actions";
-import { update, useStudio } from "../store";
+import { beginModel, openView } from "../actions";
+import { useStudio } from "../store";
 
 /** What to do with a diagram that has no boxes. */
 export function EmptyHint() {
@@ -29,11 +29,7 @@ export function Nothing() {
         <p>
           <strong>There is no model in {project?.name} yet.</strong>
         </p>
-        <button
-          type="button"
-          className="best"
-          onClick={() => update({ dialog: { kind: "create" } })}
-        >
+        <button type="button" className="best" onClick={() => void beginModel()}>
           New model…
         </button>
       </div>

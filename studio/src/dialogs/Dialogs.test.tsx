@@ -116,18 +116,51 @@ test("Escape closes, and the focus goes back", async () => {
   expect(screen.getByText("before")).toHaveFocus();
 });
 
+const POINTS = [
+  { name: "empty", kind: "plain" as const, about: "nothing" },
+  { name: "iop-ugv", kind: "profile" as const, about: "a ground vehicle" },
+];
+
 test("a new model is created in either notation, under a name that is free", async () => {
-  update({ dialog: { kind: "create" } });
+  server.answer("create", () => ({ revision: 2, created: [] }));
+  update({ dialog: { kind: "create", points: POINTS } });
   render(<Dialogs />);
   const name = screen.getByLabelText("Name");
   await userEvent.click(screen.getByLabelText(/XMI/));
   expect(screen.getByRole("alert")).toHaveTextContent("There is a robot.xmi already.");
   await userEvent.clear(name);
   await userEvent.type(name, "rover{Enter}");
-  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
-  expect(server.params("edit")[0]?.commands).toEqual([
-    { kind: "create", file: "rover.xmi", type: "system.System", values: { name: ["rover"] } },
-  ]);
+  await waitFor(() => expect(server.params("create")).toHaveLength(1));
+  expect(server.params("create")).toEqual([{ file: "rover.xmi", origin: "empty" }]);
+});
+
+test("a model begins with what was chosen, which may be text alone", async () => {
+  server.answer("create", () => ({ revision: 2, created: [] }));
+  update({ dialog: { kind: "create", points: POINTS } });
+  render(<Dialogs />);
+  await userEvent.click(screen.getByLabelText(/XMI/));
+  const from = screen.getByRole("combobox", { name: "Begin with" });
+  await userEvent.selectOptions(from, "iop-ugv");
+  expect(from).toHaveAccessibleDescription(/A ground vehicle\. What only a person can decide/);
+  expect(screen.getByLabelText(/XMI/)).toBeDisabled();
+  await userEvent.click(screen.getByRole("button", { name: "Create robot.ros2jaus" }));
+  expect(server.params("create")).toEqual([{ file: "robot.ros2jaus", origin: "iop-ugv" }]);
+});
+
+test("who else is here is told, with where they look and how one is called oneself", async () => {
+  server.answer("look", () => ({ pages: state().pages }));
+  const page = { name: "", file: "robot.xmi", view: "system", element: "", here: true };
+  const named = { ...page, id: "3", name: "Ann", element: "robot.xmi#x", here: false };
+  update({
+    pages: [{ ...page, id: "1" }, { ...page, id: "2" }, named],
+    dialog: { kind: "presence" },
+  });
+  render(<Dialogs />);
+  const told = screen.getAllByRole("listitem").map((each) => each.textContent);
+  expect(told[0]).toBe("another tab looks at robot.xmi, system ");
+  expect(told[1]).toContain("Ann (in another studio)");
+  await userEvent.type(screen.getByLabelText(/Your name/), "Bo{Enter}");
+  expect(server.params("look")).toMatchObject([{ name: "Bo", file: "robot.xmi" }]);
 });
 
 test("keys of the page undo and redo, but not while somebody types or a dialog is open", async () => {

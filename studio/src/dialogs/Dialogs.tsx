@@ -1,11 +1,13 @@
 import { type FormEvent, useEffect, useRef, useState } from "react";
-import { choose, connect, edit, newModel, placeOn, rename, take } from "../actions";
+import { choose, connect, edit, placeOn, rename, take } from "../actions";
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
-import { type Dialog, state, update, useStudio } from "../store";
+import { type Dialog, update, useStudio } from "../store";
 import { Diff } from "./Diff";
 import { Modal } from "./Modal";
+import { NewModel } from "./NewModel";
 import { Picker } from "./Picker";
+import { Presence } from "./Presence";
 import { useName } from "./useName";
 
 type Of<K extends Dialog["kind"]> = { dialog: Extract<Dialog, { kind: K }> };
@@ -30,7 +32,9 @@ export function Dialogs() {
     case "rename":
       return <Rename dialog={dialog} />;
     case "create":
-      return <Create />;
+      return <NewModel points={dialog.points} onClose={close} />;
+    case "presence":
+      return <Presence onClose={close} />;
     case "diff":
       return (
         <Modal title={dialog.title} onClose={close} isWide>
@@ -246,63 +250,6 @@ function Rename({ dialog }: Of<"rename">) {
         <footer>
           <button type="submit" className="best" disabled={name !== null && !text.trim()}>
             Rename
-          </button>
-        </footer>
-      </form>
-    </Modal>
-  );
-}
-
-function Create() {
-  const [name, setName] = useState("robot");
-  const [ending, setEnding] = useState("ros2jaus");
-  const file = `${name.trim()}.${ending}`;
-  const isTaken = state().project?.files.some((each) => each.path === file) ?? false;
-  function onSubmit(event: FormEvent) {
-    event.preventDefault();
-    if (isTaken || !name.trim()) return;
-    close();
-    void newModel(file);
-  }
-  return (
-    <Modal title="New model" onClose={close}>
-      <form onSubmit={onSubmit}>
-        <p>
-          <label>
-            Name{" "}
-            <input
-              spellCheck={false}
-              value={name}
-              onFocus={(event) => event.currentTarget.select()}
-              onChange={(event) => setName(event.currentTarget.value)}
-            />
-          </label>
-        </p>
-        <fieldset>
-          <legend>Written as</legend>
-          <label>
-            <input
-              type="radio"
-              name="ending"
-              checked={ending === "ros2jaus"}
-              onChange={() => setEnding("ros2jaus")}
-            />{" "}
-            text (.ros2jaus), to be read and typed
-          </label>
-          <label>
-            <input
-              type="radio"
-              name="ending"
-              checked={ending === "xmi"}
-              onChange={() => setEnding("xmi")}
-            />{" "}
-            XMI (.xmi), as Eclipse keeps it
-          </label>
-        </fieldset>
-        {isTaken && <p role="alert">There is a {file} already.</p>}
-        <footer>
-          <button type="submit" className="best" disabled={isTaken || !name.trim()}>
-            Create {file}
           </button>
         </footer>
       </form>

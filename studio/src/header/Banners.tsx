@@ -1,6 +1,6 @@
 import { choose, discard, doAgain, dropDraft } from "../actions";
 import type { KeptEdit } from "../protocol";
-import { type Draft, update, useStudio } from "../store";
+import { type Outside as Change, type Draft, update, useStudio } from "../store";
 
 /** What stands above all else: a lost connection, a file that is not what it was. */
 export function Banners() {
@@ -10,6 +10,7 @@ export function Banners() {
   const kept = useStudio((studio) => studio.kept);
   const drafts = useStudio((studio) => studio.drafts);
   const recorded = useStudio((studio) => studio.recorded);
+  const others = outside.filter((each) => !each.isConflict);
   return (
     <div className="banners">
       {link === "lost" && (
@@ -34,9 +35,12 @@ export function Banners() {
       {drafts.map((each) => (
         <Typed key={`${each.element} ${each.field}`} draft={each} />
       ))}
-      {outside.map((each) => (
-        <Outside key={each.file} file={each.file} diff={each.diff} isConflict={each.isConflict} />
-      ))}
+      {outside
+        .filter((each) => each.isConflict)
+        .map((each) => (
+          <Outside key={each.file} changes={[each]} />
+        ))}
+      {others.length > 0 && <Outside changes={others} />}
     </div>
   );
 }
@@ -87,7 +91,7 @@ function Kept({ edit }: { edit: KeptEdit }) {
 function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {
   return (
     <p className="banner error" role="status">
-      × Typed, and not taken: {what}
+      × {text ? "Typed, and not taken" : "Not taken"}: {what}
       {text && `: “${text}”`}. {why && `${why}.`}
       {element && (
         <button type="button" onClick={() => choose(element)}>
@@ -101,19 +105,29 @@ function Typed({ draft: { element, field, what, text, why } }: { draft: Draft })
   );
 }
 
-function Outside({ file, diff, isConflict }: { file: string; diff: string; isConflict: boolean }) {
+/** What other programs did: one note for each conflict, and one for all else. */
+function Outside({ changes }: { changes: Change[] }) {
+  const isConflict = changes[0]?.isConflict;
+  const files = changes.map((each) => each.file);
+  const diff = changes.map((each) => each.diff).join("");
+  const named =
+    files.length > MOST_NAMED
+      ? `${files.slice(0, MOST_NAMED).join(", ")} and ${files.length - MOST_NAMED} more`
+      : files.join(", ");
   const dismiss = () =>
-    update({ outside: useStudio.getState().outside.filter((each) => each.file !== file) });
+    update({ outside: useStudio.getState().outside.filter((each) => !changes.includes(each)) });
   return (
     <p className={`banner ${isConflict ? "error" : "info"}`} role="status">
       {isConflict
-        ? `× Another program changed ${file} while you did. Its change stands in the file; yours is in the history.`
-        : `i Another program changed ${file}.`}
+        ? `× Another program changed ${named} while you did. Its change stands in the file; yours is in the history.`
+        : changes.every((each) => each.gone)
+          ? `i Another program deleted ${named}; undo brings it back.`
+          : `i Another program changed ${named}.`}
       {diff && (
         <button
           type="button"
           onClick={() =>
-            update({ dialog: { kind: "diff", title: `What changed in ${file}`, diff } })
+            update({ dialog: { kind: "diff", title: `What changed in ${named}`, diff } })
           }
         >
           Show the difference
@@ -125,3 +139,5 @@ function Outside({ file, diff, isConflict }: { file: string; diff: string; isCon
     </p>
   );
 }
+
+const MOST_NAMED = 3;

@@ -1,4 +1,4 @@
-import { openFile, openView, redo, undo } from "../actions";
+import { beginModel, calledOf, openFile, openView, othersOf, redo, undo } from "../actions";
 import { operate } from "../operate/mode";
 import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
@@ -50,19 +50,48 @@ export function Header() {
       <button type="button" onClick={() => operate(true)}>
         Operate
       </button>
-      <button type="button" onClick={() => update({ dialog: { kind: "create" } })}>
+      <Others />
+      <button type="button" onClick={() => void beginModel()}>
         New model…
       </button>
-      <button type="button" onClick={() => void undo()} title="Ctrl+Z">
+      {/* A button that is disabled while it has the focus would lose it. */}
+      <button
+        type="button"
+        aria-disabled={!project?.undoable}
+        onClick={() => void undo()}
+        title="Ctrl+Z"
+      >
         Undo
       </button>
-      <button type="button" onClick={() => void redo()} title="Ctrl+Shift+Z">
+      <button
+        type="button"
+        aria-disabled={!project?.redoable}
+        onClick={() => void redo()}
+        title="Ctrl+Shift+Z"
+      >
         Redo
       </button>
       <button type="button" onClick={() => update({ dialog: { kind: "help" } })} title="?">
         Keys
       </button>
     </header>
+  );
+}
+
+/** Who else has the project open; nothing while nobody does. */
+function Others() {
+  const names = useStudio((studio) => othersOf(studio).map(calledOf).join(", "));
+  const count = useStudio((studio) => othersOf(studio).length);
+  if (!count) return null;
+  return (
+    <button
+      type="button"
+      className="others"
+      title={names}
+      onClick={() => update({ dialog: { kind: "presence" } })}
+    >
+      {count === 1 ? names : `${count} others`} here
+    </button>
   );
 }
 

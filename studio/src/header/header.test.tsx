@@ -55,14 +55,41 @@ test("a stale file is told as long as it is stale", () => {
 
 test("what another program did is shown; a conflict stays until it is dismissed", async () => {
   render(<Banners />);
-  act(() => listener.onNotification("conflict", { file: "robot.xmi", diff: "-mine\n+theirs" }));
-  act(() => listener.onNotification("outside", { file: "robot.xmi", diff: "+more" }));
-  act(() => listener.onNotification("outside", { file: "maps.xmi", diff: "" }));
+  const gone = false;
+  const conflict = { file: "robot.xmi", diff: "-mine\n+theirs", gone };
+  act(() => listener.onNotification("conflict", conflict));
+  act(() => listener.onNotification("outside", { file: "robot.xmi", diff: "+more", gone }));
+  act(() => listener.onNotification("outside", { file: "maps.xmi", diff: "", gone }));
   expect(screen.getAllByRole("status").map((each) => each.textContent?.[0])).toEqual(["×", "i"]);
   await userEvent.click(screen.getByRole("button", { name: "Show the difference" }));
   expect(state().dialog).toMatchObject({ kind: "diff", diff: "-mine\n+theirs" });
   await userEvent.click(screen.getAllByRole("button", { name: "Dismiss" })[0]!);
   expect(screen.getAllByRole("status")).toHaveLength(1);
+});
+
+test("many changes are one note, and a file that is gone is told as that", async () => {
+  render(<Banners />);
+  const note = (file: string, gone: boolean) =>
+    act(() => listener.onNotification("outside", { file, diff: `+${file}\n`, gone }));
+  for (const file of ["a", "b", "c", "d", "e"]) note(`${file}.xmi`, false);
+  expect(screen.getByRole("status")).toHaveTextContent("changed a.xmi, b.xmi, c.xmi and 2 more");
+  await userEvent.click(screen.getByRole("button", { name: "Show the difference" }));
+  expect(state().dialog).toMatchObject({ diff: "+a.xmi\n+b.xmi\n+c.xmi\n+d.xmi\n+e.xmi\n" });
+  await userEvent.click(screen.getByRole("button", { name: "Dismiss" }));
+  note("a.xmi", true);
+  expect(screen.getByRole("status")).toHaveTextContent("deleted a.xmi; undo brings it back");
+});
+
+test("undo and redo are grey while there is nothing for them, and others are told of", () => {
+  render(<Header />);
+  const undo = screen.getByRole("button", { name: "Undo" });
+  expect(undo).toHaveAttribute("aria-disabled", "false");
+  const page = { id: "2", here: true, name: "", file: "", view: "", element: "" };
+  act(() => update({ project: { ...PROJECT, undoable: false }, pages: [{ ...page, id: "1" }] }));
+  expect(undo).toHaveAttribute("aria-disabled", "true");
+  expect(screen.queryByRole("button", { name: /here$/ })).toBeNull();
+  act(() => update({ pages: [{ ...page, id: "1" }, page] }));
+  expect(screen.getByRole("button", { name: "another tab here" })).toBeVisible();
 });
 
 test("an edit that was not done stays with its values until somebody decides", async () => {

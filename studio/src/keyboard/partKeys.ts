@@ -9,7 +9,6 @@ import {
   focusOn,
   offerEnds,
   offerHosts,
-  paste,
   removeSelected,
   select,
 } from "../actions";
@@ -30,7 +29,6 @@ export const PART_KEYS: Record<string, () => void> = {
   Backspace: () => void removeSelected(),
   "Ctrl+C": () => void copySelected(),
   "Ctrl+X": () => void cutSelected(),
-  "Ctrl+V": () => void paste(),
   "Ctrl+A": selectAll,
   U: () => focusOn("up"),
   D: () => focusOn("down"),

@@ -1,7 +1,7 @@
 // Keys of the whole page.
 
 import { flushSync } from "react-dom";
-import { redo, undo } from "../actions";
+import { paste, redo, undo } from "../actions";
 import { update } from "../store";
 import { FILL_EVENT } from "../views/filling";
 import { isTyping, nameOfKey } from "./keys";
@@ -19,6 +19,13 @@ export function onShortcut(event: KeyboardEvent): void {
   if (!doing) return;
   event.preventDefault();
   doing();
+}
+
+/** Takes what the clipboard has, unless it is for a field; to be placed on the document. */
+export function onPaste(event: ClipboardEvent): void {
+  if (event.defaultPrevented || isTyping(event)) return;
+  event.preventDefault();
+  void paste(event.clipboardData?.getData("text/plain") ?? "");
 }
 
 const SHORTCUTS: Record<string, () => void> = {

@@ -98,3 +98,10 @@ export interface EditResult {
   diff?: string;
   referrers?: Referrer[];
 }
+
+/** What a text says that was pasted, and nothing here can stand for. */
+export interface LeftOut {
+  /** The element that says it, empty where it has no name. */
+  name: string;
+  message: string;
+}

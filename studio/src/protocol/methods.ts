@@ -1,15 +1,17 @@
 // Requests and notifications.
 
-import type { Command, EditResult, Entry, KeptEdit } from "./commands";
+import type { Command, EditResult, Entry, KeptEdit, LeftOut } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
+import type { PresentPage } from "./presence";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
 import type { ComparedRow, Explanation, ReadRecording } from "./recordings";
 import type { FileText, OutlineRow, Source } from "./sources";
+import type { StartingPoint } from "./starting";
 import type { ChosenStep, Stepping } from "./steps";
 
 /** Requests: parameters and results by method. */
@@ -31,8 +33,13 @@ export interface Methods {
   "kept.discard": [{ number: number }, unknown];
   /** What went wrong in the studio itself, the latest first. */
   faults: [Record<string, never>, { faults: LoggedFault[] }];
-  copy: [{ elements: Ref[] }, { commands: Command[] }];
-  paste: [{ owner: Ref; commands: Command[] }, EditResult];
+  starting_points: [Record<string, never>, { points: StartingPoint[] }];
+  /** Makes a model file that begins with a starting point. */
+  create: [{ file: string; origin: string }, EditResult];
+  copy: [{ elements: Ref[] }, { text: string }];
+  paste: [{ owner: Ref; text: string }, EditResult & { left_out: LeftOut[] }];
+  /** Tells others where this page looks. */
+  look: [Omit<PresentPage, "id" | "here">, { pages: PresentPage[] }];
   form: [{ element: Ref }, Form];
   /** What a reference may lead to, the best fits of a search; `more` is how many there are beside. */
   choices: [{ element: Ref; feature: string; query: string }, { choices: Choice[]; more: number }];
@@ -123,15 +130,30 @@ export type Result<M extends Method> = Methods[M][1];
 
 /** Notifications of the server: parameters by method. */
 export interface Notifications {
-  changed: { revision: number; files: FileInfo[]; entry?: Entry | null; by: "edit" | "outside" };
+  changed: {
+    revision: number;
+    files: FileInfo[];
+    entry?: Entry | null;
+    by: "edit" | "outside";
+    undoable: boolean;
+    redoable: boolean;
+  };
   problems: Problems;
   /** Another program changed a file while there were changes here that it does not have. */
-  conflict: { file: string; diff: string };
+  conflict: OutsideChange;
   /** Another program changed a file. */
-  outside: { file: string; diff: string };
+  outside: OutsideChange;
   live: { state: LiveState; freshness?: Freshness };
   /** The edits that are kept have changed. */
   kept: { edits: KeptEdit[] };
+  presence: { pages: PresentPage[] };
+}
+
+export interface OutsideChange {
+  file: string;
+  diff: string;
+  /** Whether the file is there no more. */
+  gone: boolean;
 }
 
 export type Notification = keyof Notifications;

@@ -1,6 +1,6 @@
-import { useEffect, useState } from "react";
+import { useCallback, useEffect, useState } from "react";
 import type { Filling } from "../protocol";
-import { update, useStudio } from "../store";
+import { type Studio, state, update, useStudio } from "../store";
 import { FILL_EVENT, fillMap } from "./filling";
 
 const MOST = 8;
@@ -8,13 +8,19 @@ const MOST = 8;
 /** Offers to fill a map from what corresponds, and tells what is left to its author. */
 export function FillOffer() {
   const isEmpty = useStudio((studio) => studio.graph !== null && studio.graph.edges.length === 0);
-  const [filled, setFilled] = useState<Filling | null>(null);
+  const [last, setLast] = useState<{ filling: Filling; picture: string } | null>(null);
+  // What was left may be filled as soon as anything has changed since.
+  const picture = useStudio(pictureOf);
+  const filled = last?.picture === picture ? last.filling : null;
+  const fill = useCallback(async () => {
+    const filling = await fillMap();
+    setLast(filling && { filling, picture: pictureOf(state()) });
+  }, []);
 
   useEffect(() => {
-    const fill = () => void fillMap().then(setFilled);
     document.addEventListener(FILL_EVENT, fill);
     return () => document.removeEventListener(FILL_EVENT, fill);
-  }, []);
+  }, [fill]);
 
   return (
     <>
@@ -22,7 +28,7 @@ export function FillOffer() {
         type="button"
         className={isEmpty ? "best" : ""}
         title="By names, times, orientations, units and axes, with the conversions that the rules accept (m)"
-        onClick={() => void fillMap().then(setFilled)}
+        onClick={() => void fill()}
       >
         Fill what corresponds
       </button>
@@ -35,6 +41,8 @@ export function FillOffer() {
     </>
   );
 }
+
+const pictureOf = ({ file, view, revision }: Studio) => `${file} ${view} ${revision}`;
 
 function leftOf({ left }: Filling): string[] {
   return [...(left.to_ros ?? []), ...(left.to_jaus ?? [])];

@@ -1,4 +1,4 @@
-import { render, screen, waitFor } from "@testing-library/react";
+import { act, render, screen, waitFor } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, it } from "vitest";
 import { onShortcut } from "../keyboard/shortcuts";
@@ -69,6 +69,8 @@ it("fills an empty map by one click and one edit, and tells what is left", async
   ]);
   await userEvent.click(screen.getByRole("button", { name: "Show all members" }));
   expect(state().middle).toBe("members");
+  act(() => update({ revision: 2 }));
+  expect(screen.getByRole("status")).not.toHaveTextContent("Left to you");
 });
 
 it("fills it by one key", async () => {

@@ -18,7 +18,11 @@ PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
 
 def opened(open_shared, size, **options):
     width, height = size
-    desk = Desktop(open_shared(viewport={"width": width, "height": height}, **options))
+    return shown(open_shared(viewport={"width": width, "height": height}, **options))
+
+
+def shown(page):
+    desk = Desktop(page)
     expect(desk.box("vehicle")).to_have_count(1)
     return desk
 
@@ -55,9 +59,15 @@ def test_the_page_breaks_no_rule_of_axe(open_shared, size):
     desk.title("vehicle").click()
     expect(desk.page.get_by_role("form")).to_be_visible()
     assert broken(desk.page) == {}
-    for tab in ("Outline", "Generate", "Live", "History", "Table"):
+    for tab in ("Outline", "Generate", "Live", "History", "Source", "Table"):
         desk.tab(tab)
         assert broken(desk.page) == {}, tab
+    shown(open_shared(viewport={"width": size[0], "height": size[1]}))
+    for button, dialog in (("another tab here", "Who else is here"), ("New model…", "New model")):
+        desk.page.get_by_role("button", name=button).click()
+        desk.dialog(dialog)
+        assert broken(desk.page) == {}, dialog
+        desk.keyboard.press("Escape")
 
 
 def broken(page):

@@ -25,20 +25,9 @@ PARSE_ERROR, INVALID_REQUEST, METHOD_NOT_FOUND, INVALID_PARAMS = -32700, -32600,
 
 METHODS = (
     *("hello", "views", "view", "arrange", "edit", "undo", "redo", "log", "copy", "paste", "form"),
-    *(
-        "choices",
-        "palette",
-        "connect",
-        "ends",
-        "problems",
-        "source",
-        "text",
-        "at",
-        "members",
-        "write",
-        "try",
-    ),
-    *("tried", "plan", "diff", "live.stop", "live.message"),
+    *("choices", "palette", "connect", "ends", "problems", "source", "text", "at", "members"),
+    *("write", "try", "tried", "plan", "diff", "live.stop", "live.message", "create", "look"),
+    *("starting_points",),
 )
 FILES = ("catvehicle.xmi", "maps.ros2jaus", "../x.xmi", "")
 REFS = (
@@ -101,6 +90,8 @@ well_typed = {
     "out": st.just("generated"),
     "path": texts,
     "connection": texts,
+    "origin": texts | st.sampled_from(("empty", "example", "iop-ugv")),
+    "name": texts,
 }
 params = st.fixed_dictionaries({}, optional={n: s | values for n, s in well_typed.items()})
 

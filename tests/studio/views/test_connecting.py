@@ -139,6 +139,40 @@ def test_ids_of_the_diagram_name_ends(car):
         spot(scope, "bridge!ros", "")
 
 
+def test_where_two_bridges_fit_the_one_that_serves_the_component_is_best(tmp_path):
+    text = """
+system boat {
+    bridge first { address: 100.1.2 }
+    bridge second {
+        address: 100.1.3
+        connection speed { map: velocity_state  direction: jausToRos  peers: helm  topic odom }
+    }
+    component helm { address: 100.1.1  provides: VelocityStateSensor, VelocityStateDriver, Winch }
+    node lidar
+    node gauge { subscription load { topic: load  type: std_msgs/Float64 } }
+}
+service_set own {
+    service Winch {
+        urn: "urn:example:Winch"
+        outputs: new message_def ReportLoad { code: 0xD102 }
+    }
+}
+"""
+    path = tmp_path / "boat.ros2jaus"
+    path.write_text(f"import mappings.velocity_state_sensor\n{text}", encoding="utf-8")
+    project = Project(path)
+    boat = Ends(Scope(project.model("boat.ros2jaus").model, project.root))
+    found = boat.connect("helm", "lidar").options
+    assert "through second" in found[0].why
+    # What is, before what was commanded.
+    first = boat.connect("helm", "first").options
+    assert first[0].label.startswith("ReportVelocityState by")
+    # Where no map is ready, a new one goes to a topic of the node.
+    [*_, last] = boat.connect("helm/ReportLoad", "gauge").options
+    assert last.label == "ReportLoad by new map (std_msgs/Float64)"
+    assert "has no topic for it" in boat.connect("helm/ReportLoad", "lidar").refusal
+
+
 def test_all_ends_of_a_component_are_told(car):
     found = ends(car.scope, car("vehicle"))
     names = {(each.owner.name, getattr(each.element, "name", "")) for each, _ in found}

@@ -87,6 +87,20 @@ def test_a_connection_tells_values_defaults_units_and_targets():
     assert peers == {"vehicle", "operator_control_unit", "bridge"}
 
 
+def test_what_must_be_given_has_no_default_and_a_rate_is_that_of_its_bridge():
+    scope = scope_of("library/jaus/mobility.xmi")
+    fields = {each.feature: each for each in form_of(scope, scale_of(scope), ()).fields}
+    assert (fields["lower"].required, fields["lower"].default) == (True, "")
+    scope = scope_of(CAR)
+    used = next(each for each in scope.own(bridge.Connection) if not each.rate)
+    rate = next(e for e in form_of(scope, used, ()).fields if e.feature == "rate")
+    assert rate.default == f"{used.eContainer().frequency}"
+
+
+def scale_of(scope):
+    return next(iter(scope.model.instances(jaus.ScaleRange)))
+
+
 def test_references_lead_to_what_the_model_allows():
     scope = scope_of(CAR)
     [pose, *_] = scope.model.instances(jaus.ServiceConnection)

@@ -34,6 +34,13 @@ def test_what_only_mentions_a_name_is_left_out_where_something_has_it():
     assert "health" in labels(palette(scope, "diagnostic_aggregator", onto=onto))
 
 
+def test_elements_are_not_found_by_the_name_of_their_owner_but_those_of_the_bridge_are():
+    scope = scope_of(CAR)
+    onto = named(scope, jaus.Component, "catvehicle.vehicle")
+    assert "service connection" not in labels(palette(scope, "vehicle", onto=onto))
+    assert "attribute map" in labels(palette(scope, "attribute map"))
+
+
 def test_kinds_and_limits_are_kept():
     scope = scope_of(CAR)
     found = palette(scope, "", kinds=["elements"])

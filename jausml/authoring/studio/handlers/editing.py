@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, EditError, Place, Set
+from jausml.authoring.projects.creating import model_text
+from jausml.authoring.projects.places import ProjectError, metamodels_for
+from jausml.authoring.projects.starting import STARTING_POINTS
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
@@ -21,10 +25,11 @@ from jausml.authoring.studio.rpc import (
 )
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.names import system_name
+from jausml.language.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.records import Entry
@@ -43,6 +48,8 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
         "kept": Method(partial(_kept, context)),
         "kept.again": Method(partial(_again, context), in_turn=True),
         "kept.discard": Method(partial(_discard, context), in_turn=True),
+        "starting_points": Method(_starting_points),
+        "create": Method(partial(_create, context), in_turn=True),
         "copy": Method(partial(_copy, context)),
         "paste": Method(partial(_paste, context), in_turn=True),
         "undo": Method(partial(_undo, context), in_turn=True),
@@ -125,22 +132,38 @@ def _discard(context: StudioContext, number: int) -> dict[str, Any]:
 
 
 def _copy(context: StudioContext, elements: tuple[str, ...]) -> dict[str, Any]:
-    return {"commands": context.project.describe(elements)}
+    return {"text": context.project.copy(elements)}
 
 
-def _paste(
-    context: StudioContext, owner: str, commands: tuple[Mapping[str, object], ...]
-) -> dict[str, Any]:
-    """Adds what `copy` gave."""
-    added = [each for each in _commands(commands) if isinstance(each, Add | Set)]
+def _paste(context: StudioContext, owner: str, text: str) -> dict[str, Any]:
+    """Adds what a text has, be it of `copy` here, of another project, or typed by somebody."""
+    clip = context.project.clip(text, owner)
     model = context.project.find(owner)[1]
-    made = context.project.paste(with_free_addresses(model, added), owner, "Paste")
+    made = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
     context.changed(made)
     return {
         "revision": context.project.revision,
         "entry": entry_as_json(made),
         "created": made.created,
+        "left_out": as_json(clip.left_out),
     }
+
+
+def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
+    """Makes a model file that begins with a starting point."""
+    is_text = file.endswith(SUFFIX)
+    beside = metamodels_for(context.project.root / file, context.project.root)
+    try:
+        data = model_text(origin, system_name(Path(file)), beside, is_text=is_text)
+    except ProjectError as error:
+        raise EditError(str(error)) from error
+    made = context.project.add_file(file, data, f"Create {file}")
+    context.changed(made)
+    return {"revision": context.project.revision, "entry": entry_as_json(made), "created": ()}
+
+
+def _starting_points() -> dict[str, Any]:
+    return {"points": as_json(STARTING_POINTS)}
 
 
 def _undo(context: StudioContext) -> dict[str, Any]:

@@ -16,7 +16,14 @@ from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.drawing import difference
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
-from jausml.authoring.studio.rpc import REFUSED, Method, RpcError, files_as_json, freshness_as_json
+from jausml.authoring.studio.rpc import (
+    REFUSED,
+    Method,
+    RpcError,
+    files_as_json,
+    freshness_as_json,
+    log_as_json,
+)
 from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
 from jausml.language.model import refs
@@ -78,6 +85,7 @@ def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: 
         "revision": project.revision,
         "files": files_as_json(project),
         "opened": project.opened,
+        **log_as_json(project),
         "extras": extras,
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Set
@@ -54,20 +55,43 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
-    options = [
-        option
-        for owner in owners
-        for offer in wanted
-        for option in _crossings(
-            scope, owner, component, offer, at_ros, is_chosen=bool(at_jaus.message)
-        )
-    ]
+    owners = sorted(owners, key=lambda each: not _serves(each, component))
+
+    def ways(end: Spot) -> list[Option]:
+        return [
+            option
+            for owner in owners
+            for offer in wanted
+            for option in _crossings(
+                scope, owner, component, offer, end, is_chosen=bool(at_jaus.message)
+            )
+        ]
+
+    # Where no ready map goes to a new topic, a new map may go to one that is there.
+    options = ways(at_ros) or [each for end in _ends_of(at_ros, direction) for each in ways(end)]
     options.sort(key=_order)
     if options:
         return Options(tuple(options))
     if any(_is_carried(each, component, offer, at_ros) for each in owners for offer in wanted):
         return Options(refusal="a connection carries this already")
-    return Options(refusal=f"no ready map has a message of {name_of(component)}; choose a topic")
+    node = name_of(at_ros.owner)
+    reason = f"no ready map has a message of {name_of(component)}, and {node} has no topic for it"
+    return Options(refusal=f"{reason}; add one to {node} first, to which a new map can go")
+
+
+def _serves(owner: EObject, component: jaus.Component) -> bool:
+    """Tells whether a bridge has connections with a component already."""
+    connections = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
+    return any(component in each.peers for each in connections)
+
+
+def _ends_of(at_ros: Spot, direction: str) -> list[Spot]:
+    """Returns the topics of a node to which a line goes that leads to the node as a whole."""
+    node = at_ros.owner
+    if at_ros.element is not None or not isinstance(node, ros.Node):
+        return []
+    ends = node.subscriptions if direction == TO_ROS else node.publishers
+    return [replace(at_ros, element=each) for each in ends]
 
 
 def through(
@@ -133,7 +157,14 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
 def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
     """Returns what a component offers for a direction; of one message where one is named."""
     found = offers(component, direction)
-    return [each for each in found if not message or name_of(each.message) == message]
+    wanted = [each for each in found if not message or name_of(each.message) == message]
+    return sorted(wanted, key=_is_echo)
+
+
+def _is_echo(offer: Offer) -> bool:
+    """Tells whether a message reports what was commanded, which few are interested in."""
+    what = name_of(offer.message).removeprefix("Report")
+    return any(name_of(each) == f"Set{what}" for each in offer.service.inputs)
 
 
 def _by_ready_map(

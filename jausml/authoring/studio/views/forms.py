@@ -18,6 +18,7 @@ from jausml.authoring.proposals.elements import (
 from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
 from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
 
@@ -250,21 +251,30 @@ def _field(
         shown = tuple(label_of(each) for each in values)
     else:
         texts = shown = tuple(map(literal, values))
+    is_required = feature.lower > 0 and feature.can_be_missing
     return Field(
         feature=feature.name,
         label=in_words(feature.name),
         kind="reference" if is_reference else _kind(feature),
         many=feature.many,
-        required=feature.lower > 0 and feature.can_be_missing,
+        required=is_required,
         values=texts,
         shown=shown,
-        default="" if feature.default is None else literal(feature.default),
+        default="" if is_required else _default(element, feature),
         documentation=documentation(feature.feature),
         unit=_unit(element, feature),
         choices=() if is_reference else (*choices_of(feature), *usual_texts(element, feature)),
         problems=problems.of(feature.name),
         changeable=not is_fixed,
     )
+
+
+def _default(element: EObject, feature: FeatureTable) -> str:
+    """Returns what holds while nothing is set; of a rate that follows, the one that does."""
+    if feature.name == "rate" and isinstance(element, bridge.Connection):
+        owner = element.eContainer()
+        return literal(owner.frequency) if isinstance(owner, bridge.Bridge) else ""
+    return "" if feature.default is None else literal(feature.default)
 
 
 def _kind(feature: FeatureTable) -> str:

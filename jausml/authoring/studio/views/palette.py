@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -268,7 +268,7 @@ def _maps(maps: Iterable[bridge.AttributeMap]) -> Iterator[Entry]:
 
 def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
     """Yields the kinds of elements that an element, the bridges or the system can own."""
-    for owner in [target] if target is not None else scope.model.documents[0].roots:
+    for owner in [target] if target is not None else _open_owners(scope):
         table = scope.model.metamodels.class_of(owner)
         for feature in sorted(table.contained, key=lambda each: each.name not in PACKAGES):
             is_full = not feature.many and getattr(owner, feature.name) is not None
@@ -279,10 +279,17 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
                 note = f"{in_words(feature.name)} of {label_of(owner)}"
                 make = partial(_element, owner=owner, feature=feature, kind=kind.kind)
                 label = in_words(feature.name) if several else kind.label
-                yield _entry(
-                    f"element {feature.name} {kind.kind}", ELEMENTS, label, note,
+                entry = _entry(
+                    f"element {feature.name} {kind.kind}", ELEMENTS, label, "",
                     kind.documentation, make, in_words(feature.name), kind.label,
                 )  # fmt: skip
+                yield replace(entry, note=note)  # nobody looks for it by the name of its owner
+
+
+def _open_owners(scope: Scope) -> Sequence[EObject]:
+    """Returns who can own something new while nothing is chosen: also the bridge, if it is one."""
+    bridges = bridges_of(scope)
+    return (*scope.model.documents[0].roots, *(bridges if len(bridges) == 1 else ()))
 
 
 def _others(table: ClassTable, feature: FeatureTable) -> set[str]:

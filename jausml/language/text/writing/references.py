@@ -242,9 +242,10 @@ ROOT = Name("root")
 """The feature of a document that makes a root of an element which could not stand there alone."""
 
 _VALUES = (FeatureKind.ATTRIBUTE, FeatureKind.CROSS_REFERENCE)
-_STANDING = frozenset(
+STANDING = frozenset(
     {"system.System", "bridge.MapLibrary", "jaus.ServiceSet", "ros.InterfacePackage"}
 )
+"""The classes whose elements stand in a document without further words."""
 
 
 class ElementWriter:
@@ -255,12 +256,28 @@ class ElementWriter:
         self._names = names
         self.special: dict[str, Special] = {}
         """What writes the blocks of a class in a notation of their own, by qualified class."""
+        self.says_all = False
+        """Whether connections say what follows from where they stand, too."""
 
     def root(self, obj: EObject) -> Element | Feature:
         """Returns a root element with all that it owns."""
-        if self._metamodels.class_of(obj).qualified_name in _STANDING:
+        if self._metamodels.class_of(obj).qualified_name in STANDING:
             return self.element(obj)
         return documented(Feature(ROOT, [self._value(obj, with_class=True)]), obj)
+
+    def alone(self, obj: EObject) -> Element | Feature:
+        """Returns an element as it may stand in its owner, with all that says what it is."""
+        owner, feature = obj.eContainer(), obj.eContainmentFeature()
+        if owner is None or feature is None:
+            return self.root(obj)
+        metamodels = self._metamodels
+        is_obvious = self._is_obvious(
+            owner, metamodels.class_of(owner).features[feature.name], metamodels.class_of(obj)
+        )
+        if is_obvious and head_name(obj) is not None:
+            return self.element(obj)
+        value = self._value(obj, with_class=True)
+        return documented(Feature(Name(feature.name), [value]), obj)
 
     def element(self, obj: EObject) -> Element:
         """Returns an element as a block by itself."""
@@ -274,7 +291,9 @@ class ElementWriter:
 
     def values(self, obj: EObject, *, without: frozenset[str]) -> Iterator[Feature]:
         """Yields the attributes and references of an element as features."""
-        following = unstated(obj) if isinstance(obj, bridge.Connection) else None
+        following = None
+        if isinstance(obj, bridge.Connection) and not self.says_all:
+            following = unstated(obj)
         for feature in self._metamodels.class_of(obj).features.values():
             said_here = feature.name not in without or needs_feature(obj, feature.name)
             if not said_here or feature.kind not in _VALUES:

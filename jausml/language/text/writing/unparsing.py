@@ -280,6 +280,23 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
     """
     with remembering():
         document = to_tree(roots, model, path)
+    return _laid_out(document)
+
+
+def to_clip(elements: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
+    """Returns elements with all that they own as text, each as it may stand in its owner.
+
+    The arguments and errors are those of `to_text`.
+    """
+    with remembering():
+        writer, imports = _writer(elements, model, Path(path))
+        writer.says_all = True
+        document = SyntaxTree([*imports, *map(writer.alone, elements)])
+        space_document(document.items)
+    return _laid_out(document)
+
+
+def _laid_out(document: SyntaxTree) -> str:
     if _depth(document.items) > DEEPEST:
         raise UnwritableError(f"its elements are nested more than {DEEPEST} deep")
     text = layout.lay_out(document)
@@ -290,11 +307,8 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 
 def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> SyntaxTree:
     """Returns root elements with all that they own as a syntax tree."""
-    names = ReferenceNames(roots, model, Path(path))
-    elements = ElementWriter(model.metamodels, names)
-    elements.special[MAP] = MapWriter(elements, names, model.metamodels).items
-    document = SyntaxTree()
-    document.items += [Import(target) for target in names.imports]
+    elements, imports = _writer(roots, model, Path(path))
+    document = SyntaxTree([*imports])
     implied: set[str] = set()
     for root in roots:
         qualified_class = model.metamodels.class_of(root).qualified_name
@@ -304,6 +318,16 @@ def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
         document.items += parts or [elements.root(root)]
     space_document(document.items)
     return document
+
+
+def _writer(
+    roots: Sequence[EObject], model: Model, path: Path
+) -> tuple[ElementWriter, Sequence[Import]]:
+    """Returns what writes elements of a model into a file, and what that has to import."""
+    names = ReferenceNames(roots, model, path)
+    elements = ElementWriter(model.metamodels, names)
+    elements.special[MAP] = MapWriter(elements, names, model.metamodels).items
+    return elements, [Import(target) for target in names.imports]
 
 
 def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> list[BlockItem]:

@@ -3,6 +3,7 @@ import userEvent from "@testing-library/user-event";
 import { expect, it, vi } from "vitest";
 import { listener } from "../../actions";
 import type { LiveState } from "../../protocol";
+import { edgeKey, portKey } from "../../selection";
 import { state, update } from "../../store";
 import { serve } from "../../testing/fakeServer";
 import { counted, Live, rates } from "./Live";
@@ -51,6 +52,20 @@ function show() {
   render(<Live />);
   return server;
 }
+
+it("opens the connection whose row or line is chosen in the diagram", async () => {
+  const server = show();
+  act(() => update({ live: LIVE }));
+  expect(screen.queryByText("VelocityX: 1.0 m/s")).toBeNull();
+  act(() => update({ selection: [edgeKey("conn1!ocu")] }));
+  expect(await screen.findByText("VelocityX: 1.0 m/s")).toBeVisible();
+  expect(server.params("live.message")[0]).toEqual({ connection: "conn1" });
+  act(() => update({ selection: [portKey("bridge", "conn1")] }));
+  expect(screen.getByRole("button", { name: "bridge/velocity" })).toHaveAttribute(
+    "aria-expanded",
+    "true",
+  );
+});
 
 it("watches, and stops to watch", async () => {
   const server = show();

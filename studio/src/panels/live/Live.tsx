@@ -1,7 +1,8 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
-import { state, update, useStudio } from "../../store";
+import { partOf } from "../../selection";
+import { active, type Studio, state, update, useStudio } from "../../store";
 import { Fault, figure, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { Machines } from "./Machines";
@@ -27,6 +28,10 @@ export function Live() {
   const [fault, setFault] = useState("");
   const [isStarting, setStarting] = useState(false);
   const [open, setOpen] = useState("");
+  const chosen = useStudio(chosenRow);
+  useEffect(() => {
+    if (chosen) setOpen(chosen);
+  }, [chosen]);
 
   async function turn(isOn: boolean) {
     setStarting(true);
@@ -95,6 +100,18 @@ export function Live() {
   );
 }
 
+/** The connection that is chosen in the diagram, by its row or a line of that; empty for none. */
+function chosenRow(studio: Studio): string {
+  const key = active(studio);
+  if (!key) return "";
+  const { id } = partOf(key);
+  const isOf = ({ row }: LiveConnection) => row !== "" && (id === row || id.startsWith(`${row}!`));
+  const found = studio.live?.connections?.find(isOf);
+  return found ? nameOf(found) : "";
+}
+
+const nameOf = ({ bridge, connection }: LiveConnection) => `${bridge}/${connection}`;
+
 /** Says of what time the values are as soon as no new ones come. */
 function Old() {
   const at = useStudio((state) => state.liveAt);
@@ -158,7 +175,7 @@ export function Connections({ connections, open, onOpen, details }: ConnectionsP
         </tr>
       </thead>
       {connections.map((each) => {
-        const name = `${each.bridge}/${each.connection}`;
+        const name = nameOf(each);
         const isOpen = open === name;
         return (
           <tbody key={name}>

@@ -32,10 +32,11 @@ export function Palette() {
   const [fault, setFault] = useState("");
   const list = useId();
 
-  const items = useHeld(value?.items) ?? [];
+  const held = useHeld(value?.items);
+  const items = (file && held) || [];
   const offers: Offer[] = [
     ...headed(items.filter((each) => each.onto)),
-    ...(query === "" ? kept.map((item) => ({ item, group: "recently used" })) : []),
+    ...(file && query === "" ? kept.map((item) => ({ item, group: "recently used" })) : []),
     ...headed(items.filter((each) => !each.onto)),
   ];
   const keys = useListKeys(offers.length, (at) => {

@@ -63,14 +63,17 @@ export const ros2jaus = StreamLanguage.define<State>({
   },
 });
 
+/** A colour that can be read on what is selected, too. */
+const read = (name: string) => `color-mix(in srgb, var(--${name}) 70%, var(--ink))`;
+
 /** Colours of words, the same for text and XMI; the page's style sheet names the values. */
 export const colours = HighlightStyle.define([
-  { tag: [tags.comment, tags.lineComment, tags.blockComment], color: "var(--muted)" },
-  { tag: tags.docComment, color: "var(--muted)", fontStyle: "italic" },
-  { tag: [tags.keyword, tags.processingInstruction], color: "var(--bridge)", fontWeight: "bold" },
-  { tag: [tags.typeName, tags.tagName], color: "var(--jaus)" },
-  { tag: [tags.propertyName, tags.attributeName], color: "var(--ros)" },
-  { tag: [tags.string, tags.attributeValue], color: "var(--error)" },
-  { tag: [tags.number, tags.bool], color: "var(--bridge)" },
-  { tag: [tags.operator, tags.angleBracket], color: "var(--muted)" },
+  { tag: [tags.comment, tags.lineComment, tags.blockComment], color: read("muted") },
+  { tag: tags.docComment, color: read("muted"), fontStyle: "italic" },
+  { tag: [tags.keyword, tags.processingInstruction], color: read("bridge"), fontWeight: "bold" },
+  { tag: [tags.typeName, tags.tagName], color: read("jaus") },
+  { tag: [tags.propertyName, tags.attributeName], color: read("ros") },
+  { tag: [tags.string, tags.attributeValue], color: read("error") },
+  { tag: [tags.number, tags.bool], color: read("bridge") },
+  { tag: [tags.operator, tags.angleBracket], color: read("muted") },
 ]);
