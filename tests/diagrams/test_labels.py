@@ -31,8 +31,16 @@ def placed(graph):
 
 
 def hidden(graph):
-    """Returns how much labels hide: the number of lines and borders where it is no text."""
-    ground = Ground(*placed(graph))
+    """Returns how much labels hide: the number of lines and borders where it is no text.
+
+    No label is cut by the borders of the picture.
+    """
+    sheet, places = placed(graph)
+    ground = Ground(sheet, places)
+    areas = [ground.area(line, middle) for line, middle in ground.labels.items()]
+    assert min((min(each.left, each.top) for each in areas), default=0) >= 0
+    assert max((each.right for each in areas), default=0) <= places.width
+    assert max((each.bottom for each in areas), default=0) <= places.height
     return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
 
 

@@ -129,16 +129,10 @@ def _beside(parts: Sequence[Places]) -> Places:
     whole = packed(blocks)
     found = Places(whole.width, whole.height, {}, {}, {})
     for number, part in enumerate(parts):
-        right, down = whole.corners[str(number)]
-
-        def moved(point: Point, right: float = right, down: float = down) -> Point:
-            return round(point[0] + right, 1), round(point[1] + down, 1)
-
-        found.boxes.update((name, moved(each)) for name, each in part.boxes.items())
-        found.frames.update((n, (moved(a), moved(b))) for n, (a, b) in part.frames.items())
-        for name, each in part.lines.items():
-            label = moved(each.label) if each.label else None
-            found.lines[name] = Route(tuple(map(moved, each.points)), label)
+        moved = part.moved(*whole.corners[str(number)])
+        found.boxes.update(moved.boxes)
+        found.frames.update(moved.frames)
+        found.lines.update(moved.lines)
     return found
 
 

@@ -33,17 +33,26 @@ _BESIDE = 3
 
 
 def cleared(sheet: Sheet, places: Places) -> Places:
-    """Returns places of which labels lie on no other part, where their lines have room for that."""
+    """Returns places of which labels lie on no other part, where their lines have room for that.
+
+    What they cover beyond the borders is added to the picture.
+    """
     ground = Ground(sheet, places)
     for line in sheet.lines:
         ground.clear(line)
+    areas = [ground.area(name, each) for name, each in ground.labels.items()]
+    left = min((each.left for each in areas), default=0)
+    top = min((each.top for each in areas), default=0)
+    right, down = max(0, -left), max(0, -top)
     return replace(
         places,
+        width=max([places.width, *(each.right for each in areas)]) + right,
+        height=max([places.height, *(each.bottom for each in areas)]) + down,
         lines={
             name: replace(route, label=ground.labels.get(name))
             for name, route in places.lines.items()
         },
-    )
+    ).moved(right, down)
 
 
 class Ground:

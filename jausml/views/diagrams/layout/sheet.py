@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -131,6 +131,24 @@ class Places:
     boxes: dict[str, Point]
     frames: dict[str, tuple[Point, Point]]
     lines: dict[str, Route]
+
+    def moved(self, right: float, down: float) -> Places:
+        """Returns the same further right and down, as large as before."""
+        if not right and not down:
+            return self
+
+        def to(point: Point) -> Point:
+            return round(point[0] + right, 1), round(point[1] + down, 1)
+
+        return replace(
+            self,
+            boxes={name: to(each) for name, each in self.boxes.items()},
+            frames={name: (to(one), to(other)) for name, (one, other) in self.frames.items()},
+            lines={
+                name: Route(tuple(map(to, each.points)), to(each.label) if each.label else None)
+                for name, each in self.lines.items()
+            },
+        )
 
 
 class Engine(Protocol):
