@@ -275,6 +275,8 @@ FONTS = (
     *("Segoe UI", "Verdana", "Ubuntu", "Roboto", "Open Sans", "FreeSans"),
 )
 
+_NO_NAME = "a name that no font has"
+
 
 def render_png(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
     """Returns a graph as a picture: the same bytes on a machine of the same fonts.
@@ -293,10 +295,14 @@ def render_png(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
 
 @cache
 def _font() -> str:
-    """Returns the first font that the machine has: without one resvg draws no text at all."""
-    nothing = _drawn(_probe(FONTS[0], ""), 1, FONTS[0])
+    """Returns the first font that the machine has.
+
+    In place of one that it has not, resvg draws no text at all, or takes one with serifs, if there
+    is one.
+    """
+    lacking = [_drawn(_probe(_NO_NAME, text), 1, _NO_NAME) for text in ("", "Ag")]
     for each in FONTS:
-        if _drawn(_probe(each, "Ag"), 1, each) != nothing:
+        if _drawn(_probe(each, "Ag"), 1, each) not in lacking:
             return each
     raise LayoutError(NO_FONT.format(", ".join(FONTS)))
 
