@@ -19,6 +19,10 @@ EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 TEXTS = sorted(EXAMPLES.rglob("*.ros2jaus"))
 
 
+def parts(parsed):
+    return parsed.document, parsed.faults, list(parsed.tokens)
+
+
 @pytest.fixture
 def bench():
     return Workbench()
@@ -30,7 +34,7 @@ def test_reading_leaves_the_tree_as_it_was_parsed(bench, path):
     bench.texts[path.resolve()] = text
     all_problems(bench, path.resolve())
 
-    assert parsed_text(text) == parsing.parse(text)
+    assert parts(parsed_text(text)) == parts(parsing.parse(text))
 
 
 def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
@@ -79,4 +83,4 @@ def test_a_letter_has_the_element_around_it_parsed_alone(bench, tmp_path):
 def test_problems_are_those_of_the_whole_text(wrong):
     text = f"component a {{ }}\n{wrong}\ncomponent b {{ }}\n"
 
-    assert parsed_text(text) == parsing.parse(text)
+    assert parts(parsed_text(text)) == parts(parsing.parse(text))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import pytest
@@ -81,16 +82,16 @@ def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
 
 def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
     element = node_of(page, "node")
-    commands = page.ask("copy", elements=[element])["commands"]
-    assert [(each["kind"], each["type"]) for each in commands] == [("add", "ros.Node")]
-    done = page.ask("paste", owner=element, commands=commands)
+    text = page.ask("copy", elements=[element])["text"]
+    assert re.search("^node ", text, re.MULTILINE)
+    done = page.ask("paste", owner=element, text=text)
     assert (done["entry"]["label"], len(done["created"])) == ("Paste", 1)
 
 
 def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
     element = node_of(page, "bridge")
-    commands = page.ask("copy", elements=[element])["commands"]
-    done = page.ask("paste", owner=element, commands=commands)
+    text = page.ask("copy", elements=[element])["text"]
+    done = page.ask("paste", owner=element, text=text)
     form = page.ask("form", element=done["created"][0])
     values = {each["feature"]: each["values"] for each in form["fields"]}
     assert values["name"] == ["bridge_2"]
