@@ -104,8 +104,6 @@ function Middle() {
 
 function Left() {
   const left = useStudio((studio) => studio.left);
-  // What was searched for one view is not for another one.
-  const where = useStudio((studio) => `${studio.file} ${studio.view}`);
   return (
     <Tabs
       label="Show of what there is"
@@ -116,7 +114,7 @@ function Left() {
       chosen={left}
       onChoose={(tab) => update({ left: tab })}
     >
-      {left === "outline" ? <Outline /> : <Palette key={where} />}
+      {left === "outline" ? <Outline /> : <Palette />}
     </Tabs>
   );
 }

@@ -50,6 +50,17 @@ it("shows what can be added by group, with what it is", async () => {
   expect(screen.getByText("What bridge is.")).toBeVisible();
 });
 
+it("keeps what is typed before there is a view, and forgets it with the view", async () => {
+  update({ file: "robot.ros2jaus", view: "" });
+  render(<Palette />);
+  const search = screen.getByRole("combobox");
+  await userEvent.type(search, "velo");
+  act(() => update({ view: "system" }));
+  expect(search).toHaveValue("velo");
+  act(() => update({ view: "service:Winch" }));
+  expect(search).toHaveValue("");
+});
+
 it("searches while one types, and adds the chosen one on Enter", async () => {
   render(<Palette />);
   const search = screen.getByRole("combobox");

@@ -1,4 +1,4 @@
-import { type DragEvent, type KeyboardEvent, useId, useState } from "react";
+import { type DragEvent, type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
 import { ask, change, DRAGGED, messageOf } from "../../actions";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
@@ -26,6 +26,13 @@ export function Palette() {
   const onto = useStudio((state) => state.chosen || (state.graph?.element ?? ""));
   const revision = useRevision();
   const [typed, setTyped] = useState("");
+  const view = useStudio((state) => state.view && `${state.file} ${state.view}`);
+  const seen = useRef(view);
+  useEffect(() => {
+    // What was searched for one view is not for another one; it may be typed before one is there.
+    if (seen.current && seen.current !== view) setTyped("");
+    seen.current = view;
+  }, [view]);
   const query = useSettled(typed.trim(), PAUSE_MS);
   const { value, error } = useAnswer("palette", file ? { file, query, onto } : null, revision);
   const [kept, setKept] = useState(() => recent(localStorage));
