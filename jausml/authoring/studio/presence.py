@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 from watchfiles import awatch
 
+from jausml.language.model.inputs import open_input
+
 if sys.platform != "win32":
     import fcntl
 
@@ -188,7 +190,7 @@ class _Notes:
 def _pages_in(file: Path) -> list[dict[str, Any]]:
     """Returns the pages that a file has, none when its studio has ended or is just writing."""
     try:
-        with file.open("rb") as opened:
+        with open_input(file) as opened:
             if _can_lock(opened.fileno()):
                 file.unlink(missing_ok=True)
                 return []
