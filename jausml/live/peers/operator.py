@@ -31,6 +31,7 @@ from jausml.runtime.messages import (
     QueryStatus,
     RejectControl,
     ReportStatus,
+    Resume,
     SetEmergency,
 )
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
@@ -152,8 +153,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
         """Sends a command of Management and returns the state that follows; None without any.
 
-        The standard lets no message answer such a command, so that an acknowledgement alone tells
-        whether it has to be repeated.
+        It is repeated until it is acknowledged; a Resume is not, which could come after a stop.
         """
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
@@ -162,7 +162,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             message,
             target,
             priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
-            acknowledge=True,
+            acknowledge=not isinstance(message, Resume),
         )
         end = time.monotonic() + self.timeout
         while True:
