@@ -48,8 +48,9 @@ def main(arguments: list[str]) -> int:
         return status
     print(f"{len(first)} failed beside other tests; once more, alone:", flush=True)
     status = run("-p", "no:xdist", *first)
-    verdict = "fails alone too" if status else "passed alone, and may hide a race"
+    again = failed()
     for each in first:
+        verdict = "fails alone too" if each in again else "passed alone, and may hide a race"
         print(f"{each}: {verdict}")
     return status
 

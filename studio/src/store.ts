@@ -131,6 +131,8 @@ export interface Studio {
   dialog: Dialog | null;
   /** The part whose name is being edited in place; the name is null while it is asked for. */
   renaming: { key: PartKey; element: Ref; name: string | null; base: number } | null;
+  /** How many edits that change names are under way. */
+  renames: number;
   outside: Outside[];
   /** Edits that were not done since others have changed the same. */
   kept: KeptEdit[];
@@ -181,6 +183,7 @@ export const BEGINNING: Studio = {
   recorded: "",
   dialog: null,
   renaming: null,
+  renames: 0,
   outside: [],
   kept: [],
   drafts: [],

@@ -58,6 +58,14 @@ def test_what_fails_alone_too_fails(suite):
     assert "test_bad.py::test_bad: fails alone too" in output
 
 
+def test_each_gets_its_own_verdict(suite):
+    bad = "def test_bad(): assert False"
+    status, output = suite(bad=bad, once=FAILS_ONCE.format(name="once"))
+    assert status == 1
+    assert "test_bad.py::test_bad: fails alone too" in output
+    assert "test_once.py::test_once: passed alone, and may hide a race" in output
+
+
 def test_many_failures_are_a_fault(suite):
     names = [f"once{number}" for number in range(4)]
     status, output = suite(**{each: FAILS_ONCE.format(name=each) for each in names})

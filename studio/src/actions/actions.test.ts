@@ -1,4 +1,4 @@
-import { expect, test, vi } from "vitest";
+import { describe, expect, test, vi } from "vitest";
 import type { EditResult, Graph, Notifications } from "../protocol";
 import { edgeKey, nodeKey, portKey } from "../selection";
 import { state, update } from "../store";
@@ -268,17 +268,42 @@ test("renaming begins with the name of the model, not with what the box shows", 
   ]);
 });
 
-test("what is renamed stays chosen, whoever asked for its new name", async () => {
-  const graph = smallGraph();
-  const server = serveGraph(graph);
-  actions.select([nodeKey("ocu")]);
-  const nodes = graph.nodes.map((each) =>
-    each.id === "ocu" ? { ...each, key: "key:driver", title: "driver" } : each,
-  );
-  server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
-  server.answer("edit", () => ({ revision: 2, created: [] }));
-  await actions.change([{ kind: "rename", element: "robot.xmi#ocu", name: "driver" }], "Rename");
-  expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey("ocu")] });
+describe("what is renamed stays chosen, whoever asked for its new name", () => {
+  const rename = { kind: "rename" as const, element: "robot.xmi#ocu", name: "driver" };
+
+  /** A box that is chosen, and gets another name by the next edit. */
+  function serveRenamed(id: string) {
+    const graph = smallGraph();
+    const server = serveGraph(graph);
+    actions.select([nodeKey("ocu")]);
+    const nodes = graph.nodes.map((each) =>
+      each.id === "ocu" ? { ...each, id, key: "key:driver", title: "driver" } : each,
+    );
+    server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
+    return server;
+  }
+
+  test.each(["ocu", "driver"])("its box has the id %s then", async (id) => {
+    serveRenamed(id).answer("edit", () => DONE);
+    await actions.change([rename], "Rename");
+    expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey(id)] });
+  });
+
+  test("from the first picture with the new name on, which comes before the answer", async () => {
+    const server = serveRenamed("driver");
+    let answer: (result: EditResult) => void = () => {};
+    const answered = new Promise<EditResult>((resolve) => {
+      answer = resolve;
+    });
+    server.answer("edit", () => answered as never);
+    const done = actions.change([rename], "Rename");
+    changed(2);
+    await vi.waitFor(() => expect(state().revision).toBe(2));
+    expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey("driver")] });
+    answer({ ...DONE, created: [] });
+    await done;
+    expect(state().selection).toEqual([nodeKey("driver")]);
+  });
 });
 
 test("a file that is gone makes room for another", async () => {

@@ -1,10 +1,9 @@
 // Changes of the model, and taking them back.
 
-import type { Command, EditResult, KeptEdit, Ref } from "../protocol";
-import { has, type PartKey } from "../selection";
+import type { Command, EditResult, KeptEdit } from "../protocol";
 import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
-import { choose, select } from "./choosing";
+import { choose } from "./choosing";
 import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
@@ -20,20 +19,14 @@ export async function change(
   label: string,
   base = revisionOf(state()),
 ): Promise<EditResult> {
-  const result = await ask("edit", { commands, label, base });
-  const { selection, chosen } = state();
-  await settled(result, label);
-  if (commands.some((each) => each.kind === "rename")) keepChoice(selection, chosen);
-  return result;
-}
-
-/** Keeps what was chosen: names change the keys by which parts are found again, places do not. */
-function keepChoice(selection: PartKey[], chosen: Ref | ""): void {
-  const { graph, chosen: now } = state();
-  if (!graph || now) return;
-  const again = selection.filter((key) => has(graph, key));
-  if (again.length) select(again);
-  else if (chosen) choose(chosen);
+  const renames = commands.some((each) => each.kind === "rename");
+  // The new graph may come before the answer, which the server tells everybody of.
+  if (renames) update({ renames: state().renames + 1 });
+  try {
+    return await settled(await ask("edit", { commands, label, base }), label);
+  } finally {
+    if (renames) update({ renames: state().renames - 1 });
+  }
 }
 
 /** Changes the model; null if the server refused, which the user is told. */

@@ -107,6 +107,7 @@ test("F2 renames in place, Escape leaves it, Enter keeps it", async () => {
   await userEvent.keyboard("{Escape}");
   expect(screen.queryByLabelText("New name")).toBeNull();
   expect(server.params("edit")).toEqual([]);
+  expect(diagram()).toHaveFocus();
   await press("{F2}");
   await screen.findByLabelText("New name");
   // Neither letters nor Delete reach the diagram meanwhile.
@@ -115,6 +116,7 @@ test("F2 renames in place, Escape leaves it, Enter keeps it", async () => {
   expect(server.params("edit")[0]?.commands).toEqual([
     { kind: "rename", element: "robot.xmi#ocu", name: "dr" },
   ]);
+  await waitFor(() => expect(diagram()).toHaveFocus());
 });
 
 test("what is watched stands out by shape and word, not by colour alone", () => {

@@ -1,3 +1,4 @@
+import { useEffect } from "react";
 import { useName } from "./useName";
 
 interface Props {
@@ -10,6 +11,15 @@ interface Props {
 /** A name that is being changed in place: Enter keeps it, Escape does not. */
 export function NameInput({ name, onDone, onCancel }: Props) {
   const { field, text, setText, take } = useName(name, onDone);
+
+  // The keyboard goes on in the diagram: else it stands nowhere once this is gone.
+  useEffect(() => {
+    const diagram = field.current?.closest<HTMLElement>(".flow");
+    return () => {
+      if (document.activeElement === document.body) diagram?.focus({ preventScroll: true });
+    };
+  }, [field]);
+
   return (
     <input
       ref={field}

@@ -89,7 +89,6 @@ def test_states_are_drawn_renamed_and_removed(open_studio, tmp_path):
     expect(desk.page.locator("[aria-label^='transition, EndStop']")).to_have_count(2)
     desk.rename("Locked", "Held")
     assert 'target="Locked"' not in file.read_text()
-    desk.diagram.focus()
     desk.keyboard.press("Delete")  # what is renamed stays chosen
     dialog = desk.dialog(re.compile("Remove Held"))
     dialog.get_by_role("button", name="Delete").click()
