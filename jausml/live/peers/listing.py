@@ -42,17 +42,18 @@ class ListingClient(QueryClient):
             NoAnswer: It does not confirm; the list may be set in part.
             Refused: It rejects an element, or the change was dropped.
         """
-        if target in self._changes:
-            raise Refused(f"the list of {target} is being changed")
         ends: SimpleQueue[str] = SimpleQueue()
         unanswered = "no answer"
-        request = self._component.set_list(
-            target,
-            _elements(payloads),
-            on_done=lambda: ends.put(""),
-            on_refused=lambda code: ends.put(unanswered if code is None else _reason(code)),
-        )
-        self._changes[target] = request, ends
+        with self._component.loop.lock:
+            if target in self._changes:
+                raise Refused(f"the list of {target} is being changed")
+            request = self._component.set_list(
+                target,
+                _elements(payloads),
+                on_done=lambda: ends.put(""),
+                on_refused=lambda code: ends.put(unanswered if code is None else _reason(code)),
+            )
+            self._changes[target] = request, ends
         try:
             told = ends.get(timeout=_LONGEST * (1 + len(payloads)))
         except Empty:  # our component has ended, which tells nobody
@@ -67,7 +68,9 @@ class ListingClient(QueryClient):
 
     def drop_list_changes(self) -> None:
         """Sends nothing more of the changes that are under way."""
-        for request, ends in tuple(self._changes.values()):
+        with self._component.loop.lock:  # what has begun is known, and can be dropped
+            changes = tuple(self._changes.values())
+        for request, ends in changes:
             request.cancel()
             ends.put("it was stopped meanwhile")
 
