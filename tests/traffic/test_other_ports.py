@@ -28,8 +28,16 @@ def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
     assert reader.other_ports.unclaimed == 1
 
 
-def test_the_ports_of_processes_that_share_are_known():
-    numbers, reader = read((QUERY_STATUS, 53794, 53825), (QUERY_STATUS, 53826, 53793))
+def test_unicast_to_a_speaker_is_taken_and_its_sender_speaks_too():
+    numbers, reader = read(
+        (QUERY_STATUS, 3794, 46884), (QUERY_STATUS, 51000, 46884), (QUERY_STATUS, 51000, 52000)
+    )
+    assert (numbers, reader.other_ports.unclaimed) == ([1, 2, 3], 0)
+
+
+@pytest.mark.parametrize("ports", [(53794, 50000), (50000, 53794), (53825, 50000), (50000, 53825)])
+def test_the_ports_of_processes_that_share_are_known(ports):
+    numbers, reader = read((QUERY_STATUS, *ports), (QUERY_STATUS, 53826, 53793))
     assert (numbers, reader.other_ports.unclaimed) == ([1], 1)
 
 
