@@ -116,6 +116,18 @@ def test_a_silence_time_out_must_hold_two_periods(system):
     )
 
 
+def test_the_slowest_of_several_senders_says_what_a_time_must_hold(system):
+    text = PAIR.replace("RATE", "25").replace("ACK", "false")
+    other = text[text.index("bridge station") :].replace("station", "other").replace("1.2", "1.3")
+    rates = {"station.wanted": 50.0, "other.wanted": 2.0}
+    report = report_of(system(text + other), Assumptions(rates=rates))
+    (drive,) = (e for owner in report.bridges for e in owner.connections if e.name == "drive")
+    assert drive.warnings == (
+        "silence time-out of 0.6 s is shorter than 2 times the assumed period of 0.5 s",
+    )
+    assert budgets(drive)["one_lost_packet"].seconds == pytest.approx(0.5)
+
+
 def test_a_freshness_must_hold_a_period(system):
     _, found = pair(system, rate="25", rates={"velocity": 0.5})
     (warning,) = found["vehicle.velocity"].warnings

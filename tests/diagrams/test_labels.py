@@ -8,7 +8,8 @@ from large_systems import large_system
 
 from jausml.views.diagrams.bundling import is_crowded
 from jausml.views.diagrams.layout.graphviz import Graphviz
-from jausml.views.diagrams.layout.labels import Ground
+from jausml.views.diagrams.layout.labels import Ground, _crosses
+from jausml.views.diagrams.layout.settling import Area
 from jausml.views.diagrams.views import graph_of, view_names
 from jausml.views.diagrams.writers import shapes
 
@@ -72,3 +73,23 @@ def test_a_label_that_lies_on_something_is_found(five_groups):
     line = next(each for each in sheet.lines if each.width)
     box = next(iter(places.boxes.values()))
     assert ground.hidden(line.id, (box[0] + 5, box[1] + 5)) > 0
+
+
+@pytest.mark.parametrize(
+    ("segment", "crosses"),
+    [
+        (((5, -5), (5, 15)), True),
+        (((-5, 4), (15, 6)), True),
+        (((4, 4), (6, 6)), True),
+        (((-4, 6), (6, -4)), True),
+        (((9, -5), (15, 5)), False),  # past a corner
+        (((-5, 5), (5, 15)), False),  # at a corner
+        (((10, -5), (10, 15)), False),  # along a side
+        (((-5, 10), (15, 10)), False),
+        (((-5, 5), (0, 5)), False),  # up to a side
+        (((5, 10), (5, 15)), False),
+    ],
+)
+def test_a_line_crosses_what_it_goes_through(segment, crosses):
+    assert _crosses(segment, Area(0, 0, 10, 10)) is crosses
+    assert _crosses(segment[::-1], Area(0, 0, 10, 10)) is crosses

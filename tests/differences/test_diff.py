@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from pathlib import Path
 
@@ -125,6 +126,34 @@ def test_the_way_back_has_no_less(diff):
         (each["new"], each["old"]) for each in back
     ]
     assert {each["text"] for each in back} >= {"renamed from recorder", "rate 12.5 -> 10 Hz"}
+
+
+def test_what_is_less_than_half_the_same_is_another_element(diff):
+    begin = CATVEHICLE.index('<nodes name="velocity_controller"')
+    end = CATVEHICLE.index("</nodes>", begin)
+    subscription = re.search(r'<subscriptions name="odometry".*?</subscriptions>', CATVEHICLE, re.S)
+    other = f'<nodes name="logger">{subscription[0]}<dependencies>catvehicle</dependencies>'
+    changes = diff(CATVEHICLE, CATVEHICLE[:begin] + other + CATVEHICLE[end:])
+    became = {each["path"].rpartition("/")[2]: each["kind"] for each in changes}
+    assert became["velocity_controller"] == "removed"
+    assert became["logger"] == "added"
+
+
+def with_hosts(*hosts):
+    lines = (f'  <hosts name="{name}" {rest}/>\n' for name, rest in hosts)
+    return replaced(CATVEHICLE, "</system:System>", f"{''.join(lines)}</system:System>")
+
+
+def test_an_id_says_more_than_a_name(diff):
+    one, other = 'xmi:id="h1" interface="10.0.0.1"', 'xmi:id="h2" interface="10.0.0.2"'
+    changes = diff(with_hosts(("a", one), ("b", other)), with_hosts(("b", one), ("a", other)))
+    assert {each["text"] for each in changes} == {"renamed from a", "renamed from b"}
+
+
+def test_any_number_of_elements_is_found_again_by_all_that_they_say(diff):
+    hosts = [(n, f'interface="10.0.0.{n}"') for n in range(1, 62)]
+    old, new = (with_hosts(*((f"{name}{n}", rest) for n, rest in hosts)) for name in "ab")
+    assert {each["kind"] for each in diff(old, new)} == {"renamed"}
 
 
 def test_added_is_removed_the_other_way_round(diff):

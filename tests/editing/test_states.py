@@ -74,6 +74,17 @@ def test_targets_follow_a_state_that_is_renamed(project, name, new, old_target, 
     assert project.text(file) == before
 
 
+def test_targets_that_do_not_name_the_state_stay(project):
+    project, file = project
+    project.do([Rename(ref(project, file, "Locked"), "MovingNot")], "rename")
+    was = targets(project, file)
+    project.do([Rename(ref(project, file, "Moving"), "Turning")], "rename")
+    now = targets(project, file)
+    for name in ("MovingNot", "PayingIn"):  # neither goes through the state
+        assert now.count(name) == was.count(name) > 0
+    assert errors(project, file) == []
+
+
 def test_transitions_into_a_state_go_with_it_and_are_told_before(project):
     project, file = project
     remove = [Remove(ref(project, file, "Locked"))]

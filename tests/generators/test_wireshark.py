@@ -138,6 +138,20 @@ def test_without_a_presence_vector_no_member_is_optional(tmp_path):
     assert "presence_bit" not in message.body["fields"][0]
 
 
+def test_members_are_there_by_bits_that_count_from_0(tmp_path):
+    field = '   <fields xsi:type="jaus:FixedField" name="{}" type="uint8" optional="{}"/>\n'
+    fields = "".join(
+        field.format(name, optional)
+        for name, optional in (("First", "true"), ("Always", "false"), ("Second", "true"))
+    )
+    service = SERVICE.format(urn="urn:a", kind="uint8").replace(
+        'presenceVector="none">\n', f'presenceVector="uint8">\n{fields}'
+    )
+    (message,) = own(tmp_path, service)
+    bits = [each.get("presence_bit") for each in message.body["fields"]]
+    assert bits == [0, None, 1, 2]
+
+
 def test_a_message_that_contains_itself_is_refused(tmp_path):
     loop = """
  <types xsi:type="jaus:Record" xmi:id="R" name="R">

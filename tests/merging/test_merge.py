@@ -232,6 +232,13 @@ def test_lists_of_references_take_what_each_side_added(merge):
     )
     assert findings == ()
     assert text.count("<uses ") == 3
+    text, findings = merge(
+        MINIMAL,
+        replaced(MINIMAL, (line, line + first)),
+        replaced(MINIMAL, (line, first + second)),
+    )
+    assert findings == ()
+    assert [text.count(each) for each in (line, first, second)] == [0, 1, 1]
 
 
 def test_renamed_here_and_changed_there(merge):

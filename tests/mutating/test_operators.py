@@ -128,3 +128,6 @@ def test_a_sample_is_spread_over_the_operators_and_the_same_each_time(written):
     assert {found[each].operator.name for each in chosen} == names
     assert chosen == sorted(chosen) == sample(mutations(written["drive"]), len(names))
     assert sample(found, 10_000) == list(range(len(found)))
+    assert [len(sample(found, limit)) for limit in range(len(names) + 3)] == [
+        *range(len(names) + 3)
+    ]

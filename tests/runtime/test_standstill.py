@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 import time
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.connections.ages import Backlog
 from jausml.runtime.bridge.reports.diagnostics import TOO_OLD, Statistics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from jausml.runtime.virtual import VirtualWorld
 
 STILL = 0.3
 
@@ -84,30 +82,83 @@ def test_only_those_are_told_whose_time_has_passed(loop: Loop) -> None:
     assert told == ["short"]
 
 
-def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served(
-    loop: Loop, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    obeyed: list[bytes] = []
-    refused: list[str] = []
-    watched: list[Callable[..., None]] = []
+class Late:
+    """A backlog on virtual time, and what became of the messages that it was given."""
 
-    def watch(_limit: float, *told: Callable[..., None]) -> SimpleNamespace:
-        watched.extend(told)
-        return SimpleNamespace(cancel=watched.clear)
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, limit: float) -> None:
+        self.world = VirtualWorld()
+        self.obeyed: list[bytes] = []
+        self.refused: list[str] = []
+        self.changes: list[bool] = []
+        self.watched: list[Any] = []
+        loop = self.world.loop
+        monkeypatch.setattr(loop, "standstill", self)
+        self.counts = Statistics()
+        self.backlog = Backlog(self.counts, self._drop, lambda origin: origin)
+        ends: Any = SimpleNamespace(loop=loop, clock=loop)
+        self.backlog.open(ends, limit, lambda: self.changes.append(self.backlog.is_there))
+        self.take = self.backlog.before(lambda data, _: self.obeyed.append(data))
 
-    ends: Any = SimpleNamespace(loop=loop, clock=loop)
-    monkeypatch.setattr(loop, "standstill", SimpleNamespace(watch=watch))
-    counts = Statistics()
-    backlog = Backlog(counts, lambda name, _: refused.append(name), lambda _: None)
-    backlog.open(ends, 1.0, lambda: None)
-    take = backlog.before(lambda data, _: obeyed.append(data))
-    began, caught_up = watched
+    def watch(self, *told: Any) -> SimpleNamespace:
+        """Stands for what notices standstills, which virtual time has none of."""
+        self.watched = [*told]
+        return SimpleNamespace(cancel=self.watched.clear, change=self.watched.append)
+
+    def _drop(self, name: str, _text: str) -> None:
+        self.refused.append(name)
+
+
+@pytest.fixture
+def late(monkeypatch):
+    return Late(monkeypatch, 1.0)
+
+
+def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served(late) -> None:
+    limit, began, caught_up = late.watched
+    assert limit == 1.0
+    late.world.run_for(3)
     for still in (0.9, 1.1):
         began(still)
-        take(b"waited", None)
+        late.take(b"waited", None)
     caught_up()
-    take(b"fresh", None)
-    assert obeyed == [b"waited", b"fresh"]
-    assert (refused, counts.arrivals) == ([TOO_OLD], 1)
-    backlog.close()
-    assert not backlog.is_there
+    late.take(b"fresh", None)
+    assert late.obeyed == [b"waited", b"fresh"]
+    assert (late.refused, late.counts.arrivals) == ([TOO_OLD], 1)
+    assert late.counts.last_arrival == 3
+    late.backlog.close()
+    assert not late.backlog.is_there
+    assert not late.watched
+
+
+def test_a_command_whose_age_is_known_is_judged_by_it_alone(late) -> None:
+    _, began, caught_up = late.watched
+    began(5.0)
+    for age in (0.4, 1.0, 1.1):
+        late.take(b"%.1f" % age, age)
+    caught_up()
+    late.take(b"repeated by its writer", 3.0)
+    assert late.obeyed == [b"0.4", b"1.0"]
+    assert late.refused == [TOO_OLD] * 2
+
+
+def test_what_comes_late_is_looked_for_as_long_as_writers_repeat(late) -> None:
+    _, began, _ = late.watched
+    began(1.5)
+    late.world.run_for(3)
+    began(2.0)
+    late.world.run_for(4.9)
+    assert late.changes == [True, True]
+    late.world.run_for(0.2)
+    assert late.changes == [True, True, False]
+
+
+def test_the_time_that_a_command_may_wait_changes_at_once(late) -> None:
+    _, began, _ = late.watched
+    began(1.5)
+    late.take(b"before", None)
+    for limit in (2.0, 0.0, 1.0):
+        late.backlog.change(limit)
+        late.take(b"%.0f" % limit, None)
+    assert late.watched[3:] == [2.0, 0.0, 1.0]
+    assert late.obeyed == [b"2", b"0"]
+    assert late.refused == [TOO_OLD] * 2

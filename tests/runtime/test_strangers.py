@@ -19,6 +19,7 @@ from jausml.runtime.transports.address_book import AddressBook
 from jausml.runtime.transports.packets.packet import AckNak, Packet
 from jausml.runtime.transports.udp import datagrams
 from jausml.runtime.transports.udp.sender import Prover
+from jausml.runtime.virtual import VirtualWorld
 
 STRANGER, FRIEND = JausAddress(66, 1, 1), JausAddress(200, 1, 1)
 HOST, OTHER = "127.0.0.9", "127.0.0.8"
@@ -156,6 +157,37 @@ class TestProof:
         wait_until(lambda: honest.take() or len(honest.payloads) == before + 10)
         robot.loop.call_soon(lambda: sys.setprofile(None))
         assert called == set()
+
+    @pytest.fixture
+    def asked(self):
+        """A component without proof that was asked for it, its claim, and what went there."""
+        book = AddressBook(10.0, Counters(), trusts=lambda _: False)
+        assert book.learn(STRANGER, ("192.0.2.1", 1), 0.0)
+        entry, went = next(iter(book.learnt.values())), []
+        with VirtualWorld() as world:
+            prover = Prover(book, world.loop, 3, lambda data, _: went.append(data) or True)
+            prover.heard(entry, Packet(ROBOT, STRANGER, b"", 1), ROBOT)
+            yield prover, entry, went
+
+    @pytest.mark.parametrize(("size", "goes"), [(8, True), (9, False)])
+    def test_room_for_one_more_question_is_left(self, asked, size: int, goes: bool) -> None:
+        prover, entry, went = asked
+        # Of 3 * 14 bytes the question took 17, and the next one is to have as many.
+        assert (entry.claim.received, list(map(len, went))) == (14, [17])
+        assert prover.send(STRANGER, entry, bytes(size))
+        assert (len(went) == 2, len(entry.claim.held)) == (goes, 0 if goes else 1)
+
+    @pytest.mark.parametrize(("wrong", "counts"), [(7, True), (8, False)])
+    def test_only_so_many_guesses_are_taken(self, asked, wrong: int, counts: bool) -> None:
+        prover, entry, _ = asked
+        number, by = entry.claim.number, int(STRANGER)
+        for each in range(1, 1 + wrong):
+            assert not prover.acknowledged(by, (number + each) & 0xFFFF)
+        assert prover.acknowledged(by, number) is counts
+
+    def test_what_waits_is_bounded(self, asked) -> None:
+        prover, entry, _ = asked
+        assert [prover.send(STRANGER, entry, bytes(100)) for _ in range(5)] == [True] * 4 + [False]
 
     @pytest.mark.parametrize("limit", [-1, 1, 2, 1001])
     def test_a_limit_that_leaves_no_room_is_refused(self, limit: int) -> None:

@@ -268,7 +268,8 @@ def test_a_test_run_has_to_run_what_is_generated():
     said, lacks = says(goal, "test run", ran("passed"), tests=tests)
     assert said == [(True, f"{name} of {module} passed")]
     assert "test run" not in lacks
-    assert says(goal, "test run", ran("failure"), tests=tests)[0] == [(False, f"{name} failed")]
+    for bad in ("failure", "error"):
+        assert says(goal, "test run", ran(bad), tests=tests)[0] == [(False, f"{name} failed")]
     for missing in ("", "skipped"):
         said, lacks = says(goal, "test run", ran(missing), tests=tests)
         assert said == []

@@ -118,7 +118,7 @@ def test_fragments_without_end_take_bounded_memory():
     _, reader = read(*frames)
     assert reader.unfinished == 64
     assert reader.skipped == {"IP packets with missing fragments": 136}
-    _, reader = read(ethernet(ipv4(bytes(64), offset=65528)))
+    _, reader = read(*(ethernet(ipv4(bytes(size), offset=65528)) for size in (7, 8)))
     assert reader.skipped == {"IP packets whose fragments are too long": 1}
 
 
@@ -126,15 +126,42 @@ def test_frames_that_cannot_be_read_are_counted():
     whole = ethernet(ipv4(udp(DATA)))
     _, reader = read(*(whole[:size] for size in range(len(whole))), is_cut=True)
     assert set(reader.skipped) == {"frames that were cut"}
-    _, reader = read(ethernet(ipv4(udp(DATA)[:-1])))
-    assert reader.skipped == {"malformed frames": 1}
+    # What pads a frame is no data, and be a datagram as long as both.
+    _, reader = read(*(ethernet(made(udp(DATA)[:-1])) + bytes(9) for made in (ipv4, ipv6)))
+    assert reader.skipped == {"malformed frames": 2}
     _, reader = read(b"", b"", link_type=147)
     assert reader.skipped == {"frames of link type 147, which is not supported": 2}
 
 
-def test_a_cut_frame_of_another_port_concerns_nobody():
-    whole = ethernet(ipv4(udp(DATA, 53, 53)))
-    found, reader = read(whole[:50], is_cut=True)
+def test_the_length_of_udp_says_where_a_datagram_ends():
+    (datagram,), _ = read(ethernet(ipv4(udp(DATA) + b"more")))
+    assert datagram.data == DATA
+    empty = (struct.pack(">HHHH", 3794, 3794, length, 0) for length in (7, 8))
+    found, reader = read(*(ethernet(ipv4(each)) for each in empty))
+    assert [each.data for each in found] == [b""]
+    assert reader.skipped == {"malformed frames": 1}
+
+
+def test_a_header_that_is_too_short_is_not_read_as_ports():
+    packet = bytearray(ipv4(udp(DATA, 12, 5000)))
+    packet[0] = 0x44
+    packet[16:18] = (3794).to_bytes(2, "big")
+    found, reader = read(ethernet(packet))
+    assert (found, reader.skipped) == ([], {"malformed frames": 1})
+
+
+@pytest.mark.parametrize(
+    "whole",
+    [
+        ipv4(udp(DATA, 53, 53)),
+        ipv6(udp(DATA, 53, 53)),
+        # A further fragment has no ports, whatever it begins with.
+        ipv4(udp(DATA), offset=24),
+        ipv6(struct.pack(">BBHI", 17, 0, 24, 9) + udp(DATA), following=44),
+    ],
+)
+def test_what_is_cut_and_not_of_the_port_concerns_nobody(whole):
+    found, reader = read(ethernet(whole)[:-1], is_cut=True)
     assert (found, reader.skipped) == ([], {})
 
 

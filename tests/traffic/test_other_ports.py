@@ -6,7 +6,10 @@ import pytest
 from capture_files import ETHERNET, QUERY_STATUS, ethernet, ipv4, udp
 
 from jausml.live.traffic.captures import CapturedFrame
-from jausml.live.traffic.frames import UdpReader, is_judp
+from jausml.live.traffic.frames import Endpoint, OtherPorts, UdpReader, is_judp
+
+ACKNOWLEDGEMENT = bytes.fromhex("02 00 0e00 02 0201c800 01016500 0700")
+"""A datagram with the shortest packet: it has no payload."""
 
 
 def read(*datagrams):
@@ -28,9 +31,26 @@ def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
     assert reader.other_ports.unclaimed == 1
 
 
-def test_the_ports_of_processes_that_share_are_known():
-    numbers, reader = read((QUERY_STATUS, 53794, 53825), (QUERY_STATUS, 53826, 53793))
+def test_unicast_to_a_speaker_is_taken_and_its_sender_speaks_too():
+    numbers, reader = read(
+        (QUERY_STATUS, 3794, 46884), (QUERY_STATUS, 51000, 46884), (QUERY_STATUS, 51000, 52000)
+    )
+    assert (numbers, reader.other_ports.unclaimed) == ([1, 2, 3], 0)
+
+
+@pytest.mark.parametrize("ports", [(53794, 50000), (50000, 53794), (53825, 50000), (50000, 53825)])
+def test_the_ports_of_processes_that_share_are_known(ports):
+    numbers, reader = read((QUERY_STATUS, *ports), (QUERY_STATUS, 53826, 53793))
     assert (numbers, reader.other_ports.unclaimed) == ([1], 1)
+
+
+def test_speakers_take_bounded_memory():
+    ports = OtherPorts(3794)
+    known = [Endpoint("10.9.0.1", port) for port in range(10000, 20000)]
+    for each in known:
+        ports.learn(each)
+    stranger = Endpoint("10.9.0.2", 50000)
+    assert sum(ports.takes(each, stranger) for each in known) == 4096
 
 
 def test_who_was_not_seen_on_the_port_is_counted():
@@ -55,6 +75,7 @@ def test_what_is_no_judp_on_the_port_makes_no_speaker():
     [
         (QUERY_STATUS, True),
         (QUERY_STATUS + QUERY_STATUS[1:], True),
+        (ACKNOWLEDGEMENT, True),
         (QUERY_STATUS[:-1], False),
         (QUERY_STATUS + b"\0", False),
         (b"\1" + QUERY_STATUS[1:], False),

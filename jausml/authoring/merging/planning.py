@@ -167,7 +167,7 @@ class _Planner:
         there = sides.values(theirs, feature, sides.theirs)
         if there in (before, here):
             return
-        if here == before and None not in there:
+        if here == before:
             self.plan.settings.append(Setting(ours, feature, there))
         elif feature.many and feature.is_reference:
             kept = [each for each in here if each in there or each not in before]

@@ -190,7 +190,7 @@ class UdpReader:
         start = 4 * (packet[0] & 0xF)
         # A length of 0 comes from network cards that cut packets themselves.
         content = packet[start : length or None]
-        if len(hosts[1]) < 4 or start < 20 or len(packet) < length:
+        if start < 20 or len(packet) < length:
             # The ports tell whether it concerns us, if they are there.
             if fragment & 0x1FFF or not self._is_ours(content):
                 return None

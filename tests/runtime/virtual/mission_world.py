@@ -289,6 +289,29 @@ def sent_cancelled_early(scene):
     return ends
 
 
+def sent_ended_before_it_is_stored(scene):
+    """The client cancels, then another goal comes, while a mission is on its way."""
+    asked = []
+    code = QueryMissionStatus.CODE.to_bytes(2, "little")
+    # The payload of a packet comes after the version and the header (AS5669A).
+    scene.world.watch(lambda _now, _where, data: asked.append(data[13:15] == code))
+    client = Client(scene, [1.0, 2.0])
+    scene.world.run_for(0.02)
+    client.handle.cancel()
+    scene.wait(lambda: client.result)
+    scene.world.run_for(5)
+    told = [any(asked)]
+    Client(scene, [3.0])
+    scene.world.run_for(0.02)
+    client = scene.send(4.0)
+    told.append(any(asked))
+    scene.end()
+    scene.wait(lambda: client.result)
+    asked.clear()
+    scene.world.run_for(5)
+    return [*told, any(asked)]
+
+
 def sent_cancelled_far_away(scene):
     """The radio is away when the client cancels, and is back before control is lost."""
     client = scene.send(1.0, 2.0)

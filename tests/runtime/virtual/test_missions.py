@@ -156,6 +156,10 @@ def test_a_mission_that_was_not_begun_never_begins(play, loss, scene):
         assert state in ((PAUSED, ABORTED) if scene and was_begun else (None, ABORTED))
 
 
+def test_nobody_asks_for_a_mission_that_ended_before_it_was_stored(play):
+    assert asked(play, "sent_ended_before_it_is_stored") == [False, True, False]
+
+
 @pytest.mark.parametrize("loss", [0.0, 0.2])
 @pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
 def test_a_stop_that_was_lost_comes_again(play, loss, scene, left):

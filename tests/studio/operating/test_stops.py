@@ -58,12 +58,13 @@ def test_a_bridge_that_takes_commands_has_the_stop_of_its_map(set_velocity):
     assert all(abs(each) < 0.01 for each in fields.values())
 
 
-def test_without_a_time_out_there_is_no_stop(tmp_path, set_velocity):
+@pytest.mark.parametrize("timeout", ["", "silenceTimeout: 0.0"])
+def test_without_a_time_out_there_is_no_stop(tmp_path, set_velocity, timeout):
     path = MODELS / "examples" / "simulator" / "simulator.ros2jaus"
     text = path.read_text(encoding="utf-8")
     assert text.count("silenceTimeout: 0.5") == 1
     edited = tmp_path / path.name
-    edited.write_text(text.replace("silenceTimeout: 0.5", ""), encoding="utf-8")
+    edited.write_text(text.replace("silenceTimeout: 0.5", timeout), encoding="utf-8")
     with pytest.raises(NoStopError, match="declares no silenceTimeout"):
         of_model(edited).of("100.1.30", set_velocity)
 

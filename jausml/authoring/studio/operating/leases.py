@@ -81,7 +81,7 @@ class Stick:
     def move(self, message: Message) -> None:
         """Sends a message, and holds the stick for another while."""
         with self._lock:
-            if self._is_over or not self._lease.renew():
+            if not self._lease.renew():
                 raise StickOverError("the stick was released, or its page was silent too long")
             self._send(message)
 
