@@ -1,0 +1,102 @@
+"""Messages of a recording and what came of them: compared by what the map makes of each."""
+
+from __future__ import annotations
+
+import struct
+from functools import cache
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from recorded_systems import MODEL
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model import read_models
+from jausml.live.messages import load_catalogue
+from jausml.live.recording.passing import (
+    AHEAD,
+    UNKNOWN,
+    Given,
+    Made,
+    RecordedTranslation,
+    Taken,
+    passed,
+)
+from jausml.runtime.conversions import Time, time_to_timestamp
+from jausml.runtime.wire import TimeStamp
+
+SECOND = 10**9
+AT = 1_700_000_000 * SECOND
+
+
+@cache
+def model():
+    return read_models([MODEL], allow_outside=True).model
+
+
+@pytest.fixture(scope="module")
+def translated():
+    """Returns what a connection makes of payloads."""
+
+    def made_of(name, *payloads):
+        (connection,) = [each for each in model().instances(bridge.Connection) if each.name == name]
+        messages = [Taken(AT + index * SECOND, 10, data) for index, data in enumerate(payloads)]
+        with RecordedTranslation(model().metamodels, connection) as translation:
+            return translation.made_of(messages), translation
+
+    return made_of
+
+
+def payload(name, **fields):
+    return load_catalogue().encode({"message": name, "fields": fields})
+
+
+def test_the_clock_of_the_bridge_may_be_another_one(translated):
+    made, translation = translated(
+        "pose", payload("ReportLocalPose", X=1.5, Roll=0.0, Pitch=0.0, Yaw=0.0),
+        payload("ReportLocalPose", Roll=0.0, Pitch=0.0, Yaw=0.0),
+    )  # fmt: skip
+    assert made[0].fixed[4:12] == bytes(8)
+    assert set(made[0].fixed[12:]) == {255}
+    assert (made[1].counter, made[1].reason) == ("absent_field", "X")
+    of_another_time = made[0].data[:4] + struct.pack("<iI", 7, 5) + made[0].data[12:]
+    moved = of_another_time[:20] + struct.pack("<d", 1.25) + of_another_time[28:]
+    for there, is_passed in ((of_another_time, True), (moved, False)):
+        assert passed(made, [Given("", translation.comparable(there))]) == [is_passed, False]
+
+
+def test_the_policy_of_the_connection_counts_and_not_the_map_alone(translated):
+    """The map leaves it to the connection what becomes of a place beyond its field."""
+    far = struct.pack("<iII1s3xI", 0, 0, 1, b"\0", 1) + bytes(4)
+    odometry = (
+        b"\0\1\0\0" + far + struct.pack("<7d", 1e9, 0, 0, 0, 0, 0, 1) + bytes(36 * 8 + 48 + 36 * 8)
+    )
+    (made,), _ = translated("estimate", odometry)
+    assert made.counter == "out_of_range"
+    assert made.reason.startswith("X: ")
+
+
+@given(st.integers(10**9 * SECOND, 2 * 10**9 * SECOND))
+def test_no_byte_of_a_stamp_is_the_same_by_both_clocks(nanoseconds):
+    def stamps(at):
+        instant = Time(*divmod(at, SECOND))
+        yield struct.pack("<II", *instant)
+        parts = time_to_timestamp(instant)
+        yield TimeStamp(*parts).to_integer().to_bytes(4, "little")
+
+    for one, other in zip(stamps(nanoseconds), stamps(nanoseconds + AHEAD), strict=True):
+        assert not any(a == b for a, b in zip(one, other, strict=True))
+
+
+def made(text):
+    return Made(text, b"\xff" * len(text))
+
+
+def test_those_that_became_the_same_are_told_apart_by_their_number_alone():
+    same, other = made(b"aa"), made(b"bb")
+    refused = Made(counter="out_of_range", reason="x")
+    came = [Given("1.1.1", b"aa"), Given("1.1.2", b"aa"), Given("1.1.1", b"cc")]
+    assert passed([same, other, refused, UNKNOWN], came) == [True, False, False, None]
+    # One copy each went to two receivers: of two messages that are alike, one is missing.
+    assert passed([same, same], came) == [None, None]
+    assert passed([same, same], [*came, Given("1.1.2", b"aa")]) == [True, True]
