@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
-import struct
-import zlib
 
 import pytest
 from browsers import BROWSER
+from camera_server import png, register, serving_camera
 from playwright.sync_api import expect
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
@@ -371,20 +370,6 @@ def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, t
 CAMERA = "100.1.20"
 
 
-def png(size):
-    """A picture with a corner that is dark, made by the standard of the format."""
-
-    def chunk(kind, data):
-        return (
-            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        )
-
-    rows = [b"\0" + bytes(255 if x + y > size else 60 for x in range(size)) for y in range(size)]
-    header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
-    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows))), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in parts)
-
-
 @pytest.fixture
 def camera(port):
     """A component with a picture, and with addresses of which none leads anywhere."""
@@ -393,19 +378,17 @@ def camera(port):
         picture = {"format": 0, "hex": png(120).hex()}
         record = {"SensorID": 1, "ReportCoordinateSystem": 0, "ImageFrame": picture}
         component.answer("StillImageData", lambda: {"StillImageDataList": [record]})
-        with Component(name="registrar", port=port) as registrar:
-            for url in ("rtsp://192.0.2.7/front", "http://192.0.2.7/rear", "javascript:alert(1)"):
-                told = {"ServerType": 0, "ServerURL": url}
-                fields = {"DigitalResourceEndpointRec": told}
-                registrar.request(CAMERA, "RegisterDigitalResourceEndpoint", fields)
-        yield CAMERA
+        with Component(name="registrar", port=port) as registrar, serving_camera() as served:
+            urls = ("rtsp://192.0.2.7/front", served.url("/mjpeg"), "javascript:alert(1)")
+            register(registrar, CAMERA, urls)
+            yield served
 
 
 def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, tmp_path):
     page = open_studio.page_of(studio.address)
     page.get_by_role("button", name="Operate").click()
-    page.get_by_role("button", name=camera).click()
-    reports = page.get_by_label(f"Report of {camera}")
+    page.get_by_role("button", name=CAMERA).click()
+    reports = page.get_by_label(f"Report of {CAMERA}")
     reports.select_option("StillImageData")
     page.get_by_label("Hz").select_option("5")
     page.get_by_role("button", name="Watch", exact=True).click()
@@ -421,8 +404,17 @@ def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, 
     expect(told.first).to_contain_text("ffplay 'rtsp://192.0.2.7/front'")
     expect(told.first).to_contain_text("Browsers do not speak RTSP")
     link = told.nth(1).get_by_role("link")
-    expect(link).to_have_attribute("href", "http://192.0.2.7/rear")
+    expect(link).to_have_attribute("href", camera.url("/mjpeg"))
     expect(link).to_have_attribute("rel", "noreferrer noopener")
     expect(told.nth(2)).to_contain_text("no address")
+    assert camera.asked == []
+    told.nth(1).get_by_role("button", name=f"Show: the studio connects to {camera.host}").click()
+    video = told.nth(1).get_by_role("img", name=f"What {camera.host} shows")
+    expect(video).to_be_visible()
+    until(lambda: video.evaluate("each => each.naturalWidth") == 120)
+    assert camera.looking == 1
+    told.nth(1).get_by_role("button", name="Hide").click()
+    until(lambda: camera.looking == 0)
+    expect(video).to_have_count(0)
     assert broken(page) == {}
     page.screenshot(path=tmp_path / "pictures.png", full_page=True)
