@@ -66,6 +66,20 @@ def recorded(drive: Drive = Drive()) -> bytes:
     return stream.getvalue()
 
 
+def recorded_machines(component, service, machine, states) -> bytes:
+    """Returns the file of a machine that tells states at times (MachineStates), beside queries."""
+    stream = io.BytesIO()
+    with McapFile(stream, has_jaus=True) as file:
+        writer = _Writer(file)
+        for time, state in states.items():
+            names = {"Service": service, "Machine": machine, "State": state}
+            stay = [{"State": state, "Entries": 1, "Milliseconds": 2500}]
+            told = {"MachineRec": {**names, "Milliseconds": 2500}, "TimeList": stay}
+            writer.jaus(time, OPERATOR, component, "QueryMachineStates")
+            writer.jaus(time, component, OPERATOR, "ReportMachineStates", MachineList=[told])
+    return stream.getvalue()
+
+
 def model_in(folder: Path) -> Path:
     """Writes the model of the bridge into a folder of its own; returns its file."""
     path = folder / "model.xmi"
