@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 
@@ -52,12 +53,12 @@ def operator(studio, vehicle, open_studio):  # noqa: ARG001 - it is there
     return page
 
 
-def control(page):
-    page.get_by_role("button", name=VEHICLE).click()
+def control(page, component=VEHICLE):
+    page.get_by_role("button", name=component).click()
     page.get_by_label("Authority, 0 .. 255").fill("205")
     page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Resume").click()
-    expect(page.get_by_role("row", name=VEHICLE)).to_contain_text("READY")
+    expect(page.get_by_role("row", name=component)).to_contain_text("READY")
 
 
 def choose_effort(page):
@@ -363,6 +364,69 @@ def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, t
     assert broken(page) == {}
     plan_of(page)
     page.screenshot(path=tmp_path / "plan-390.png")
+
+
+SINGLE = "100.1.30"
+NORTH = 52.0
+EAST = 111_200 * math.cos(math.radians(NORTH))
+KINDS = {
+    "Local": (("X", "Y"), (0.0, 0.0), (1, 1)),
+    "Global": (("Latitude", "Longitude"), (NORTH, 11.0), (111_200, EAST)),
+}
+"""Fields of the place, where it begins, and the metres in one of their units."""
+
+
+@pytest.fixture
+def single(port):
+    """A component that drives to one waypoint of either kind; yields what it was told."""
+    told = {"LocalWaypoint": [], "GlobalWaypoint": [], "TravelSpeed": []}
+    provided = [f"{kind}{what}" for kind in KINDS for what in ("WaypointDriver", "PoseSensor")]
+    with Component(SINGLE, provides=provided, name="single", port=port) as component:
+        for name, kept in told.items():
+            component.obey(f"Set{name}", lambda received, kept=kept: kept.append(received.fields))
+            component.answer(name, lambda kept=kept: kept[-1])
+        for kind, (paths, begin, _) in KINDS.items():
+            place = dict(zip(paths, begin, strict=True))
+            component.answer(f"{kind}Pose", lambda place=place: place)
+        yield told
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_single_waypoint_is_drawn_sent_and_driven(studio, single, open_studio, kind):
+    paths, begin, scale = KINDS[kind]
+    waypoints, speeds = single[f"{kind}Waypoint"], single["TravelSpeed"]
+    page = open_studio.page_of(studio.commanding_address)
+    control(page, SINGLE)
+    drawing = page.get_by_role("region", name="Waypoints")
+    drawing.get_by_role("combobox").first.select_option(f"{kind}WaypointDriver")
+    plan = plan_of(page)
+    page.mouse.click(*point_on(plan, 5, 2))
+    rows = page.get_by_role("list", name="Waypoints in their order").get_by_role("listitem")
+    expect(rows).to_have_count(1)
+    page.mouse.click(*point_on(plan, 4, -3))  # it has one alone, which goes there
+    expect(rows).to_have_count(1)
+    execute = page.get_by_role("button", name="Execute")
+    expect(execute).to_be_disabled()
+    assert (waypoints, speeds) == ([], [])
+    page.get_by_role("button", name="Send 1 waypoint").click()
+    expect(page.get_by_text("has confirmed what is drawn")).to_be_visible()
+    sent = waypoints[-1].get(f"{kind}WaypointRec", waypoints[-1])
+    assert set(sent) == set(paths)  # the vehicle decides the rest
+    metres = [(sent[path] - at) * size for path, at, size in zip(paths, begin, scale, strict=True)]
+    assert metres == pytest.approx([4, -3], abs=0.3)
+    page.get_by_label("Speed, 0 .. 327.67 m/s").fill("1.5")
+    execute.click()
+    until(lambda: len(speeds) == 1)
+    page.get_by_role("button", name="Speed 0").click()
+    until(lambda: len(speeds) == 2)
+    found = [each.get("TravelSpeedRec", each)["Speed"] for each in speeds]
+    assert found == pytest.approx([1.5, 0.0], abs=0.01)
+    assert len(waypoints) == 1
+    rows.first.get_by_role("button", name="Waypoint 1:").click()
+    page.get_by_label(paths[0], exact=True).fill("1")
+    expect(page.get_by_text("Changed since it was sent.")).to_be_visible()
+    expect(execute).to_be_disabled()
+    assert broken(page) == {}
 
 
 # ---- pictures and streams ------------------------------------------------------------------------
