@@ -14,7 +14,13 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.translating import TRANSLATION_WORKER
-from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
+from jausml.live.workers.worker import (
+    Maker,
+    Worker,
+    WorkerError,
+    bridge_code,
+    bridge_of_maps,
+)
 from jausml_generators.bridge.views import bridge_views
 
 if TYPE_CHECKING:
@@ -23,6 +29,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.language.metamodel import Metamodels
+    from jausml.language.model import Model
 
 _NAME = "recorded"
 _SECONDS = 60.0
@@ -83,7 +90,9 @@ _ALIKE = bytes([255, *bytes(255)])
 class RecordedTranslation:
     """The translation of one connection in a process of its own; close it at the end."""
 
-    def __init__(self, metamodels: Metamodels, connection: bridge.Connection) -> None:
+    def __init__(
+        self, metamodels: Metamodels, owner: bridge.Bridge, connection: bridge.Connection
+    ) -> None:
         """Starts the process.
 
         Raises:
@@ -91,13 +100,12 @@ class RecordedTranslation:
         """
         used, self.is_to_ros = connection.map, connection.direction.name == TO_ROS
         try:
-            made = bridge_of_maps(metamodels, _NAME, {_NAME: (used, self.is_to_ros)})
-            (alone,) = made.instances(bridge.Connection)
-            alone.outOfRange = connection.outOfRange
+            made = _alone(metamodels, owner, connection, to_ros=self.is_to_ros)
             code, (view,) = bridge_code(made), bridge_views(made)
         except Exception as error:  # generators take models without errors
             raise RecordingError(f"the map '{used.name}' has errors") from error
-        joins: Sequence[Any] = used.reportJoins if self.is_to_ros else used.joins
+        joins = view.connections[0].translated.joins
+        self._names = {"": "", **{str(each.join.name): each.name for each in joins}}
         plan = {
             "package": view.package,
             "base": view.base_name,
@@ -105,9 +113,9 @@ class RecordedTranslation:
             "connection": view.connections[0].name,
             "joins": [
                 {
-                    "name": str(each.name),
-                    "freshness": each.freshness,
-                    "drop": each.whenStale.name == "dropMessage",
+                    "name": each.name,
+                    "freshness": each.join.freshness,
+                    "drop": each.join.whenStale.name == "dropMessage",
                     "senders": not self.is_to_ros,
                 }
                 for each in joins
@@ -125,7 +133,7 @@ class RecordedTranslation:
     def made_of(self, messages: Sequence[Taken]) -> list[Made]:
         """Returns what becomes of the main messages among some, which are in their order."""
         asked = [
-            (route, each.join, each.subsystem, each.nanoseconds, each.data.hex())
+            (route, self._names[each.join], each.subsystem, each.nanoseconds, each.data.hex())
             for each in messages
             for route in (0, 1)
         ]
@@ -154,6 +162,21 @@ class RecordedTranslation:
         except WorkerError as error:
             self._worker.close()
             raise RecordingError(str(error)) from error
+
+
+def _alone(
+    metamodels: Metamodels, owner: bridge.Bridge, connection: bridge.Connection, *, to_ros: bool
+) -> Model:
+    """Returns a model with a connection alone, and all of its bridge that the translation needs."""
+    made = bridge_of_maps(metamodels, _NAME, {_NAME: (connection.map, to_ros)})
+    (alone,), (own,) = made.instances(bridge.Connection), made.instances(bridge.Bridge)
+    alone.outOfRange = connection.outOfRange
+    make = Maker(metamodels)
+    for each in owner.quantities:
+        quantity = make("bridge.Quantity", name=str(each.name), units=str(each.units or ""))
+        quantity.value = each.value
+        make.link(own, "quantities", quantity)
+    return made
 
 
 def passed(made: Sequence[Made], given: Sequence[Given]) -> list[bool | None]:

@@ -131,7 +131,7 @@ def _compared(
 ) -> tuple[list[_Source], list[float]]:
     """Returns what came around a time, and when on the other side what may be of those unsure."""
     owner, modelled = _modelled(model, connection)
-    with RecordedTranslation(model.metamodels, modelled) as translation:
+    with RecordedTranslation(model.metamodels, owner, modelled) as translation:
         taken = [
             (at, _taken(system, found)) for at, found in _around(system, ways.source, since, time)
         ]
@@ -169,7 +169,7 @@ def _joined(
     time: float,
 ) -> Iterator[Taken]:
     """Yields the messages of joins, each with the last one before."""
-    for topic, join in _topics_of_joins(system, connection, owner, modelled):
+    for topic, join in topics_of_joins(system, connection, owner, modelled):
         begin = since - AROUND
         before = system.recording.last(topic, begin)
         found = list(system.recording.between(topic, begin, time + AROUND))
@@ -177,12 +177,13 @@ def _joined(
             yield _taken(system, each, join)
 
 
-def _topics_of_joins(
+def topics_of_joins(
     system: RecordedSystem,
     connection: ConnectionState,
     owner: bridge.Bridge,
     modelled: bridge.Connection,
 ) -> Iterator[tuple[str, str]]:
+    """Yields the topics of joins, with the names of these."""
     for end in endpoints([owner]):
         join = getattr(end.element, "join", None)
         if join is not None and end.element.eContainer() is modelled:
