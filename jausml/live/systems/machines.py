@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.runtime.messages.machine_states import ReportMachineStates
-
 MOST_MACHINES = 64
 """Machines of one component that are kept."""
 
@@ -43,23 +41,6 @@ class MachineState:
     def total(self) -> float:
         """Seconds in all states that were told."""
         return sum(each.seconds for each in self.times)
-
-
-def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
-    """Returns the machines of a report."""
-    return tuple(
-        MachineState(
-            each.machine_rec.service,
-            each.machine_rec.machine,
-            each.machine_rec.state,
-            each.machine_rec.milliseconds / 1000,
-            tuple(
-                StateTime(time.state, time.entries, time.milliseconds / 1000)
-                for time in each.time_list
-            ),
-        )
-        for each in report.machine_list[:MOST_MACHINES]
-    )
 
 
 def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:

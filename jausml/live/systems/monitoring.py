@@ -20,7 +20,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.machines import machines_of
+from jausml.live.systems.recorded_facts import machines_of
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,

@@ -17,7 +17,7 @@ from jausml.live.systems.folding import (
     fold_answer,
     fold_statuses,
 )
-from jausml.live.systems.machines import machines_of
+from jausml.live.systems.machines import MOST_MACHINES, MachineState, StateTime
 from jausml.runtime.messages import (
     ConfirmControl,
     QueryControl,
@@ -89,6 +89,23 @@ def _confirmed(report: ConfirmControl, client: str) -> dict[str, Any]:
 
 def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
+
+
+def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
+    """Returns the machines of a report."""
+    return tuple(
+        MachineState(
+            each.machine_rec.service,
+            each.machine_rec.machine,
+            each.machine_rec.state,
+            each.machine_rec.milliseconds / 1000,
+            tuple(
+                StateTime(time.state, time.entries, time.milliseconds / 1000)
+                for time in each.time_list
+            ),
+        )
+        for each in report.machine_list[:MOST_MACHINES]
+    )
 
 
 def _machines(report: ReportMachineStates, _: str) -> dict[str, Any]:
