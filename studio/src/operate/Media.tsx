@@ -138,7 +138,6 @@ function Stream({ told, host }: { told: Told; host: string }) {
       {source && (
         <figure className="picture">
           {shown.is_video ? (
-            // biome-ignore lint/a11y/useMediaCaption: what a vehicle sees has no captions
             <video src={source} autoPlay muted controls onError={over} onEnded={over} />
           ) : (
             <img src={source} alt={`What ${host} shows`} onError={over} />
