@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from contextlib import ExitStack
 from functools import cache, reduce
 
 import pytest
@@ -14,8 +15,9 @@ from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
 from jausml.language.model import read_models
 from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.passing import RecordedTranslation
 from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
-from jausml.live.systems import playback
+from jausml.live.systems import dropped, playback
 from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
@@ -186,6 +188,28 @@ def test_the_model_may_be_another_one_meanwhile(opened):
 # ---- damage -----------------------------------------------------------------------------------
 
 
+class KeptTranslation(RecordedTranslation):
+    """One that serves several questions: to start its process takes longest."""
+
+    def __exit__(self, *_):
+        pass
+
+
+@pytest.fixture(scope="module")
+def _kept_translation():
+    with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
+
+        @cache
+        def kept(*of):
+            made = KeptTranslation(*of)
+            stack.callback(made._worker.close)
+            return made
+
+        patch.setattr(dropped, "RecordedTranslation", kept)
+        yield
+
+
+@pytest.mark.usefixtures("_kept_translation")
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_what_can_be_read_of_a_damaged_file_is_shown(tmp_path_factory, data):
