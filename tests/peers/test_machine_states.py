@@ -13,7 +13,8 @@ from running_winch import ADDRESS, READY, running_winch, telling_winch
 import jausml
 from jausml.cli import main
 from jausml.live.peers.operator import running_operator
-from jausml.live.systems.monitoring import MOST_MACHINES, Monitor, polling
+from jausml.live.systems.machines import MOST_MACHINES
+from jausml.live.systems.monitoring import Monitor, polling
 from jausml.live.systems.state import SystemState
 from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from large_systems import large_system
+from recorded_systems import recorded_machines
 
 from jausml.authoring.studio.live import HISTORY, live_values
 from jausml.authoring.studio.live_places import Places, places_of
@@ -24,6 +25,7 @@ from jausml.live.systems.folding import (
     fold_time,
 )
 from jausml.live.systems.machines import MachineState, StateTime
+from jausml.live.systems.playback import indexed
 from jausml.live.systems.state import SystemState, components_of, declarations_of
 from jausml.views.diagrams.views import graph_of
 
@@ -290,6 +292,22 @@ def test_states_are_told_at_their_boxes_in_the_view_of_the_machine(winch):
     around = told[f"{WINCH_READY}.Moving"]
     assert (around["level"], around["text"]) == ("around", "25% of the time")
     assert f"{WINCH_READY}.Locked" not in told
+
+
+def test_a_moment_of_a_recording_has_the_states_that_were_told_by_then(winch, tmp_path):
+    path = tmp_path / "winch.mcap"
+    path.write_bytes(recorded_machines("120.1.1", *KEY, {1.0: IDLE, 3.0: OUT}))
+    recorded = indexed(str(path))
+    shown = {
+        at: states_of(winch, live_values(recorded.state(at, winch), places_of(winch)))
+        for at in (1.0, 2.5)  # seconds since the first message
+    }
+    recorded.recording.close()
+    assert recorded.unreadable == 0
+    assert shown[1.0][IDLE]["level"] == "active"
+    assert OUT not in shown[1.0]
+    assert (shown[2.5][OUT]["level"], shown[2.5][OUT]["text"][:5]) == ("active", "2.5 s")
+    assert IDLE not in shown[2.5]
 
 
 def test_several_components_are_counted_in_each_state(winch):

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; "
-        "connect-src 'self'; worker-src 'self'; img-src 'self' data:; base-uri 'none'; "
+        "connect-src 'self'; worker-src 'self'; img-src 'self' data:; media-src 'self'; "
+        "base-uri 'none'; "
         "form-action 'none'; frame-ancestors 'none'"
     ),
     "Cross-Origin-Opener-Policy": "same-origin",

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from jausml.live.traffic.frames import Datagram
     from jausml_generators.bridge.views import BridgeView
 
-_WORKER = Path(__file__).with_name("translation_worker.py")
+TRANSLATION_WORKER = Path(__file__).with_name("translation_worker.py")
 _AT_ONCE = 256
 _MOST_KNOWN = 4096
 _SECONDS = 60.0
@@ -82,7 +82,7 @@ class Translator:
         self.unmapped: Counter[int] = Counter()
         self.untranslated = Untranslated()
         self._takers: dict[tuple[int, str], list[tuple[int, str]]] = {}
-        self._worker = Worker(bridge_code(routed), _WORKER)
+        self._worker = Worker(bridge_code(routed), TRANSLATION_WORKER)
         self._ask({"routes": [_plan(each) for each in self.routes]})
 
     def __enter__(self) -> Self:
@@ -150,7 +150,8 @@ class Translator:
             if isinstance(answer, str):
                 yield TranslatedMessage(route, message.time, message.source, bytes.fromhex(answer))
             elif answer is not None:
-                self.untranslated.note(route.label, *answer)
+                kind, text, _ = answer
+                self.untranslated.note(route.label, kind, text)
 
     def _ask(self, request: Any) -> Any:
         try:

@@ -12,14 +12,17 @@ import time
 import typing
 from importlib import import_module
 
+from jausml_runtime.bridge.connections.connection import FILTERED
 from jausml_runtime.bridge.connections.transcoding import transcoder
 from jausml_runtime.bridge.messages.limits import StaleJoinError
+from jausml_runtime.bridge.reports.limiting import reason_of
 from jausml_runtime.conversions import Time
 
 _NANO = 10**9
 
 Answer = typing.Any
-"""Hexadecimal digits of the message of ROS, or kind and text of what is wrong."""
+"""Hexadecimal digits of what was made; or kind and text of what is wrong, and how bridges count it.
+"""
 
 
 class RecordingClock:
@@ -48,7 +51,7 @@ class LatestReports:
         """Returns the latest report if it is fresh."""
         found = self._latest.get(self._key(subsystem))
         if found is not None and 0 <= at - found[0] <= self._plan["freshness"] * _NANO:
-            return self._kind.decode(found[1])
+            return _decoder(self._kind)(found[1])
         if self._plan["drop"]:
             raise StaleJoinError(self._plan["name"], "there is no fresh report")
         return None
@@ -72,19 +75,19 @@ class ConnectionTranslation:
         self.joins = {
             each["name"]: LatestReports(each, kinds[each["name"]]) for each in plan["joins"]
         }
-        decode = getattr(kinds["source"], "from_cdr", None) or kinds["source"].decode
+        decode = _decoder(kinds["source"])
         self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
-        self._clock = clock
+        self._clock, self._ahead = clock, plan.get("ahead", 0)
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
         """Returns what becomes of a message."""
-        self._clock.nanoseconds = at
+        self._clock.nanoseconds = at + self._ahead
         try:
             joins = {name: each.fresh(subsystem, at) for name, each in self.joins.items()}
             target = self._run(data, **joins)
         except Exception as error:
-            return [type(error).__name__, str(error)]
-        return ["dropped", ""] if target is None else bytes(target).hex()
+            return [type(error).__name__, str(error), reason_of(error)]
+        return ["dropped", "", FILTERED] if target is None else bytes(target).hex()
 
 
 def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
@@ -95,6 +98,11 @@ def _class_of(hint: typing.Any) -> typing.Any:
     """Returns the class of a parameter, which may be one of `X | None`."""
     inner = [each for each in typing.get_args(hint) if each is not type(None)]
     return inner[0] if inner else hint
+
+
+def _decoder(kind: typing.Any) -> typing.Any:
+    """Returns what reads messages of a class of either side."""
+    return getattr(kind, "from_cdr", None) or kind.decode
 
 
 def _encode(target: typing.Any) -> bytes:

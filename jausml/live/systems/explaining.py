@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.inspection import reporters_of, topic_of
+from jausml.live.systems.dropped import dropped_message, times, ways_of
 from jausml.live.systems.playback import NO_ROS
 from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.tables import shown_name, state_text
@@ -20,6 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.live.recording.mcap_files import Found
+    from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
@@ -104,7 +103,7 @@ def explained(
     moment = risen[0].time if risen else at
     state = system.state(moment, model)
     connection = state.connections.get(key)
-    sides = _sides(system, connection, moment, risen)
+    sides = _sides(system, model, connection, moment, risen)
     if connection is None or connection.told is None:
         return Explanation(moment, (_untold(system, key),), (), *sides)
     counters, told = _counters(connection, risen, at), _states(state, connection, moment)
@@ -222,14 +221,12 @@ def _stops(values: Mapping[str, str]) -> Iterator[str]:
 
 # ---- the message ------------------------------------------------------------------------------
 
-NEAR = 0.005
-"""Seconds by which times of the two sides may differ: each has a thread that reads."""
-
 Lines = tuple[str, ...]
 
 
 def _sides(
     system: RecordedSystem,
+    model: Model | None,
     connection: ConnectionState | None,
     at: float,
     risen: Sequence[Mark],
@@ -238,49 +235,15 @@ def _sides(
 
     Those of ROS come first.
     """
-    if connection is None or connection.declaration is None:
+    if model is None or connection is None or connection.declaration is None:
         text = ("Which messages it takes and gives says the model, which has no such connection.",)
         return text, text
-    declaration = connection.declaration
-    topics = system.recording.topics
-    ros = [topic_of(connection, declaration).name] if declaration.topics else []
-    senders = reporters_of(connection, declaration)
-    jaus = [f"{JAUS_TOPICS}{each}/{declaration.message}" for each in senders]
-    if not jaus:  # from whoever sends it
-        jaus = [each for each in topics if each.endswith(f"/{declaration.message}")]
-    is_to_ros = declaration.direction == "to ROS"
-    source, target = (jaus, ros) if is_to_ros else (ros, jaus)
-    dropped = _unanswered(system, source, target, risen)
-    moment = at if dropped is None else dropped
-    taken = tuple(_source_lines(system, source, risen, moment, is_found=dropped is not None))
-    given = tuple(_message_at(system, target, moment, "The last on this side: "))
-    return (given, taken) if is_to_ros else (taken, given)
-
-
-def _unanswered(
-    system: RecordedSystem, source: Sequence[str], target: Sequence[str], risen: Sequence[Mark]
-) -> float | None:
-    """Returns when the first message came that nothing on the other side follows.
-
-    None where there are not as many of these as were dropped: then nobody knows which they are.
-    """
-    if not risen:
-        return None
-    since, time = risen[0].since, risen[0].time
-    taken = _times(system, source, since, time)
-    given = _times(system, target, since - NEAR, time + NEAR)
-    alone = [
-        begin
-        for begin, end in pairwise([*taken, inf])
-        if not any(begin - NEAR <= each < end - NEAR for each in given)
-    ]
-    return alone[0] if len(alone) == sum(each.count for each in risen) else None
-
-
-def _times(system: RecordedSystem, topics: Sequence[str], start: float, end: float) -> list[float]:
-    return sorted(
-        time for topic in topics for time, _ in system.recording.between(topic, start, end)
-    )
+    ways = ways_of(system, connection, connection.declaration)
+    dropped = dropped_message(system, model, connection, ways, risen) if risen else None
+    moment = at if dropped is None else dropped.time
+    taken = tuple(_source_lines(system, ways.source, risen, moment, dropped))
+    given = tuple(_message_at(system, ways.target, moment, "The last on this side: "))
+    return (given, taken) if ways.is_to_ros else (taken, given)
 
 
 def _source_lines(
@@ -288,14 +251,20 @@ def _source_lines(
     topics: Sequence[str],
     risen: Sequence[Mark],
     at: float,
-    *,
-    is_found: bool,
+    dropped: Dropped | None,
 ) -> Iterator[str]:
     if risen:
-        count = len(_times(system, topics, risen[0].since, risen[0].time))
+        count = len(times(system, topics, risen[0].since, risen[0].time))
         yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
-    if is_found:
-        yield "Nothing on the other side follows this one, which was most likely not passed on."
+    if dropped is not None and dropped.guess:
+        yield (
+            "By its time, nothing on the other side follows this one, which was most likely not "
+            f"passed on. Its content does not tell it: {dropped.guess}."
+        )
+    elif dropped is not None and dropped.reason:
+        yield f"This one was not passed on, since the translation refuses it: {dropped.reason}."
+    elif dropped is not None:
+        yield "This one was not passed on: what it becomes is not on the other side."
     elif risen and count > 1:
         yield "Which of them was not passed on, the recording does not tell; this is the last."
     yield from _message_at(system, topics, at, "")

@@ -124,8 +124,15 @@ class Inspection:
 
 def topic_of(connection: ConnectionState, declaration: DeclaredConnection) -> TopicName:
     """Returns the first topic of a connection, in the namespace that its bridge runs in."""
-    topic = declaration.topics[0]
-    there = declaration.bridge.rpartition("/")[0] + "/"
+    return placed(connection, declaration.bridge, declaration.topics[0])
+
+
+def placed(connection: ConnectionState, modelled: str, topic: TopicName) -> TopicName:
+    """Returns a topic in the namespace that the bridge of a connection runs in.
+
+    `modelled`: the node of the bridge by the model.
+    """
+    there = modelled.rpartition("/")[0] + "/"
     here = connection.bridge.rpartition("/")[0] + "/"
     if topic.is_absolute or not topic.name.startswith(there):
         return topic

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+MOST_MACHINES = 64
+"""Machines of one component that are kept."""
+
 
 @dataclass(frozen=True, slots=True)
 class StateTime:

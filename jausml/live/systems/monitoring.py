@@ -20,7 +20,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.machines import MachineState, StateTime
+from jausml.live.systems.recorded_facts import machines_of
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,
@@ -59,9 +59,6 @@ _SELDOM = 10
 """Rounds from one question to the next for a component that does not answer."""
 
 _UNANSWERED = 3
-
-MOST_MACHINES = 64
-"""Machines of one component that are kept."""
 
 
 class JausObserver:
@@ -181,7 +178,7 @@ class JausObserver:
 
     def _machines(self, report: ReportMachineStates, sender: JausAddress) -> None:
         self._untold.pop(sender, None)
-        self._answered(sender, ComponentAnswer(str(sender), machines=_machines_of(report)))
+        self._answered(sender, ComponentAnswer(str(sender), machines=machines_of(report)))
 
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)
@@ -201,23 +198,6 @@ def _found(component: KnownComponent) -> ComponentAnswer:
         services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services)
         or None,
         source=AnswerSource.DISCOVERY,
-    )
-
-
-def _machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
-    """Returns the machines of a report."""
-    return tuple(
-        MachineState(
-            each.machine_rec.service,
-            each.machine_rec.machine,
-            each.machine_rec.state,
-            each.machine_rec.milliseconds / 1000,
-            tuple(
-                StateTime(time.state, time.entries, time.milliseconds / 1000)
-                for time in each.time_list
-            ),
-        )
-        for each in report.machine_list[:MOST_MACHINES]
     )
 
 

@@ -17,6 +17,7 @@ from jausml.live.systems.folding import (
     fold_answer,
     fold_statuses,
 )
+from jausml.live.systems.machines import MOST_MACHINES, MachineState, StateTime
 from jausml.runtime.messages import (
     ConfirmControl,
     QueryControl,
@@ -27,6 +28,7 @@ from jausml.runtime.messages import (
     ReportStatus,
     ReportTimeout,
 )
+from jausml.runtime.messages.machine_states import ReportMachineStates
 from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:
@@ -89,6 +91,27 @@ def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
 
 
+def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
+    """Returns the machines of a report."""
+    return tuple(
+        MachineState(
+            each.machine_rec.service,
+            each.machine_rec.machine,
+            each.machine_rec.state,
+            each.machine_rec.milliseconds / 1000,
+            tuple(
+                StateTime(time.state, time.entries, time.milliseconds / 1000)
+                for time in each.time_list
+            ),
+        )
+        for each in report.machine_list[:MOST_MACHINES]
+    )
+
+
+def _machines(report: ReportMachineStates, _: str) -> dict[str, Any]:
+    return {"machines": machines_of(report)}
+
+
 _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "ReportStatus": (ReportStatus, _status),
     "ReportControl": (ReportControl, _control),
@@ -96,6 +119,7 @@ _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "ReportIdentification": (ReportIdentification, _identification),
     "ConfirmControl": (ConfirmControl, _confirmed),
     "RejectControl": (RejectControl, _rejected),
+    "ReportMachineStates": (ReportMachineStates, _machines),
 }
 """What each message tells of who sends it, to whom."""
 

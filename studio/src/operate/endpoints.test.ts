@@ -1,14 +1,5 @@
 import { expect, it } from "vitest";
-import { endpointOf, textsOfUrls } from "./endpoints";
-
-it("finds the addresses of a report without the quotes of its texts", () => {
-  const fields: [string, string][] = [
-    ["[0].ServerType", "0 (RTSP)"],
-    ["[0].ServerURL", "'rtsp://10.0.0.7/front'"],
-    ["[1].ServerURL", '"http://localhost/it\'s"'],
-  ];
-  expect(textsOfUrls(fields)).toEqual(["rtsp://10.0.0.7/front", "http://localhost/it's"]);
-});
+import { endpointOf } from "./endpoints";
 
 it("says of a stream what plays it, and why the browser does not", () => {
   const endpoint = endpointOf("rtsp://10.0.0.7:8554/front");
@@ -20,6 +11,7 @@ it("says of a stream what plays it, and why the browser does not", () => {
   expect(endpoint?.isPage).toBe(false);
   expect(endpointOf("sftp://h/f.mp4")?.commands).toEqual(["curl -O 'sftp://h/f.mp4'"]);
   expect(endpointOf("https://localhost/front")?.isPage).toBe(true);
+  expect(endpointOf("http://localhost:80/front")?.host).toBe("localhost");
 });
 
 it.each([

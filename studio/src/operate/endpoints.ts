@@ -2,6 +2,8 @@
 
 export interface Endpoint {
   href: string;
+  /** Host, and a port that is not the usual one. */
+  host: string;
   /** What the browser does with it, or why it does nothing. */
   why: string;
   /** Whether a tab of the browser can open it. */
@@ -10,32 +12,25 @@ export interface Endpoint {
   commands: string[];
 }
 
-const SUFFIX = ".ServerURL";
 const FILES = ["ftp:", "sftp:", "scp:"];
 const STREAMS = ["rtsp:", "rtp:", "udp:"];
 const PAGES = ["http:", "https:"];
 
-/** The addresses among the values of a report, as the peer told them. */
-export function textsOfUrls(fields: readonly [string, string][]): string[] {
-  return fields
-    .filter(([path]) => path.endsWith(SUFFIX))
-    .map(([, text]) => (/^(['"]).*\1$/.test(text) ? text.slice(1, -1) : text));
-}
-
 /** What can be done with an address; undefined for what is none. */
 export function endpointOf(text: string): Endpoint | undefined {
   if (/[\s\\]/.test(text) || !URL.canParse(text)) return undefined;
-  const { protocol, href, hostname } = new URL(text);
-  if (!hostname || ![...FILES, ...STREAMS, ...PAGES].includes(protocol)) return undefined;
+  const { protocol, href, host } = new URL(text);
+  if (!host || ![...FILES, ...STREAMS, ...PAGES].includes(protocol)) return undefined;
   // A shell takes nothing between such quotes for more than a text.
   const quoted = `'${href.replaceAll("'", "'\\''")}'`;
   const isPage = PAGES.includes(protocol);
   const name = protocol.slice(0, -1).toUpperCase();
   return {
     href,
+    host,
     isPage,
     why: isPage
-      ? "This page loads nothing from other addresses. What the vehicle told is opened only if you do it:"
+      ? "Nothing connects to what the vehicle told unless you do it:"
       : FILES.includes(protocol)
         ? `Browsers do not speak ${name}. This copies the file:`
         : `Browsers do not speak ${name}. Either of these plays it:`,

@@ -97,6 +97,8 @@ export interface Values {
   numbers: string[];
   /** Paths of bytes that may be a picture. */
   pictures: string[];
+  /** Addresses of streams and files. */
+  urls: string[];
 }
 
 type Of = { component: string };
@@ -120,6 +122,11 @@ export interface OperateMethods {
     { times: number[]; values: number[] },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
+  stream: [
+    Of & { report: string; url: string; host: string },
+    { stream: string; is_video: boolean },
+  ];
+  unstream: [{ stream: string }, unknown];
   renew: [Record<string, never>, unknown];
   take: [Of & { authority: number }, unknown];
   release: [Of, { confirmed: boolean }];

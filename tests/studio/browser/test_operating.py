@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
-import struct
-import zlib
 
 import pytest
 from browsers import BROWSER
+from camera_server import png, register, serving_camera
 from playwright.sync_api import expect
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
@@ -53,12 +53,12 @@ def operator(studio, vehicle, open_studio):  # noqa: ARG001 - it is there
     return page
 
 
-def control(page):
-    page.get_by_role("button", name=VEHICLE).click()
+def control(page, component=VEHICLE):
+    page.get_by_role("button", name=component).click()
     page.get_by_label("Authority, 0 .. 255").fill("205")
     page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Resume").click()
-    expect(page.get_by_role("row", name=VEHICLE)).to_contain_text("READY")
+    expect(page.get_by_role("row", name=component)).to_contain_text("READY")
 
 
 def choose_effort(page):
@@ -366,23 +366,72 @@ def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, t
     page.screenshot(path=tmp_path / "plan-390.png")
 
 
+SINGLE = "100.1.30"
+NORTH = 52.0
+EAST = 111_200 * math.cos(math.radians(NORTH))
+KINDS = {
+    "Local": (("X", "Y"), (0.0, 0.0), (1, 1)),
+    "Global": (("Latitude", "Longitude"), (NORTH, 11.0), (111_200, EAST)),
+}
+"""Fields of the place, where it begins, and the metres in one of their units."""
+
+
+@pytest.fixture
+def single(port):
+    """A component that drives to one waypoint of either kind; yields what it was told."""
+    told = {"LocalWaypoint": [], "GlobalWaypoint": [], "TravelSpeed": []}
+    provided = [f"{kind}{what}" for kind in KINDS for what in ("WaypointDriver", "PoseSensor")]
+    with Component(SINGLE, provides=provided, name="single", port=port) as component:
+        for name, kept in told.items():
+            component.obey(f"Set{name}", lambda received, kept=kept: kept.append(received.fields))
+            component.answer(name, lambda kept=kept: kept[-1])
+        for kind, (paths, begin, _) in KINDS.items():
+            place = dict(zip(paths, begin, strict=True))
+            component.answer(f"{kind}Pose", lambda place=place: place)
+        yield told
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_single_waypoint_is_drawn_sent_and_driven(studio, single, open_studio, kind):
+    paths, begin, scale = KINDS[kind]
+    waypoints, speeds = single[f"{kind}Waypoint"], single["TravelSpeed"]
+    page = open_studio.page_of(studio.commanding_address)
+    control(page, SINGLE)
+    drawing = page.get_by_role("region", name="Waypoints")
+    drawing.get_by_role("combobox").first.select_option(f"{kind}WaypointDriver")
+    plan = plan_of(page)
+    page.mouse.click(*point_on(plan, 5, 2))
+    rows = page.get_by_role("list", name="Waypoints in their order").get_by_role("listitem")
+    expect(rows).to_have_count(1)
+    page.mouse.click(*point_on(plan, 4, -3))  # it has one alone, which goes there
+    expect(rows).to_have_count(1)
+    execute = page.get_by_role("button", name="Execute")
+    expect(execute).to_be_disabled()
+    assert (waypoints, speeds) == ([], [])
+    page.get_by_role("button", name="Send 1 waypoint").click()
+    expect(page.get_by_text("has confirmed what is drawn")).to_be_visible()
+    sent = waypoints[-1].get(f"{kind}WaypointRec", waypoints[-1])
+    assert set(sent) == set(paths)  # the vehicle decides the rest
+    metres = [(sent[path] - at) * size for path, at, size in zip(paths, begin, scale, strict=True)]
+    assert metres == pytest.approx([4, -3], abs=0.3)
+    page.get_by_label("Speed, 0 .. 327.67 m/s").fill("1.5")
+    execute.click()
+    until(lambda: len(speeds) == 1)
+    page.get_by_role("button", name="Speed 0").click()
+    until(lambda: len(speeds) == 2)
+    found = [each.get("TravelSpeedRec", each)["Speed"] for each in speeds]
+    assert found == pytest.approx([1.5, 0.0], abs=0.01)
+    assert len(waypoints) == 1
+    rows.first.get_by_role("button", name="Waypoint 1:").click()
+    page.get_by_label(paths[0], exact=True).fill("1")
+    expect(page.get_by_text("Changed since it was sent.")).to_be_visible()
+    expect(execute).to_be_disabled()
+    assert broken(page) == {}
+
+
 # ---- pictures and streams ------------------------------------------------------------------------
 
 CAMERA = "100.1.20"
-
-
-def png(size):
-    """A picture with a corner that is dark, made by the standard of the format."""
-
-    def chunk(kind, data):
-        return (
-            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        )
-
-    rows = [b"\0" + bytes(255 if x + y > size else 60 for x in range(size)) for y in range(size)]
-    header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
-    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows))), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in parts)
 
 
 @pytest.fixture
@@ -393,19 +442,17 @@ def camera(port):
         picture = {"format": 0, "hex": png(120).hex()}
         record = {"SensorID": 1, "ReportCoordinateSystem": 0, "ImageFrame": picture}
         component.answer("StillImageData", lambda: {"StillImageDataList": [record]})
-        with Component(name="registrar", port=port) as registrar:
-            for url in ("rtsp://192.0.2.7/front", "http://192.0.2.7/rear", "javascript:alert(1)"):
-                told = {"ServerType": 0, "ServerURL": url}
-                fields = {"DigitalResourceEndpointRec": told}
-                registrar.request(CAMERA, "RegisterDigitalResourceEndpoint", fields)
-        yield CAMERA
+        with Component(name="registrar", port=port) as registrar, serving_camera() as served:
+            urls = ("rtsp://192.0.2.7/front", served.url("/mjpeg"), "javascript:alert(1)")
+            register(registrar, CAMERA, urls)
+            yield served
 
 
 def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, tmp_path):
     page = open_studio.page_of(studio.address)
     page.get_by_role("button", name="Operate").click()
-    page.get_by_role("button", name=camera).click()
-    reports = page.get_by_label(f"Report of {camera}")
+    page.get_by_role("button", name=CAMERA).click()
+    reports = page.get_by_label(f"Report of {CAMERA}")
     reports.select_option("StillImageData")
     page.get_by_label("Hz").select_option("5")
     page.get_by_role("button", name="Watch", exact=True).click()
@@ -421,8 +468,17 @@ def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, 
     expect(told.first).to_contain_text("ffplay 'rtsp://192.0.2.7/front'")
     expect(told.first).to_contain_text("Browsers do not speak RTSP")
     link = told.nth(1).get_by_role("link")
-    expect(link).to_have_attribute("href", "http://192.0.2.7/rear")
+    expect(link).to_have_attribute("href", camera.url("/mjpeg"))
     expect(link).to_have_attribute("rel", "noreferrer noopener")
     expect(told.nth(2)).to_contain_text("no address")
+    assert camera.asked == []
+    told.nth(1).get_by_role("button", name=f"Show: the studio connects to {camera.host}").click()
+    video = told.nth(1).get_by_role("img", name=f"What {camera.host} shows")
+    expect(video).to_be_visible()
+    until(lambda: video.evaluate("each => each.naturalWidth") == 120)
+    assert camera.looking == 1
+    told.nth(1).get_by_role("button", name="Hide").click()
+    until(lambda: camera.looking == 0)
+    expect(video).to_have_count(0)
     assert broken(page) == {}
     page.screenshot(path=tmp_path / "pictures.png", full_page=True)

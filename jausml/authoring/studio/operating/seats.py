@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,6 +14,7 @@ from jausml.authoring.studio.operating.forms import form_of
 from jausml.authoring.studio.operating.leases import StickOverError
 from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
 from jausml.authoring.studio.operating.stops import NoStopError
+from jausml.authoring.studio.operating.streams import NoStreamError
 from jausml.authoring.studio.operating.unit import NotAllowedError, OperatorUnit
 from jausml.authoring.studio.operating.values import TooManyError
 from jausml.authoring.studio.operating.watching import UnitError
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio import rpc
+    from jausml.authoring.studio.operating.streams import Streams
     from jausml.authoring.studio.operating.unit import Powers
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
@@ -82,6 +85,11 @@ class Operating:
             self._unit.start()
             return Seat(self._unit, self.subscribers, next(self._numbers))
 
+    @property
+    def streams(self) -> Streams | None:
+        """The streams that pages see; None before the first page."""
+        return self._unit.streams if self._unit is not None else None
+
     def _made(self) -> OperatorUnit:
         told = self.subscribers.notify
         return OperatorUnit(self._project, self._network, self.powers, told)
@@ -110,6 +118,8 @@ class Seat:
             "values": self._values,
             "history": self._history,
             "picture": self._picture,
+            "stream": self._stream,
+            "unstream": self._unstream,
         }
         commanding: Mapping[str, Callable[..., object]] = {
             "renew": self._renew,
@@ -164,8 +174,8 @@ class Seat:
         except CodecError as error:
             raise RpcError(REFUSED, str(error), {"path": error.path}) from error
         except (
-            JausError, MessageError, NoAnswer, NoStopError, Refused, StickOverError, TooManyError,
-            UnitError, ValueError,
+            JausError, MessageError, NoAnswer, NoStopError, NoStreamError, Refused, StickOverError,
+            TooManyError, UnitError, ValueError,
         ) as error:  # fmt: skip
             raise RpcError(REFUSED, str(error)) from error
 
@@ -269,6 +279,20 @@ class Seat:
 
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
         return {"url": self._unit.values.picture(component, report, path)}
+
+    def _stream(self, component: str, report: str, url: str, host: str) -> dict[str, Any]:
+        """Begins to read an address that a component tells, whose host a person has seen."""
+        unit = self._unit
+        is_told = partial(unit.tells_url, component, report, url)
+        if not is_told():
+            raise NoStreamError(f"{component} does not tell this address")
+        stream = unit.streams.open(self._number, url, host, is_told)
+        unit.journal.note(self._name, f"shows {url!a}, which {component} tells")
+        return {"stream": stream.ticket, "is_video": stream.type.lower().startswith("video/")}
+
+    def _unstream(self, stream: str) -> dict[str, Any]:
+        self._unit.streams.close(stream)
+        return {}
 
     # ---- commanding -------------------------------------------------------------------------
 

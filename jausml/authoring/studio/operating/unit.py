@@ -15,6 +15,7 @@ from jausml.authoring.studio.operating.leases import Lease
 from jausml.authoring.studio.operating.lists import Lists
 from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
+from jausml.authoring.studio.operating.streams import Streams
 from jausml.authoring.studio.operating.values import Values
 from jausml.authoring.studio.operating.watching import UnitError, WatchedSystem
 from jausml.authoring.studio.security import Token
@@ -91,7 +92,7 @@ class OperatorUnit:
             ValueError: A stop among the powers is none.
         """
         self.powers = powers
-        self.values = Values()
+        self.values, self.streams = Values(), Streams()
         self.journal = Journal(told)
         self._told = told
         self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
@@ -167,6 +168,12 @@ class OperatorUnit:
         if last is None or content != last[1] or now - last[0] >= LONGEST:
             self._told_last = now, content
             self._told("operate.state", content)
+
+    def tells_url(self, component: str, report: str, url: str) -> bool:
+        """Tells whether a component that is not gone has an address in a report that is watched."""
+        known = self._system.state().components.get(component)
+        is_gone = known is not None and known.is_gone
+        return not is_gone and self.values.has_url(component, report, url)
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -333,6 +340,7 @@ class OperatorUnit:
         if commander is not None and commander.page == page:
             self._lose(commander, "is gone")
         self.values.leave(page)
+        self.streams.leave(page)
 
     def _lose(self, commander: Commander, why: str) -> None:
         """Stops and releases all that a page commanded which is lost, once."""

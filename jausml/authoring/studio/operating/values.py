@@ -44,7 +44,12 @@ class TooManyError(Exception):
 
 @dataclass
 class Watched:
-    """A report of a component that is watched (`pictures`: bytes by their paths, hexadecimal)."""
+    """A report of a component that is watched.
+
+    Attributes:
+        pictures: Bytes by their paths, hexadecimal.
+        urls: Addresses of streams and files (IOP, Digital Resource Discovery).
+    """
 
     component: str
     report: str
@@ -54,6 +59,7 @@ class Watched:
     count: int = 0
     texts: list[tuple[str, str]] = field(default_factory=list)
     pictures: dict[str, str] = field(default_factory=dict)
+    urls: tuple[str, ...] = ()
     history: dict[str, deque[Point]] = field(default_factory=dict)
 
 
@@ -134,6 +140,7 @@ class Values:
                     "fields": [list(pair) for pair in each.texts],
                     "numbers": [path for path in each.history if path != RATE],
                     "pictures": list(each.pictures),
+                    "urls": each.urls,
                 }
                 for each in self._watched.values()
             ]
@@ -144,6 +151,12 @@ class Values:
             known = self._watched.get((component, report))
             found = known.pictures.get(path, "") if known is not None else ""
         return picture_url(bytes.fromhex(found))
+
+    def has_url(self, component: str, report: str, url: str) -> bool:
+        """Tells whether the last of a report that is watched has an address."""
+        with self._lock:
+            known = self._watched.get((component, report))
+            return known is not None and url in known.urls
 
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
@@ -168,6 +181,7 @@ class Values:
             if known.told and now > known.told:
                 found[RATE] = 1 / (now - known.told)
             known.told, known.texts, known.pictures = now, texts, dict(_pictures(leaves))
+            known.urls = tuple(_urls(leaves))
             known.count += 1
             for path, value in found.items():
                 if path in known.history or len(known.history) < MOST_FIELDS:
@@ -206,6 +220,12 @@ def _pictures(leaves: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
     for path, kind, value in leaves:
         if isinstance(kind, wire.FormattedOctets) and value.get("hex"):
             yield path, value["hex"]
+
+
+def _urls(leaves: Iterable[Leaf]) -> Iterator[str]:
+    for path, kind, value in leaves:
+        if isinstance(kind, wire.Text) and path.rpartition(".")[2] == "ServerURL":
+            yield str(value)
 
 
 def _short(text: str) -> str:

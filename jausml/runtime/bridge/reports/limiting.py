@@ -43,6 +43,16 @@ _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (DecodeError, "not_decodable"),
 )
 
+
+def reason_of(error: Exception) -> str:
+    """Returns under which name a message is counted of which a translation made an error."""
+    if isinstance(error, OutOfRangeError):
+        return OUT_OF_RANGE
+    if isinstance(error, StaleJoinError):
+        return f"{STALE_JOIN}_{error.join}"
+    return next((reason for kind, reason in _REASONS if isinstance(error, kind)), FAILED)
+
+
 FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
 """Reasons for which a message could not be translated, whatever its values."""
 
@@ -165,9 +175,9 @@ class Limiting:
             self._refuse(error)
             return
         if isinstance(error, StaleJoinError):
-            self.drop(f"{STALE_JOIN}_{error.join}", str(error))
+            self.drop(reason_of(error), str(error))
             return
-        reason = next((reason for kind, reason in _REASONS if isinstance(error, kind)), FAILED)
+        reason = reason_of(error)
         text = repr(error) if reason == FAILED else str(error)
         self.statistics.failures.setdefault(reason, text)
         self.drop(reason, text, error if reason == FAILED else None)

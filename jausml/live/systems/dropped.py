@@ -1,0 +1,241 @@
+"""Which message a connection did not pass on: what its translation makes of each is looked for.
+
+The time of a message decides only where that does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections.reports import joined_reports
+from jausml.language.semantics.connections.topics import endpoints
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
+from jausml.live.recording.seeking import JAUS_TOPICS
+from jausml.live.systems.inspection import placed, reporters_of, topic_of
+from jausml.live.systems.state import TopicName, node_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.language.model import Model
+    from jausml.live.recording.mcap_files import Found
+    from jausml.live.systems.playback import Mark, RecordedSystem
+    from jausml.live.systems.state import ConnectionState, DeclaredConnection
+
+NEAR = 0.005
+"""Seconds by which times of the two sides may differ: each has a thread that reads."""
+
+AROUND = 1.0
+"""Seconds before and after a drop in which both sides are compared."""
+
+MOST_COMPARED = 5_000
+"""Messages of one side that are compared."""
+
+_OF_SEVERAL = "several messages became the same"
+_NOT_KNOWN = "what it becomes is not known here"
+_TOO_MANY = "too many messages came to compare them"
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Where the messages of a connection stand in a recording."""
+
+    source: tuple[str, ...]
+    target: tuple[str, ...]
+    is_to_ros: bool
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """A message that was not passed on.
+
+    Attributes:
+        reason: Why its translation refused it; empty where it did not.
+        guess: Why only its time tells that it was this one; empty where its content does.
+    """
+
+    time: float
+    reason: str = ""
+    guess: str = ""
+
+
+@dataclass(frozen=True)
+class _Source:
+    time: float
+    made: Made
+    is_passed: bool | None
+
+
+def ways_of(
+    system: RecordedSystem, connection: ConnectionState, declaration: DeclaredConnection
+) -> Ways:
+    """Returns the topics of both sides of a connection."""
+    ros = (topic_of(connection, declaration).name,) if declaration.topics else ()
+    senders = reporters_of(connection, declaration)
+    jaus = tuple(f"{JAUS_TOPICS}{each}/{declaration.message}" for each in senders)
+    if not jaus:  # from whoever sends it
+        topics = system.recording.topics
+        jaus = tuple(each for each in topics if each.endswith(f"/{declaration.message}"))
+    is_to_ros = declaration.direction == "to ROS"
+    return Ways(jaus, ros, is_to_ros) if is_to_ros else Ways(ros, jaus, is_to_ros)
+
+
+def dropped_message(
+    system: RecordedSystem,
+    model: Model,
+    connection: ConnectionState,
+    ways: Ways,
+    risen: Sequence[Mark],
+) -> Dropped | None:
+    """Returns the first message that was not passed on, as counters rose; None if nobody knows."""
+    since, time, count = risen[0].since, risen[0].time, sum(each.count for each in risen)
+    try:
+        sources, given = _compared(system, model, connection, ways, since, time)
+    except RecordingError as error:
+        sources = [_Source(at, UNKNOWN, None) for at in times(system, ways.source, since, time)]
+        given, why = times(system, ways.target, since - NEAR, time + NEAR), str(error)
+    else:
+        why = _NOT_KNOWN if any(each.made is UNKNOWN for each in sources) else _OF_SEVERAL
+    counters = {each.counter for each in risen}
+    refused = [each for each in sources if each.made.counter in counters]
+    if refused:  # a status on its way may come after the next message
+        first = min(refused, key=lambda each: (not since < each.time <= time, each.time))
+        return Dropped(first.time, reason=first.made.reason or first.made.counter)
+    lost = [
+        each
+        for each in sources
+        if since < each.time <= time and not each.is_passed and not each.made.counter
+    ]
+    if len(lost) == count and all(each.is_passed is False for each in lost):
+        return Dropped(lost[0].time)
+    alone = [
+        begin
+        for begin, end in pairwise([*(each.time for each in lost), inf])
+        if not any(begin - NEAR <= each < end - NEAR for each in given)
+    ]
+    return Dropped(alone[0], guess=why) if len(alone) == count else None
+
+
+def _compared(
+    system: RecordedSystem,
+    model: Model,
+    connection: ConnectionState,
+    ways: Ways,
+    since: float,
+    time: float,
+) -> tuple[list[_Source], list[float]]:
+    """Returns what came around a time, and when on the other side what may be of those unsure."""
+    owner, modelled = _modelled(model, connection)
+    with RecordedTranslation(model.metamodels, owner, modelled) as translation:
+        taken = [
+            (at, _taken(system, found)) for at, found in _around(system, ways.source, since, time)
+        ]
+        joins = _joined(system, connection, owner, modelled, since, time)
+        messages = sorted([*joins, *(each for _, each in taken)], key=lambda each: each.nanoseconds)
+        made = translation.made_of(messages)
+        given = [
+            (at, _given(system, found, translation))
+            for at, found in _around(system, ways.target, since, time)
+        ]
+    told = passed(made, [each for _, each in given])
+    sources = [
+        _Source(at, one, is_passed)
+        for (at, _), one, is_passed in zip(taken, made, told, strict=True)
+    ]
+    unsure = {each.made for each in sources if each.is_passed is None}
+    return sources, [at for at, each in given if any(one.may_be(each.data) for one in unsure)]
+
+
+def _modelled(model: Model, connection: ConnectionState) -> tuple[bridge.Bridge, bridge.Connection]:
+    key = connection.declaration.key if connection.declaration is not None else ("", "")
+    for owner in model.instances(bridge.Bridge, library=False):
+        for each in owner.bridgeConnections if node_of(owner) == key[0] else ():
+            if each.name == key[1]:
+                return owner, each
+    raise RecordingError("calls and lists are not compared")
+
+
+def _joined(
+    system: RecordedSystem,
+    connection: ConnectionState,
+    owner: bridge.Bridge,
+    modelled: bridge.Connection,
+    since: float,
+    time: float,
+) -> Iterator[Taken]:
+    """Yields the messages of joins, each with the last one before."""
+    for topic, join in topics_of_joins(system, connection, owner, modelled):
+        begin = since - AROUND
+        before = system.recording.last(topic, begin)
+        found = list(system.recording.between(topic, begin, time + AROUND))
+        for _, each in [*([before] if before is not None else []), *found]:
+            yield _taken(system, each, join)
+
+
+def topics_of_joins(
+    system: RecordedSystem,
+    connection: ConnectionState,
+    owner: bridge.Bridge,
+    modelled: bridge.Connection,
+) -> Iterator[tuple[str, str]]:
+    """Yields the topics of joins, with the names of these."""
+    for end in endpoints([owner]):
+        join = getattr(end.element, "join", None)
+        if join is not None and end.element.eContainer() is modelled:
+            is_absolute = end.topic == getattr(end.element, end.feature)
+            topic = TopicName(end.topic, "", is_absolute)
+            yield placed(connection, node_of(owner), topic).name, str(join.name)
+    for report in joined_reports(modelled):
+        named = [str(each.address) for each in report.source.peers] if report.source else []
+        for name in system.recording.topics:
+            sender, _, message = name.removeprefix(JAUS_TOPICS).partition("/")
+            if message == report.join.message.name and (not named or sender in named):
+                yield name, str(report.join.name)
+
+
+def _around(
+    system: RecordedSystem, topics: Sequence[str], since: float, time: float
+) -> list[tuple[float, Found]]:
+    found = []
+    for topic in topics:
+        for each in system.recording.between(topic, since - AROUND, time + AROUND):
+            found.append(each)
+            if len(found) > MOST_COMPARED:
+                raise RecordingError(_TOO_MANY)
+    return sorted(found, key=lambda each: each[0])
+
+
+def times(system: RecordedSystem, topics: Sequence[str], start: float, end: float) -> list[float]:
+    """Returns when messages came."""
+    return sorted(
+        time for topic in topics for time, _ in system.recording.between(topic, start, end)
+    )
+
+
+def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
+    _, channel, message = found
+    sender = channel.topic.removeprefix(JAUS_TOPICS).partition(".")[0]
+    subsystem = int(sender) if sender.isdigit() else 0
+    return Taken(message.log_time, subsystem, _data(system, found)[1], join)
+
+
+def _given(system: RecordedSystem, found: Found, translation: RecordedTranslation) -> Given:
+    receiver, data = _data(system, found)
+    return Given(receiver, translation.comparable(data))
+
+
+def _data(system: RecordedSystem, found: Found) -> tuple[str, bytes]:
+    """Returns to whom a message went, of one of JAUS, and its bytes."""
+    _, channel, message = found
+    if not channel.topic.startswith(JAUS_TOPICS):
+        return "", bytes(message.data)
+    value = system.recording.value_of(found)
+    try:
+        return str(value.get("destination")), bytes.fromhex(value["payload"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise RecordingError(f"a message of {channel.topic} has no bytes") from error

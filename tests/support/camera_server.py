@@ -1,0 +1,110 @@
+"""A camera on the network: a real server of HTTP with Motion JPEG, and answers that are none."""
+
+from __future__ import annotations
+
+import struct
+import threading
+import zlib
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+MIXED = "multipart/x-mixed-replace; boundary=frame"
+
+
+def png(size):
+    """A picture with a corner that is dark, made by the standard of the format (ISO/IEC 15948)."""
+
+    def chunk(kind, data):
+        check = struct.pack(">I", zlib.crc32(kind + data))
+        return struct.pack(">I", len(data)) + kind + data + check
+
+    rows = [b"\0" + bytes(255 if x + y > size else 60 for x in range(size)) for y in range(size)]
+    header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
+    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows))), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in parts)
+
+
+class CameraServer:
+    """What was asked, and who still looks.
+
+    Attributes:
+        asked: The paths, in their order.
+        looking: How many streams are being sent.
+    """
+
+    def __init__(self, server):
+        self.port = server.server_address[1]
+        self.host = f"127.0.0.1:{self.port}"
+        self.asked, self.looking = [], 0
+
+    def url(self, path):
+        return f"http://{self.host}{path}"
+
+
+def _answered(camera, end):
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self):
+            camera.asked.append(self.path)
+            kinds = {"/page": "text/html", "/drawing": "image/svg+xml", "/one": "image/png"}
+            if self.path == "/moved":
+                self.send_response(302)
+                self.send_header("Location", "/mjpeg")
+                self.end_headers()
+            elif self.path in kinds:
+                body = png(40)
+                self.send_response(200)
+                self.send_header("Content-Type", kinds[self.path])
+                self.send_header("Content-Length", str(len(body)))
+                self.end_headers()
+                self.wfile.write(body)
+            elif self.path.startswith("/mjpeg"):
+                self._stream()
+            else:
+                self.send_error(404)
+
+        def _stream(self):
+            self.send_response(200)
+            self.send_header("Content-Type", MIXED)
+            self.end_headers()
+            picture = png(120)
+            head = f"--frame\r\nContent-Type: image/png\r\nContent-Length: {len(picture)}\r\n\r\n"
+            camera.looking += 1
+            try:
+                while not end.wait(0.05):
+                    self.wfile.write(head.encode() + picture + b"\r\n")
+            except OSError:
+                pass
+            finally:
+                camera.looking -= 1
+
+        def log_message(self, *_):
+            """Says nothing."""
+
+    return Handler
+
+
+@contextmanager
+def serving_camera():
+    """A server on this computer alone."""
+    end = threading.Event()
+    server = ThreadingHTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
+    camera = CameraServer(server)
+    server.RequestHandlerClass = _answered(camera, end)
+    server.daemon_threads = True
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        yield camera
+    finally:
+        end.set()
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+def register(registrar, component, urls):
+    """Has a component tell addresses, as a device that registers them (IOP)."""
+    for url in urls:
+        told = {"ServerType": 0, "ServerURL": url}
+        fields = {"DigitalResourceEndpointRec": told}
+        registrar.request(component, "RegisterDigitalResourceEndpoint", fields)
