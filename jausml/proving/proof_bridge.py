@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation import native
 from jausml.generation.rendering import render
-from jausml.language.metamodel.classes import bridge
-from jausml.live.workers.worker import Maker, bridge_code, bridge_of_maps
+from jausml.live.workers.worker import bridge_code, bridge_of_maps
 from jausml.proving.layout import NOW
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
@@ -78,29 +77,9 @@ def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
 def _model(model: Model, trip: RoundTrip) -> Model:
     """Makes a bridge with each direction, with the policies and quantities of its own."""
     ways = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
-    made = bridge_of_maps(
-        model.metamodels,
-        NAME,
-        {
-            name: (used, to_ros)
-            for name, (used, to_ros) in ways.items()
-            if (used.toRos if to_ros else used.toJaus)
-        },
-    )
-    (owner,) = made.instances(bridge.Bridge)
-    for each in reversed(trip.connections):
-        for own in owner.bridgeConnections:
-            if own.direction is each.direction:
-                own.outOfRange = each.outOfRange
-    make = Maker(model.metamodels)
-    for known in _quantities(trip).values():
-        copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
-        copied.value = known.value
-        make.link(owner, "quantities", copied)
-    return made
-
-
-def _quantities(trip: RoundTrip) -> dict[str, bridge.Quantity]:
-    holders = dict.fromkeys(each.eContainer() for each in reversed(trip.connections))
-    bridges = [each for each in holders if isinstance(each, bridge.Bridge)]
-    return {str(each.name): each for one in bridges for each in one.quantities}
+    connections = {
+        name: (used, to_ros)
+        for name, (used, to_ros) in ways.items()
+        if (used.toRos if to_ros else used.toJaus)
+    }
+    return bridge_of_maps(model.metamodels, NAME, connections, trip.connections)

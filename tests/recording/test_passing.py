@@ -50,7 +50,9 @@ def translated():
 
     def made_of(name, *payloads):
         messages = [Taken(AT + index * SECOND, 10, data) for index, data in enumerate(payloads)]
-        with RecordedTranslation(model().metamodels, *connection_of(model(), name)) as translation:
+        with RecordedTranslation(
+            model().metamodels, connection_of(model(), name)[1]
+        ) as translation:
             return translation.made_of(messages), translation
 
     return made_of
@@ -137,7 +139,7 @@ def test_a_quantity_of_the_bridge_comes_before_that_of_the_map(tmp_path):
     file.write_text(ROBOT, encoding="utf-8")
     read = read_models([file], notations=NOTATIONS).model
     half = payload("SetWrenchEffort", PropulsiveLinearEffortX=50.0)
-    with RecordedTranslation(read.metamodels, *connection_of(read, "drive")) as translation:
+    with RecordedTranslation(read.metamodels, connection_of(read, "drive")[1]) as translation:
         (made,) = translation.made_of([Taken(AT, 10, half)])
     assert struct.unpack_from("<d", made.data, 4)[0] == pytest.approx(2.0, abs=0.001)
 
@@ -154,7 +156,7 @@ def test_what_is_joined_counts_while_it_is_fresh():
         Taken(AT + SECOND // 10, 0, fix),
         Taken(AT + 2 * SECOND, 0, fix),
     ]
-    with RecordedTranslation(read.metamodels, owner, joined) as translation:
+    with RecordedTranslation(read.metamodels, joined) as translation:
         fresh, stale = translation.made_of(messages)
     assert len(fresh.data) == len(stale.data) + 6  # roll, pitch and yaw
     for node, topic in (("/vehicle", "/vehicle/imu"), ("/left", "/left/imu")):

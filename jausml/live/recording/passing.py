@@ -10,17 +10,10 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.translating import TRANSLATION_WORKER
-from jausml.live.workers.worker import (
-    Maker,
-    Worker,
-    WorkerError,
-    bridge_code,
-    bridge_of_maps,
-)
+from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
 from jausml_generators.bridge.views import bridge_views
 
 if TYPE_CHECKING:
@@ -29,7 +22,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.language.metamodel import Metamodels
-    from jausml.language.model import Model
+    from jausml.language.metamodel.classes import bridge
 
 _NAME = "recorded"
 _SECONDS = 60.0
@@ -90,9 +83,7 @@ _ALIKE = bytes([255, *bytes(255)])
 class RecordedTranslation:
     """The translation of one connection in a process of its own; close it at the end."""
 
-    def __init__(
-        self, metamodels: Metamodels, owner: bridge.Bridge, connection: bridge.Connection
-    ) -> None:
+    def __init__(self, metamodels: Metamodels, connection: bridge.Connection) -> None:
         """Starts the process.
 
         Raises:
@@ -100,7 +91,7 @@ class RecordedTranslation:
         """
         used, self.is_to_ros = connection.map, connection.direction.name == TO_ROS
         try:
-            made = _alone(metamodels, owner, connection, to_ros=self.is_to_ros)
+            made = bridge_of_maps(metamodels, _NAME, {_NAME: (used, self.is_to_ros)}, [connection])
             code, (view,) = bridge_code(made), bridge_views(made)
         except Exception as error:  # generators take models without errors
             raise RecordingError(f"the map '{used.name}' has errors") from error
@@ -162,21 +153,6 @@ class RecordedTranslation:
         except WorkerError as error:
             self._worker.close()
             raise RecordingError(str(error)) from error
-
-
-def _alone(
-    metamodels: Metamodels, owner: bridge.Bridge, connection: bridge.Connection, *, to_ros: bool
-) -> Model:
-    """Returns a model with a connection alone, and all of its bridge that the translation needs."""
-    made = bridge_of_maps(metamodels, _NAME, {_NAME: (connection.map, to_ros)})
-    (alone,), (own,) = made.instances(bridge.Connection), made.instances(bridge.Bridge)
-    alone.outOfRange = connection.outOfRange
-    make = Maker(metamodels)
-    for each in owner.quantities:
-        quantity = make("bridge.Quantity", name=str(each.name), units=str(each.units or ""))
-        quantity.value = each.value
-        make.link(own, "quantities", quantity)
-    return made
 
 
 def passed(made: Sequence[Made], given: Sequence[Given]) -> list[bool | None]:

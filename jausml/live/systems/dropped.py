@@ -131,7 +131,7 @@ def _compared(
 ) -> tuple[list[_Source], list[float]]:
     """Returns what came around a time, and when on the other side what may be of those unsure."""
     owner, modelled = _modelled(model, connection)
-    with RecordedTranslation(model.metamodels, owner, modelled) as translation:
+    with RecordedTranslation(model.metamodels, modelled) as translation:
         taken = [
             (at, _taken(system, found)) for at, found in _around(system, ways.source, since, time)
         ]

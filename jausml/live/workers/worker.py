@@ -21,6 +21,7 @@ from jausml.generation.artifact import text_digest
 from jausml.generation.checks import find_problems
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
+from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import link, new_object, set_value
 from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
@@ -28,10 +29,9 @@ from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Model
 
@@ -84,21 +84,41 @@ def bridge_of_maps(
     metamodels: Metamodels,
     name: str,
     connections: Mapping[str, tuple[bridge.AttributeMap, bool]],
+    like: Iterable[bridge.Connection] = (),
 ) -> Model:
-    """Makes a system with a bridge of connections by maps, whatever else their model holds."""
+    """Makes a system with a bridge of connections by maps, whatever else their model holds.
+
+    Args:
+        like: Connections whose policies and quantities count; of several, those of the first.
+    """
     make = Maker(metamodels)
     owner = make("bridge.Bridge", name=name, address="1.1.1")
     made = []
     for connection, (used, to_ros) in connections.items():
         made.append(_connection(make, used, connection, to_ros=to_ros))
         make.link(owner, "bridgeConnections", made[-1])
+    quantities: dict[str, bridge.Quantity] = {}
+    for each in reversed([*like]):
+        for own in made:
+            if own.direction is each.direction:
+                own.outOfRange = each.outOfRange
+        quantities |= {str(known.name): known for known in _quantities(each)}
+    for known in quantities.values():
+        copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
+        copied.value = known.value
+        make.link(owner, "quantities", copied)
     whole = make("system.System", name=f"{name}_system")
     make.link(whole, "bridges", owner)
     return made_model(metamodels, whole, owner, *made)
 
 
-def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> EObject:
-    made: EObject = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
+def _quantities(connection: bridge.Connection) -> Iterable[bridge.Quantity]:
+    owner = connection.eContainer()
+    return owner.quantities if isinstance(owner, bridge.Bridge) else ()
+
+
+def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> Any:
+    made = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
     make.link(made, "topics", make("bridge.Topic", name=name))
     if to_ros:
         for report in used.reportJoins:

@@ -115,6 +115,37 @@ def test_the_process_stays_until_the_code_changes():
         assert list(trials._processes.values()) != [first]
 
 
+ROBOT = """
+import mappings.primitive_driver
+
+system alone {
+    bridge robot {
+        address: 100.1.10
+        provides: PrimitiveDriver
+        controlTimeout: 2
+        connection drive {
+            map: wrench_effort
+            direction: jausToRos
+            exchange: message
+            silenceTimeout: 0.5
+            topic cmd_vel
+        }
+        quantity max_speed { value: 4.0  units: "m/s" }
+    }
+}
+"""
+
+
+def test_a_map_is_tried_as_its_bridge_has_it(trials, tmp_path):
+    """Its bridge has another maximum than the map, and then a third one for the same map."""
+    for maximum, speed in (("4.0", 2.0), ("3.0", 1.5)):
+        file = tmp_path / f"{maximum}.ros2jaus"
+        file.write_text(ROBOT.replace("4.0", maximum), encoding="utf-8")
+        effort = {"PropulsiveLinearEffortX": "50"}
+        values = shown(run(trials, "wrench_effort", effort, to_ros=True, file=file))
+        assert float(values["linear.x"]) == pytest.approx(speed, abs=0.001)
+
+
 def test_a_translation_that_takes_too_long_is_ended():
     scope = scope_of(CAR)
     with Trials(0.0) as trials:

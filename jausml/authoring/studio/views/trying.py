@@ -33,12 +33,11 @@ from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from typing_extensions import Self
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import Metamodels
     from jausml.language.semantics.paths.scopes import PathPlace, PathScope
     from jausml.live.workers.worker import BridgeCode
 
@@ -187,12 +186,18 @@ class Trials:
         """Returns the process of a translation: the same as long as its code is the same."""
         key = (scope.ref(used), to_ros)
         known = self._processes.get(key)
-        if known is not None and known.is_alive and known.made_of is used:
+        users = [
+            each
+            for each in scope.model.instances(bridge.Connection, library=False)
+            if each.map is used
+        ]
+        made_of: tuple[object, ...] = (used, *users)
+        if known is not None and known.is_alive and known.made_of == made_of:
             self._processes.move_to_end(key)
             return known
-        code = _code(scope, used, to_ros=to_ros)
+        code = _code(scope, used, users, to_ros=to_ros)
         if known is not None and known.is_alive and known.code.digest == code.digest:
-            known.made_of = used
+            known.made_of = made_of
             self._processes.move_to_end(key)
             return known
         if known is not None:
@@ -200,14 +205,21 @@ class Trials:
             known.close()
         while len(self._processes) >= _MOST_PROCESSES:
             self._processes.popitem(last=False)[1].close()
-        made = self._processes[key] = _Process(code, used)
+        made = self._processes[key] = _Process(code, made_of)
         return made
 
 
-def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
-    """Returns the generated code of a map."""
+def _code(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    users: Sequence[bridge.Connection],
+    *,
+    to_ros: bool,
+) -> BridgeCode:
+    """Returns the generated code of a direction of a map, as the first who uses it has it."""
+    maps = {CONNECTION_NAME: (used, to_ros)}
     try:
-        return trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
+        return bridge_code(bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users))
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
         raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
@@ -216,7 +228,7 @@ def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCod
 class _Process(Worker):
     """A process with one translation."""
 
-    def __init__(self, code: BridgeCode, made_of: bridge.AttributeMap) -> None:
+    def __init__(self, code: BridgeCode, made_of: tuple[object, ...]) -> None:
         super().__init__(code, _WORKER)
         self.code = code
         self.made_of = made_of
@@ -279,9 +291,3 @@ def _unit(place: PathPlace, path: str) -> str:
     found = place.follow(path)
     unit = found.attribute().units if isinstance(found, JausPlace | RosPlace) else ""
     return "" if unit == "one" else unit
-
-
-def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: bool) -> BridgeCode:
-    """Returns the generated code of one direction of a map, whatever else its model holds."""
-    made = bridge_of_maps(metamodels, BRIDGE_NAME, {CONNECTION_NAME: (used, to_ros)})
-    return bridge_code(made)
