@@ -14,6 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ros_nodes import SpinningNode
 from workspaces import kept, packages_of
 
 from jausml.generation import native
@@ -145,32 +146,15 @@ class Process:
         self._log_file.close()
 
 
-class RosPeer:
+class RosPeer(SpinningNode):
     """A node of the test with a thread that waits for messages."""
 
     def __init__(self) -> None:
-        import rclpy
-
-        from jausml.runtime.bridge.ros.lifecycle import EndableExecutor
-
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context, args=[])
-        self.node = rclpy.create_node("peer", context=self.context)
-        self.executor = EndableExecutor(self.context)
-        self.executor.add_node(self.node)
+        super().__init__("peer")
         self.received: dict[str, list] = {}
         self._publishers: dict[str, object] = {}
         self._subscriptions: dict[str, Any] = {}
-        self._thread = threading.Thread(target=self._spin, daemon=True)
-        self._thread.start()
-
-    def _spin(self) -> None:
-        from rclpy.executors import ExternalShutdownException
-
-        try:
-            self.executor.spin()
-        except ExternalShutdownException:
-            return
+        self.start()
 
     def listen(self, message_type, topic: str, qos=10) -> list:
         """Subscribes; returns the list that grows with each message."""
@@ -195,14 +179,6 @@ class RosPeer:
             self._publishers[topic] = publisher
             wait_for(lambda: publisher.get_subscription_count() > 0, f"subscription of {topic}")
         return self._publishers[topic]
-
-    def close(self) -> None:
-        """Leaves ROS."""
-        self.executor.end()
-        self._thread.join()
-        self.executor.shutdown()
-        self.node.destroy_node()
-        self.context.try_shutdown()
 
 
 class Repeater:
