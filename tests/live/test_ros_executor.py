@@ -139,7 +139,7 @@ def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosP
     spun.executor._take_service, served.send_response = taken, sent
     spun.start()
     client = peer.node.create_client(Trigger, "served")
-    assert client.wait_for_service(10)
+    wait_for(client.service_is_ready, "service")
     lost = [client.call_async(Trigger.Request()) for _ in range(3)]
     wait_for(lambda: failures(spun) == 3, "failures")
     answer = client.call_async(Trigger.Request())
@@ -153,9 +153,5 @@ def test_a_service_that_fails_answers_all_the_same(spun, peer: RosPeer):
 
     spun.node.create_service(Trigger, "failing", fails)
     spun.start()
-    client = peer.node.create_client(Trigger, "failing")
-    assert client.wait_for_service(10)
-    answer = client.call_async(Trigger.Request())
-    wait_for(answer.done, "answer")
-    assert not answer.result().success
+    assert not peer.call(Trigger, "failing", Trigger.Request()).success
     assert spun.executor.counters.drops() == {"ros.request_refused": 1}
