@@ -41,18 +41,24 @@ def vehicle(monkeypatch):
     with SpinningNode("wheels", "car") as spinning:
         node = spinning.node
         node.create_subscription(Twist, "cmd_vel", print, 1)
-        node.create_publisher(Odometry, "odom", QoSProfile(depth=5))
+        odometry = node.create_publisher(Odometry, "odom", QoSProfile(depth=5))
         kept = QoSProfile(
             depth=1,
             reliability=ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
-        node.create_publisher(OccupancyGrid, "grid", kept)
+        grid = node.create_publisher(OccupancyGrid, "grid", kept)
         node.create_publisher(String, "chatter", 10)
         node.create_subscription(JointState, "arm/cmd", print, 1)
         joints = node.create_publisher(JointState, "joint_states", 1)
         state = JointState(name=["shoulder", "elbow"], position=[0.1, 0.2])
-        node.create_timer(0.2, lambda: joints.publish(state))
+
+        def publish():  # all of it: what is silent is waited for, in each command
+            joints.publish(state)
+            odometry.publish(Odometry())
+            grid.publish(OccupancyGrid())
+
+        node.create_timer(0.2, publish)
         node.create_service(Trigger, "drop_weight", lambda _, answer: answer)
         node.create_client(SetBool, "lamp")
         yield
