@@ -84,6 +84,23 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(5000, 20, 20)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Lets go of what a failed test holds, or the next one fails: of sockets that are not closed.
+
+    Its frames are kept for debuggers until the next test is called.
+    """
+    before = item.session.testsfailed
+    result = yield
+    if item.session.testsfailed > before:
+        for kept in {"last_type", "last_value", "last_traceback", "last_exc"} & vars(sys).keys():
+            delattr(sys, kept)
+        told, sys.unraisablehook = sys.unraisablehook, lambda _: None
+        gc.collect()
+        sys.unraisablehook = told
+    return result
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """More workers than processors: most of the time tests wait for processes that they started.

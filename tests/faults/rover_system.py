@@ -75,8 +75,7 @@ class System:
         for role in sorted(ROLES, key=lambda each: each != first):
             self.start(role)
             if role == first:
-                log = self.running[role].log
-                wait_for(lambda log=log: " runs as " in log.read_text(), f"start of the {role}")
+                self.begins(role)
 
     def start(self, role: str, *arguments: str) -> None:
         """Starts a role that does not run."""
@@ -91,6 +90,13 @@ class System:
             line += ["--ros-args", "-p", "diagnostics_frequency:=10.0"]
         self.running[role] = Process(line, self.path, self.logs / f"{role}-{number}.log")
         self._all[role].append(self.running[role])
+
+    def begins(self, role: str) -> None:
+        """Waits until a JAUS role runs: on a busy computer its start alone may take long."""
+        log = self.running[role].log
+        wait_for(
+            lambda: " runs as " in log.read_text(errors="replace"), f"start of {role}", PATIENCE
+        )
 
     def signal(self, role: str, number: int) -> None:
         """Sends a signal to a role."""

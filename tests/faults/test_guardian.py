@@ -65,6 +65,7 @@ def stopped(system, began):
 def restart(system):
     system.kill("bridge")
     system.start("bridge")
+    system.begins("bridge")
     system.flows(time.monotonic())
 
 
@@ -96,12 +97,14 @@ def test_a_bridge_that_is_halted_has_its_stops_said_and_goes_on_later(system, se
     if seconds > 1.0:
         found = stopped(system, began)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
+    # What is said later may be of another halt: others may starve the bridge as it catches up.
+    spoken = speeches(system)[said:]
     system.signal("bridge", signal.SIGCONT)
     back = time.monotonic()
     system.flows(back)
     record("guardian", f"halted for {seconds} s", found)
-    assert len(speeches(system)) <= said + 1
-    assert seconds < 1.0 or "does not run its loop" in speeches(system)[-1]
+    assert len(spoken) <= 1
+    assert seconds <= 1.0 or "does not run its loop" in spoken[0]
 
 
 @pytest.mark.slow

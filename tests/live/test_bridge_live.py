@@ -187,10 +187,7 @@ def test_diagnostics_name_each_connection(system):
 
 def call(system, service, name, request):
     """The answer of a service of the bridge's node."""
-    client = system.ros.node.create_client(service, f"/loop_bridge/{name}")
-    assert client.wait_for_service(10)
-    future = client.call_async(request)
-    return wait_for(lambda: future.done() and future.result(), name)
+    return system.ros.call(service, f"/loop_bridge/{name}", request)
 
 
 def test_latency_is_measured_on_a_running_bridge(system):

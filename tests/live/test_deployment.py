@@ -81,21 +81,12 @@ def running(process, words="runs as"):
     return process
 
 
-def asked(ros, service, node, name, request):
-    client = ros.node.create_client(service, f"{node}/{name}")
-    assert client.wait_for_service(20)
-    future = client.call_async(request)
-    result = wait_for(lambda: future.done() and future.result(), name)
-    ros.node.destroy_client(client)
-    return result
-
-
 def values(ros, node, names):
     from rcl_interfaces.srv import GetParameters
     from rclpy.parameter import parameter_value_to_python
 
     request = GetParameters.Request(names=names)
-    found = asked(ros, GetParameters, node, "get_parameters", request).values
+    found = ros.call(GetParameters, f"{node}/get_parameters", request).values
     return {
         name: parameter_value_to_python(value) for name, value in zip(names, found, strict=True)
     }
@@ -113,7 +104,7 @@ def test_the_parameter_file_has_all_parameters_with_their_values(
     file = config(workspaces, model)
     port = str(free_port())
     plain = running(bridge(model, "--jaus-port", port))
-    names = asked(ros, ListParameters, node, "list_parameters", ListParameters.Request())
+    names = ros.call(ListParameters, f"{node}/list_parameters", ListParameters.Request())
     own = [name for name in names.result.names if not name.startswith(OF_ROS)]
     expected = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
     assert values(ros, node, own) == expected
@@ -135,7 +126,7 @@ def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, workspa
     found = running(
         bridge("catvehicle", "--jaus-port", port, "--ros-args", "--params-file", str(file))
     )
-    names = asked(ros, ListParameters, "/bridge", "list_parameters", ListParameters.Request())
+    names = ros.call(ListParameters, "/bridge/list_parameters", ListParameters.Request())
     quality = {name for name in given if name.startswith("qos_overrides")}
     assert quality
     assert quality <= set(names.result.names)

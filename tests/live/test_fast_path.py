@@ -137,11 +137,7 @@ class System:
 
     def call(self, kind, name, request):
         """The answer of a service of the bridge."""
-        client = self.ros.node.create_client(kind, f"/fast/{name}")
-        assert client.wait_for_service(timeout_sec=20.0)
-        future = client.call_async(request)
-        wait_for(future.done, name)
-        return future.result()
+        return self.ros.call(kind, f"/fast/{name}", request)
 
     def close(self):
         assert self.process.stop() == 0, self.process.log.read_text()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from threading import Thread
-
 import pytest
 from click.testing import CliRunner
 from nav2 import nav2
 from ports import free_domain
+from ros_nodes import SpinningNode
 
 pytest.importorskip("rclpy")
 
@@ -30,11 +29,8 @@ def vehicle(monkeypatch):
 
     It also has an arm, whose joints it names, serves a service and calls one.
     """
-    import rclpy
     from geometry_msgs.msg import Twist
     from nav_msgs.msg import OccupancyGrid, Odometry
-    from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
     from sensor_msgs.msg import JointState
     from std_msgs.msg import String
@@ -42,36 +38,30 @@ def vehicle(monkeypatch):
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    context = Context()
-    rclpy.init(context=context, args=[])
-    node = rclpy.create_node("wheels", context=context, namespace="car")
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    thread = Thread(target=executor.spin)
-    try:
+    with SpinningNode("wheels", "car") as spinning:
+        node = spinning.node
         node.create_subscription(Twist, "cmd_vel", print, 1)
-        node.create_publisher(Odometry, "odom", QoSProfile(depth=5))
+        odometry = node.create_publisher(Odometry, "odom", QoSProfile(depth=5))
         kept = QoSProfile(
             depth=1,
             reliability=ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
-        node.create_publisher(OccupancyGrid, "grid", kept)
+        grid = node.create_publisher(OccupancyGrid, "grid", kept)
         node.create_publisher(String, "chatter", 10)
         node.create_subscription(JointState, "arm/cmd", print, 1)
         joints = node.create_publisher(JointState, "joint_states", 1)
         state = JointState(name=["shoulder", "elbow"], position=[0.1, 0.2])
-        node.create_timer(0.2, lambda: joints.publish(state))
+
+        def publish():  # all of it: what is silent is waited for, in each command
+            joints.publish(state)
+            odometry.publish(Odometry())
+            grid.publish(OccupancyGrid())
+
+        node.create_timer(0.2, publish)
         node.create_service(Trigger, "drop_weight", lambda _, answer: answer)
         node.create_client(SetBool, "lamp")
-        thread.start()
-        yield node
-    finally:
-        executor.shutdown()
-        if thread.is_alive():
-            thread.join()
-        node.destroy_node()
-        context.try_shutdown()
+        yield
 
 
 def new(*words):
@@ -163,23 +153,16 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
 def surveyor(monkeypatch):
     """A node that serves an action of Nav2, and nothing that a ready map carries."""
     monkeypatch.syspath_prepend(nav2())
-    import rclpy
     from nav2_msgs.action import FollowWaypoints
     from rclpy.action import ActionServer
-    from rclpy.context import Context
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    context = Context()
-    rclpy.init(context=context, args=[])
-    node = rclpy.create_node("surveyor", context=context, namespace="car")
-    server = ActionServer(node, FollowWaypoints, "survey", print)
-    try:
-        yield node
-    finally:
-        server.destroy()
-        node.destroy_node()
-        context.try_shutdown()
+    silent = SpinningNode("surveyor", "car")
+    server = ActionServer(silent.node, FollowWaypoints, "survey", print)
+    yield
+    server.destroy()
+    silent.close()
 
 
 @pytest.mark.usefixtures("surveyor")
@@ -211,22 +194,14 @@ DESCRIPTION = """<robot name="crane">
 @pytest.fixture
 def crane(monkeypatch):
     """A node with frames of its own, parameters, a stamped command, and a silent topic."""
-    import rclpy
     from geometry_msgs.msg import TwistStamped
     from nav_msgs.msg import Odometry
-    from rclpy.context import Context
-    from rclpy.executors import SingleThreadedExecutor
     from sensor_msgs.msg import Imu, Temperature
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    context = Context()
-    rclpy.init(context=context, args=[])
-    node = rclpy.create_node("base", context=context, namespace="crane")
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    thread = Thread(target=executor.spin)
-    try:
+    with SpinningNode("base", "crane") as spinning:
+        node = spinning.node
         for name, value in {
             "robot_description": DESCRIPTION,
             "odom_frame_id": "unused",
@@ -249,14 +224,7 @@ def crane(monkeypatch):
         warm.header.frame_id = "crane/motor"
         node.create_timer(0.2, lambda: motor.publish(warm))
         node.create_subscription(TwistStamped, "cmd_vel", print, 1)
-        thread.start()
-        yield node
-    finally:
-        executor.shutdown()
-        if thread.is_alive():
-            thread.join()
-        node.destroy_node()
-        context.try_shutdown()
+        yield
 
 
 @pytest.mark.usefixtures("crane")

@@ -60,6 +60,7 @@ PATIENCE = 60.0
 BOUND = 10.0
 """Seconds until the rover stands; what the machine is busy with included."""
 AFTERWARDS = 0.5
+SILENT = "the source is silent"
 
 
 class Rover:
@@ -120,7 +121,9 @@ class Rover:
         """Waits until /diagnostics names the reason of the stop."""
         wait_for(lambda: reason in self.told()[0], f"'{reason}' on /diagnostics", PATIENCE)
         _, values = self.told()
-        assert int(values[f"stopped: {reason}"]) > 0
+        # A pilot that a busy computer silenced just before has stopped it: each stop counts once.
+        counted = {f"stopped: {each}" for each in (reason, SILENT)}
+        assert any(int(values.get(each, 0)) for each in counted), values
         assert values["when lost"] == "the stop is sent"
 
     def limit(self, speed):
@@ -238,7 +241,7 @@ def test_operator_is_killed(world):
     finally:
         operator.kill()
     world.stops()
-    world.tells("the source is silent")
+    world.tells(SILENT)
 
 
 def test_operator_falls_silent_and_keeps_control(world):
@@ -247,7 +250,7 @@ def test_operator_falls_silent_and_keeps_control(world):
     with world.efforts():
         world.moves()
     world.stops()
-    world.tells("the source is silent")
+    world.tells(SILENT)
     status, _ = world.pilot.status(ROVER)
     assert (status, world.pilot.controls(ROVER)) == (Status.READY, True)
     with world.efforts():

@@ -73,7 +73,7 @@ class System:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
         self.process.wait(20)
-        self._reader.join(5)
+        self._reader.join()
         assert self.process.stdout is not None
         self.process.stdout.close()
 

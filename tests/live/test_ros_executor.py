@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 
 import pytest
+from ros_nodes import SpinningNode
 
 pytest.importorskip("rclpy")
 
@@ -16,39 +17,6 @@ pytestmark = [
 ]
 
 FAILED = "ros.callback_failed"
-
-
-class Spun:
-    """A node on the executor of bridges, and what ended it."""
-
-    def __init__(self, context):
-        import rclpy
-
-        from jausml.runtime.bridge.ros.lifecycle import GuardedExecutor
-
-        self.node = rclpy.create_node("guarded", context=context)
-        self.executor = GuardedExecutor(context)
-        self.ended_by = None
-        self._thread = threading.Thread(target=self._spin, daemon=True)
-
-    def start(self):
-        self.executor.add_node(self.node)
-        self._thread.start()
-
-    def _spin(self):
-        try:
-            self.executor.spin()
-        except BaseException as error:
-            self.ended_by = error
-
-    def failures(self):
-        return self.executor.counters.snapshot().get(FAILED, 0)
-
-    def close(self):
-        self.executor.end()
-        self._thread.join()
-        self.executor.shutdown()
-        self.node.destroy_node()
 
 
 def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
@@ -68,11 +36,56 @@ def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
     executor.shutdown()
 
 
+@pytest.mark.parametrize("moment", ["can_execute", "_make_handler"])
+def test_what_is_destroyed_between_a_look_and_the_next_ends_nothing(peer: RosPeer, moment):
+    """As another thread does: before it is waited for, and before its news are taken."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from std_msgs.msg import Float64
+
+    from jausml.runtime.bridge.ros.lifecycle import EndableExecutor
+
+    handlers, destroyed = [], []
+
+    class Destroying(EndableExecutor):
+        def _look(self, look, entity, *more):
+            found = getattr(super(), look)(entity, *more)
+            if look == moment and entity in handlers and not destroyed:
+                destroyed.append(node.destroy_publisher(publisher))
+            return found
+
+        def can_execute(self, entity):
+            return self._look("can_execute", entity)
+
+        def _make_handler(self, entity, *more):
+            return self._look("_make_handler", entity, *more)
+
+    # A subscription that asks for more than is offered is news for the publisher.
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    peer.listen(Float64, f"destroyed{moment}", kept)
+    with SpinningNode("destroying", executor=Destroying) as spinning:
+        node = spinning.node
+        publisher = node.create_publisher(Float64, f"destroyed{moment}", 1)
+        handlers += publisher.event_handlers
+        wait_for(lambda: destroyed, "end of the publisher")
+        called = threading.Event()
+        node.create_timer(0.01, called.set)
+        wait_for(called.is_set, "callback of the node")
+        assert spinning.spins
+
+
 @pytest.fixture
 def spun(peer):
-    made = Spun(peer.context)
+    """A node on the executor of bridges, which has not started yet."""
+    from jausml.runtime.bridge.ros.lifecycle import GuardedExecutor
+
+    del peer  # it sets the domain
+    made = SpinningNode("guarded", executor=GuardedExecutor)
     yield made
     made.close()
+
+
+def failures(spun):
+    return spun.executor.counters.snapshot().get(FAILED, 0)
 
 
 def fails(*_arguments):
@@ -96,11 +109,11 @@ def test_each_kind_of_callback_may_fail_again_and_again(spun, peer: RosPeer):
     spun.start()
     future.set_result(None)
     publisher = peer.publisher(Float64, "failing", 1)
-    wait_for(lambda: publisher.publish(Float64()) or spun.failures() > 20, "failures")
+    wait_for(lambda: publisher.publish(Float64()) or failures(spun) > 20, "failures")
     answered = spun.executor.create_task(lambda: "still there")
     wait_for(answered.done, "task")
     assert answered.result() == "still there"
-    assert spun.ended_by is None
+    assert spun.spins
 
 
 def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosPeer):
@@ -126,13 +139,13 @@ def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosP
     spun.executor._take_service, served.send_response = taken, sent
     spun.start()
     client = peer.node.create_client(Trigger, "served")
-    assert client.wait_for_service(10)
+    wait_for(client.service_is_ready, "service")
     lost = [client.call_async(Trigger.Request()) for _ in range(3)]
-    wait_for(lambda: spun.failures() == 3, "failures")
+    wait_for(lambda: failures(spun) == 3, "failures")
     answer = client.call_async(Trigger.Request())
     wait_for(answer.done, "answer")
     assert not any(each.done() for each in lost)
-    assert spun.ended_by is None
+    assert spun.spins
 
 
 def test_a_service_that_fails_answers_all_the_same(spun, peer: RosPeer):
@@ -140,9 +153,5 @@ def test_a_service_that_fails_answers_all_the_same(spun, peer: RosPeer):
 
     spun.node.create_service(Trigger, "failing", fails)
     spun.start()
-    client = peer.node.create_client(Trigger, "failing")
-    assert client.wait_for_service(10)
-    answer = client.call_async(Trigger.Request())
-    wait_for(answer.done, "answer")
-    assert not answer.result().success
+    assert not peer.call(Trigger, "failing", Trigger.Request()).success
     assert spun.executor.counters.drops() == {"ros.request_refused": 1}

@@ -239,15 +239,12 @@ def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system)
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import SetParameters
 
-    client = system.ros.node.create_client(SetParameters, "/loop_bridge/set_parameters")
-    assert client.wait_for_service(10)
-
     def measure(wanted):
         value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=wanted)
         parameter = Parameter(name="latency", value=value)
-        future = client.call_async(SetParameters.Request(parameters=[parameter]))
-        (result,) = wait_for(lambda: future.done() and future.result(), "answer").results
-        assert result.successful
+        request = SetParameters.Request(parameters=[parameter])
+        answer = system.ros.call(SetParameters, "/loop_bridge/set_parameters", request)
+        assert answer.results[0].successful
 
     def rows(duration):
         """What the verb says of the connection, when diagnostics came while it looked."""

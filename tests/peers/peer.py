@@ -60,7 +60,7 @@ class FaultyPeer:
 
     def close(self):
         self.running = False
-        self.thread.join(5)
+        self.thread.join()
         self.socket.close()
 
     # ---- the wire ---------------------------------------------------------------------------

@@ -51,8 +51,10 @@ def meanwhile(action):
     """Runs an action on another thread while the block runs."""
     thread = Thread(target=action)
     thread.start()
-    yield
-    thread.join(30)
+    try:
+        yield
+    finally:
+        thread.join()
 
 
 def test_a_lost_command_of_management_is_sent_again_but_what_lets_move(jausml, peer, free_port):

@@ -62,7 +62,7 @@ class Manager:
     def kill(self) -> None:
         self.running.kill()
         self.running.wait(10)
-        self._reader.join(10)
+        self._reader.join()
         self.running.stdout.close()
 
 

@@ -87,7 +87,7 @@ class Process:
         if number:
             self.running.send_signal(number)
         code = self.running.wait(20)
-        self._reader.join(10)
+        self._reader.join()
         for pipe in (self.running.stdin, self.running.stdout, self.running.stderr):
             pipe.close()
         return code

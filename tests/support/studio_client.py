@@ -158,8 +158,9 @@ def serving(
         process.send_signal(signal.SIGTERM)
         try:
             _, log = process.communicate(timeout=LONGEST)
-        except subprocess.TimeoutExpired:
+        except BaseException:  # the time of the test may be over too
             process.kill()
+            process.communicate()
             raise
     assert process.returncode == 0, log
     assert "Traceback" not in log, log

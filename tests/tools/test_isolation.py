@@ -35,6 +35,16 @@ pytestmark = pytest.mark.ports
 def test_one_worker_has_all(number):
     print("ran in", os.environ["PYTEST_XDIST_WORKER"], os.environ["ROS_DOMAIN_ID"])
 """
+LEFT_OPEN = """
+import gc, socket
+
+def test_that_fails():
+    left_open = socket.socket()
+    assert not left_open
+
+def test_in_which_the_collector_comes():
+    gc.collect()
+"""
 WITHOUT_NAMESPACES = 'echo 0 > /proc/sys/user/max_net_namespaces && exec "$@"'
 
 
@@ -82,3 +92,12 @@ def test_one_worker_runs_what_binds_ports_where_the_network_is_shared(tmp_path):
     assert "network: shared (" in result.stdout
     workers = {line for line in result.stdout.splitlines() if line.startswith("ran in")}
     assert len(workers) == 1
+
+
+def test_what_a_failed_test_left_open_is_no_failure_of_the_next(tmp_path):
+    shutil.copy(TESTS / "conftest.py", tmp_path)
+    settings = f"[pytest]\npythonpath = {TESTS / 'support'}\nfilterwarnings = error\n"
+    (tmp_path / "pytest.ini").write_text(settings, encoding="utf-8")
+    (tmp_path / "test_cases.py").write_text(LEFT_OPEN, encoding="utf-8")
+    result = run(sys.executable, "-m", "pytest", "-p", "no:xdist", cwd=tmp_path)
+    assert "1 failed, 1 passed in" in result.stdout, result.stdout + result.stderr

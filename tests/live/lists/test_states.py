@@ -70,13 +70,9 @@ class Watched:
         """Has a bridge change its state of life."""
         from lifecycle_msgs.srv import ChangeState
 
-        client = self.peer.node.create_client(ChangeState, f"/{name}/{name}/change_state")
-        assert client.wait_for_service(PATIENCE)
         request = ChangeState.Request()
         request.transition.id = transition
-        answer = client.call_async(request)
-        wait_for(answer.done, "answer", PATIENCE)
-        assert answer.result().success
+        assert self.peer.call(ChangeState, f"/{name}/{name}/change_state", request).success
 
 
 def test_states_of_the_table(system, peer):

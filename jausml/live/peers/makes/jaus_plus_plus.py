@@ -51,7 +51,7 @@ class JausPlusPlus:
     def close(self) -> None:
         """Ends the component."""
         self._running = False
-        self._thread.join(10)
+        self._thread.join()
         self._unicast.close()
         self._group.close()
 

@@ -98,7 +98,7 @@ class JuniorPeer:
     def close(self) -> None:
         """Ends the component and its node manager."""
         self._running = False
-        self._thread.join(10)
+        self._thread.join()
         self._unicast.close()
         self._multicast.close()
 
@@ -271,7 +271,7 @@ class JuniorVehicle(JuniorPeer):
     def close(self) -> None:
         """Ends it."""
         self._running = False
-        self._reporter.join(10)
+        self._reporter.join()
         super().close()
 
     def on_message(self, source: JausAddress, payload: bytes) -> None:

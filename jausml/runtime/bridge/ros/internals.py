@@ -43,6 +43,7 @@ NEEDED: dict[str, tuple[str, ...]] = {
 }
 """Classes of the extension module and what is used of them."""
 
+_EXECUTOR = ("_make_handler", "_spin_once_impl", "_take_waitable", "wait_for_ready_callbacks")
 
 _TYPE_SUPPORTS = "rosidl_generator_py"
 _GENERATING = f"{_TYPE_SUPPORTS}.generate_py_impl"
@@ -75,7 +76,7 @@ def require_internals(node: Any) -> None:
         (QoSProfile, "QoSProfile", ("get_c_qos_profile",)),
         (Node, "Node", ("handle", "resolve_topic_name")),
         (node, "node", ("_parameter_overrides",)),
-        (SingleThreadedExecutor, "SingleThreadedExecutor", ("_make_handler", "_spin_once_impl")),
+        (SingleThreadedExecutor, "SingleThreadedExecutor", _EXECUTOR),
     ]
     lacking = [
         f"{name}.{part}"

@@ -13,7 +13,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.exceptions import ParameterException
+from rclpy.exceptions import InvalidHandle, ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, await_or_execute
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
@@ -140,6 +140,8 @@ class EndableExecutor(SingleThreadedExecutor):
 
     The `shutdown` of rclpy takes the condition that wakes `spin` away while that may prepare to
     wait: it would wait for ever. It is for an executor that does not spin any more.
+    Other threads may destroy publishers and subscriptions meanwhile. What rclpy does with those
+    that it has looked up already, it does not do with what tells their events, which raises.
     """
 
     def __init__(self, context: Context) -> None:
@@ -160,6 +162,18 @@ class EndableExecutor(SingleThreadedExecutor):
         """Lets `spin` return after the callback that it runs."""
         self._is_ended = True
         self.wake()
+
+    def wait_for_ready_callbacks(self, *arguments: Any, **named: Any) -> Any:
+        """Waits for the next callback, anew when something was destroyed before the wait."""
+        while True:
+            with suppress(InvalidHandle):
+                return super().wait_for_ready_callbacks(*arguments, **named)
+
+    def _take_waitable(self, waitable: Any) -> Any:
+        # Raised here, it would leave the callback group of the node occupied for ever.
+        with suppress(InvalidHandle):
+            return super()._take_waitable(waitable)
+        return None
 
     def _has_ended(self) -> bool:
         return self._is_ended
