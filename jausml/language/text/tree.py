@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from jausml.language.metamodel import FeatureKind
 
@@ -21,8 +21,7 @@ UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """A stretch of text; lines and columns, in characters, are counted from 1."""
 
     line: int = 1
