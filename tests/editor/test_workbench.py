@@ -12,7 +12,6 @@ from jausml.authoring.editor.completion import complete
 from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.workbench import Workbench, all_problems, syntax_problems
-from jausml.language.model.xmi import parsing as xmi
 from jausml.language.text.reading import parsing
 from jausml.language.text.reading.pieces import parsed_text
 
@@ -60,24 +59,15 @@ def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
 
 
 def test_a_letter_has_nothing_of_the_library_read_again(bench, tmp_path):
-    path, read = tmp_path / "robot.ros2jaus", []
-
-    def noted(frame, event, _argument):
-        if event == "call" and frame.f_code is xmi.parse.__code__:
-            read.append(len(frame.f_locals["data"]))
-
+    path, found, libraries = tmp_path / "robot.ros2jaus", [], []
     text = TEXTS[0].read_text(encoding="utf-8")
-    found = []
     for each in (text, f"{text}// a", f"{text}// ab"):
         bench.texts[path] = each
-        sys.setprofile(noted)
-        try:
-            found.append(all_problems(bench, path))
-        finally:
-            sys.setprofile(None)
-        read.append(0)
-    assert read[0] > 0
-    assert read[read.index(0) :] == [0, 0, 0]
+        found.append(all_problems(bench, path))
+        documents = bench._models[path].documents
+        libraries.append({each for each in documents if each.is_library and each.is_xml})
+    assert libraries[0]
+    assert libraries[0] == libraries[1] == libraries[2]
     assert found[0] == found[1] == found[2]
 
 
