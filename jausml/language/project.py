@@ -77,11 +77,16 @@ class _Kept:
 class Models:
     """Models of the files of a project; one is read again when what it was read of has changed."""
 
-    def __init__(self, root: Path, notations: Sequence[Notation] = NOTATIONS) -> None:
+    def __init__(
+        self,
+        root: Path,
+        notations: Sequence[Notation] = NOTATIONS,
+        cache: LibraryCache | None = None,
+    ) -> None:
         self._root = root
         self._notations = notations
         self._kept: dict[str, list[_Kept]] = {}
-        self._cache = LibraryCache()
+        self._cache = cache or LibraryCache()
 
     def read(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> ReadResult:
         """Returns the model of files and of all that they refer to."""
@@ -136,9 +141,13 @@ class Index:
         """Returns the model of all files."""
         return self._models.read(tuple(sorted(self.contents)), self.contents).model
 
-    def beside(self, file: str) -> Model:
-        """Returns the model of the files that a file does not refer to, and of what these do."""
-        used = {file_of(each, self.root) for each in self.model(file).documents}
+    def beside(self, file: str, model: Model | None = None) -> Model:
+        """Returns the model of the files that a file does not refer to, and of what these do.
+
+        Args:
+            model: That of the file, from whoever has read it.
+        """
+        used = {file_of(each, self.root) for each in (model or self.model(file)).documents}
         others = tuple(each for each in sorted(self.contents) if each not in used)
         return self._models.read(others, self.contents).model
 

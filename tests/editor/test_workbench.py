@@ -12,6 +12,7 @@ from jausml.authoring.editor.completion import complete
 from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.workbench import Workbench, all_problems, syntax_problems
+from jausml.language.model import read_models
 from jausml.language.text.reading import parsing
 from jausml.language.text.reading.pieces import parsed_text
 
@@ -56,6 +57,20 @@ def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
         sys.setprofile(None)
     assert any(each.startswith("// This text alone.") for each in parsed)
     assert set(parsed.values()) == {1}
+
+
+def test_a_letter_has_nothing_of_the_library_read_again(bench, tmp_path, monkeypatch):
+    monkeypatch.setitem(read_models.__kwdefaults__, "cache", None)  # which tests share
+    path, found, libraries = tmp_path / "robot.ros2jaus", [], []
+    text = TEXTS[0].read_text(encoding="utf-8")
+    for each in (text, f"{text}// a", f"{text}// ab"):
+        bench.texts[path] = each
+        found.append(all_problems(bench, path))
+        documents = bench._models[path].documents
+        libraries.append({each for each in documents if each.is_library and each.is_xml})
+    assert libraries[0]
+    assert libraries[0] == libraries[1] == libraries[2]
+    assert found[0] == found[1] == found[2]
 
 
 def test_a_letter_has_the_element_around_it_parsed_alone(bench, tmp_path):

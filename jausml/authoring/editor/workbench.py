@@ -16,6 +16,7 @@ from jausml.language.model.inputs import read_input
 from jausml.language.model.library import LIBRARY_URI, library_root, module_of
 from jausml.language.model.names import qualified_name
 from jausml.language.model.project import made_project
+from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.project import Index, Models, library, own_instances, stored_files
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
@@ -63,6 +64,7 @@ class Workbench:
     _beside: dict[Path, Model] = field(default_factory=dict)
     _read: dict[Path, Models] = field(default_factory=dict)
     _judges: dict[Path, Judge] = field(default_factory=dict)
+    _library: LibraryCache = field(default_factory=LibraryCache)
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _judging: threading.Lock = field(default_factory=threading.Lock)
 
@@ -93,11 +95,16 @@ class Workbench:
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)
         contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
-        result = read_models(
-            [path], project_root=self.root, notations=_NOTATIONS, contents=contents
-        )
-        self._models[path] = result.model
-        self._read_beside(path, contents)
+        with self._lock:
+            result = read_models(
+                [path],
+                project_root=self.root,
+                notations=_NOTATIONS,
+                contents=contents,
+                cache=self._library,
+            )
+            self._models[path] = result.model
+            self._read_beside(path, contents)
         shown = result.model.documents[0].display
         with self._judging:
             found = checked(result, self._judges.setdefault(path, Judge()).report)
@@ -110,10 +117,10 @@ class Workbench:
             return
         inside = {each: data for each, data in held.items() if each.is_relative_to(root)}
         texts = {each.relative_to(root).as_posix(): data for each, data in inside.items()}
-        with self._lock:
-            models = self._read.setdefault(root, Models(root, _NOTATIONS))
-            index = Index(root, {**stored_files(root), **texts}, models)
-            self._beside[path] = index.beside(path.resolve().relative_to(root).as_posix())
+        models = self._read.setdefault(root, Models(root, _NOTATIONS, self._library))
+        index = Index(root, {**stored_files(root), **texts}, models)
+        file = path.resolve().relative_to(root).as_posix()
+        self._beside[path] = index.beside(file, self._models[path])
 
     def forget(self, path: Path) -> None:
         """Forgets a text that is no longer open."""

@@ -174,11 +174,8 @@ class NameFinder:
 
     def _referred(self, element: EObject) -> list[EObject]:
         """Returns what the references of an element that take one value refer to."""
-        features = self._model.metamodels.class_of(element).features.values()
-        single = [
-            each for each in features if each.kind is FeatureKind.CROSS_REFERENCE and not each.many
-        ]
-        values = (getattr(element, each.name) for each in single)
+        names = _single_references(self._model.metamodels.class_of(element))
+        values = (getattr(element, each) for each in names)
         return [value for value in values if value is not None]
 
     @staticmethod
@@ -288,6 +285,13 @@ def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
         and feature.target is not None
         and (feature.target in wanted.supertypes or wanted in feature.target.supertypes)
     )
+
+
+@cache
+def _single_references(table: ClassTable) -> tuple[str, ...]:
+    features = table.features.values()
+    single = (each for each in features if each.kind is FeatureKind.CROSS_REFERENCE)
+    return tuple(each.name for each in single if not each.many)
 
 
 def _normal(name: str) -> str:

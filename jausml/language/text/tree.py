@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from jausml.language.metamodel import FeatureKind
 
@@ -21,8 +22,7 @@ UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """A stretch of text; lines and columns, in characters, are counted from 1."""
 
     line: int = 1
@@ -350,7 +350,8 @@ def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
     return found | {name: table for name, table in short if names.count(name) == 1}
 
 
-def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
+@cache
+def owning_features(owner: ClassTable, table: ClassTable) -> tuple[str, ...]:
     """Returns the features of a class that may own an element of another class.
 
     The feature of the very class goes before one of a class that it specialises: a bridge of a
@@ -361,5 +362,5 @@ def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
         for name, feature in owner.features.items()
         if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
     }
-    exact = [name for name, target in taking.items() if target is table]
-    return exact or list(taking)
+    exact = tuple(name for name, target in taking.items() if target is table)
+    return exact or tuple(taking)

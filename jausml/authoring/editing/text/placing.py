@@ -236,7 +236,7 @@ class Moving:
             obj = self._edited.object_of(part)
             table = self._edited.table(obj) if obj is not None else None
             own = self._edited.table(owner)
-            return table is not None and owning_features(own, table) == [feature.name]
+            return table is not None and owning_features(own, table) == (feature.name,)
         is_arrow = isinstance(item, Assignment | Ignored)
         return is_arrow or type(place.owner) is type(body.owner)
 

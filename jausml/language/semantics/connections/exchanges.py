@@ -100,8 +100,7 @@ def possible_exchanges(connection: bridge.Connection) -> tuple[ExchangeOption, .
     owner, used = connection.eContainer(), connection.map
     if owner is None or used is None or used.message is None or used.type is None:
         return ()
-    directions = _directions(connection)
-    return tuple(option for option in _options(connection, owner) if option.direction in directions)
+    return tuple(_options(connection, owner, _directions(connection)))
 
 
 def unstated(connection: bridge.Connection) -> frozenset[str]:
@@ -116,24 +115,28 @@ def unstated(connection: bridge.Connection) -> frozenset[str]:
     return frozenset()
 
 
-def _options(connection: bridge.Connection, owner: bridge.Bridge) -> Iterator[ExchangeOption]:
+def _options(
+    connection: bridge.Connection, owner: bridge.Bridge, directions: Sequence[str]
+) -> Iterator[ExchangeOption]:
     message, own = connection.map.message, provided_services(owner)
     partners = _partners(connection, owner)
     named = " and ".join(str(each.name) for each in connection.peers)
     partner = named or "a component that provides the service"
-    if _takes(own, message):
-        yield ExchangeOption(
-            TO_ROS, MESSAGE, f"{owner.name} takes it from {named or 'whoever sends it'}"
-        )
-    if partners and all(_sends(services, message) for services in partners):
-        if all(_has_query(connection, services) for services in partners):
-            yield ExchangeOption(TO_ROS, EVENT, f"{owner.name} asks {partner} for it")
-        else:
-            yield ExchangeOption(TO_ROS, MESSAGE, f"{owner.name} takes it from {partner}")
-    if partners and all(_takes(services, message) for services in partners):
-        yield ExchangeOption(TO_JAUS, MESSAGE, f"{owner.name} sends it to {partner}")
-    if _sends(own, message):
-        yield ExchangeOption(TO_JAUS, EVENT, f"{owner.name} reports it to whoever asks")
+    if TO_ROS in directions:
+        if _takes(own, message):
+            yield ExchangeOption(
+                TO_ROS, MESSAGE, f"{owner.name} takes it from {named or 'whoever sends it'}"
+            )
+        if partners and all(_sends(services, message) for services in partners):
+            if all(_has_query(connection, services) for services in partners):
+                yield ExchangeOption(TO_ROS, EVENT, f"{owner.name} asks {partner} for it")
+            else:
+                yield ExchangeOption(TO_ROS, MESSAGE, f"{owner.name} takes it from {partner}")
+    if TO_JAUS in directions:
+        if partners and all(_takes(services, message) for services in partners):
+            yield ExchangeOption(TO_JAUS, MESSAGE, f"{owner.name} sends it to {partner}")
+        if _sends(own, message):
+            yield ExchangeOption(TO_JAUS, EVENT, f"{owner.name} reports it to whoever asks")
 
 
 def _agrees(option: ExchangeOption, exchange: str | None, connection: bridge.Connection) -> bool:

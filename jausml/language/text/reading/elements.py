@@ -351,7 +351,7 @@ class ElementReader:
         near = nearest(block.name.text, self._keywords) if block.name is not None else ""
         return is_alone and not near and bool(self._owning(owner, table)) and not block.items
 
-    def _owning(self, owner: Node, table: ClassTable) -> list[str]:
+    def _owning(self, owner: Node, table: ClassTable) -> Sequence[str]:
         """Returns the features of an element that may own an element of a class."""
         return owning_features(self._nodes.classes[owner], table)
 

@@ -8,17 +8,16 @@ clause of a map that begins a line tells that the list before it lacks its brack
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from lark import Token, UnexpectedToken
+from lark import Token
 
+from jausml.language.text.reading.machine import END, Machine
 from jausml.language.text.reading.scanning import (
     SyntaxFault,
     attach,
     describe,
-    language,
     scan,
     shown,
     suggestion,
@@ -84,40 +83,35 @@ class _Run:
     def __init__(self, tokens: list[Token]) -> None:
         self.faults: list[SyntaxFault] = []
         self._tokens = tokens
-        self._parser: Any = language().parse_interactive()  # Any: its methods have no types
-        self._silent = copy(self._parser.parser_state.parse_conf)
-        self._silent.callbacks = {}  # for trying tokens, of which nothing is made
-        # What the parser holds at present: a value for each symbol, and a state more.
-        self._values: list[Any] = self._parser.parser_state.value_stack
-        self._states: list[Any] = self._parser.parser_state.state_stack
+        self._machine = Machine()
+        self._accepts = self._machine.accepts
+        self._values = self._machine.values
 
     def document(self, *, is_block: bool = False) -> SyntaxTree:
         """Reads all tokens, and ends the block before if they are in one."""
         position = depth = 0
+        take = self._machine.take
         while position < len(self._tokens):
             token = self._tokens[position]
             depth += token.type in _CLOSERS
             if depth > DEEPEST or len(self.faults) >= MOST_FAULTS:
                 break
-            if (fault := self._lone_word(position)) is not None:
+            if token.type in _VALUES and (fault := self._lone_word(position)) is not None:
                 self.faults.append(fault)
                 position += 1
-                continue
-            try:
-                self._parser.feed_token(token)
-            except UnexpectedToken:
+            elif take(token):
+                position += 1
+                depth -= token.type in _OPENERS
+            else:
                 self._report(position)
                 position = self._recover(position)
                 depth = len(self._open_brackets())
-            else:
-                position += 1
-                depth -= token.type in _OPENERS
         return self._end(position, is_block=is_block)
 
     def block(self) -> SyntaxTree:
         """Reads all tokens as items of a block."""
-        self._parser.feed_token(self._token("WORD"))
-        self._parser.feed_token(self._token("LBRACE"))
+        self._machine.take(self._token("WORD"))
+        self._machine.take(self._token("LBRACE"))
         document = self.document(is_block=True)
         around = document.items[0] if document.items else None
         return SyntaxTree(list(around.items) if isinstance(around, Element) else [])
@@ -129,18 +123,19 @@ class _Run:
             deep = f"brackets are nested more than {DEEPEST} deep"
             message = deep if is_deep else "so much is wrong above that the rest is not read"
             self.faults.append(SyntaxFault(span_of(self._tokens[position]), message))
-        elif not self._accepts("RBRACE" if is_block else "$END"):
+        elif not self._accepts("RBRACE" if is_block else END):
             self._report(position)
         self._complete_item()
         self._drop_item()
         while self._open_brackets():
             self._close()
-        document: SyntaxTree = self._parser.feed_token(self._token("$END"))
+        self._machine.take(self._token(END))
+        document: SyntaxTree = self._values[-1]
         return document
 
     def _report(self, position: int) -> None:
         """Reports that the token at a position cannot stand there."""
-        accepted = self._parser.accepts()
+        accepted = self._machine.accepted()
         message = describe(accepted, self._tokens, position)
         hint = suggestion(accepted, self._tokens, position)
         brackets = self._open_brackets()
@@ -168,18 +163,17 @@ class _Run:
 
     def _stands_alone(self, position: int) -> bool:
         """Tells whether a word in a block has a line of its own, before an element with its own."""
-        kinds = [self._type(each) for each in range(position, position + 3)]
-        if kinds != ["WORD"] * 3:
+        words = self._tokens[position : position + 3]
+        if len(words) < 3 or not (words[0].type == words[1].type == words[2].type == "WORD"):
             return False
         breaks = [self._begins_line(each) for each in range(position, position + 3)]
         if breaks != [True, True, False]:
             return False
-        return self._accepts("RBRACE") or self._accepts("$END")
+        return self._accepts("RBRACE") or self._accepts(END)
 
     def _lacks_comma(self, position: int) -> bool:
         """Tells whether a token that follows a value is a further value: no item begins there."""
-        token = self._tokens[position]
-        if token.type not in _VALUES or len(self._values) < 2:
+        if len(self._values) < 2:
             return False
         mark, value = self._values[-2:]
         if _kind(mark) not in ("COLON", "COMMA") or not isinstance(value, Token):
@@ -270,21 +264,6 @@ class _Run:
 
     # The stacks of the parser
 
-    def _accepts(self, type_: str) -> bool:
-        """Tells whether a token could come next.
-
-        The parser tells it of all tokens, on copies of all it holds: too slow where one is asked.
-        """
-        if type_ not in self._parser.choices():
-            return False
-        state = self._parser.parser_state.copy(deepcopy_values=False)
-        state.parse_conf = self._silent
-        try:
-            state.feed_token(Token(type_, ""), type_ == "$END")
-        except UnexpectedToken:
-            return False
-        return True
-
     def _open_brackets(self) -> list[Token]:
         """Returns the brackets that are open, the innermost first."""
         brackets = []
@@ -307,7 +286,7 @@ class _Run:
     def _complete_item(self) -> None:
         """Completes the last item, if it is whole: that is what a semicolon does."""
         if self._accepts("SEMICOLON"):
-            self._parser.feed_token(self._token("SEMICOLON"))
+            self._machine.take(self._token("SEMICOLON"))
 
     def _drop_item(self) -> int:
         """Drops the unfinished item of the innermost list.
@@ -326,14 +305,14 @@ class _Run:
         return dropped
 
     def _drop(self) -> Any:
-        self._states.pop()
+        self._machine.states.pop()
         return self._values.pop()
 
     def _close(self) -> None:
         """Closes the innermost bracket, or drops what it opened if that cannot be closed yet."""
         closer = _CLOSERS[self._open_brackets()[0].type]
         if self._accepts(closer):
-            self._parser.feed_token(self._token(closer))
+            self._machine.take(self._token(closer))
             self._complete_item()
             self._drop_item()
         else:

@@ -35,9 +35,11 @@ _MOST_KEPT = 4 * LONGEST
 
 _CUT = re.compile(
     r"""
-    (?P<skipped> "(?:\\[^\n]|[^"\\\n])*"? | `(?:\\[^\n]|[^`\\\n])*`? | //[^\n]* | /\*.*?(?:\*/|\Z) )
+    (?: [^"`/{}()\[\]]+ | /(?![/*]) )*  # by leaps, or every character is asked for all of these
+    (?: "(?:\\[^\n]|[^"\\\n])*"? | `(?:\\[^\n]|[^`\\\n])*`? | //[^\n]* | /\*.*?(?:\*/|\Z)
     | (?P<opening> [{(\[] ) (?P<begin> [ \t\r]* \n )?
     | (?P<closing> [})\]] ) (?P<end> [ \t\r]* (?://[^\n]*)? \n )?
+    | \Z )
     """,
     re.VERBOSE | re.DOTALL,
 )
@@ -183,7 +185,7 @@ def _cut(text: str) -> _Block | None:
         elif match["closing"] and len(blocks) > 1:
             closed, around = blocks.pop(), blocks[-1]
             if match["end"] and match["closing"] == "}" and around.start is not None:
-                _end(closed, text, match.start())
+                _end(closed, text, match.start("closing"))
                 around.pieces.append(_Piece(around.at, match.end(), closed))
                 around.at = match.end()
     whole = blocks[0]

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from lark import Lark
+from lark import Token
 
 from jausml.language.model.values import nearest
-from jausml.language.text.reading.shaping import Items, Shaper, span_of
+from jausml.language.text.reading.machine import BLANK, NOT_PARSED, grammar
+from jausml.language.text.reading.shaping import Items, span_of
 from jausml.language.text.tree import (
     KEYWORDS,
     Item,
@@ -29,11 +28,6 @@ from jausml.language.text.tree import (
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
-
-    from lark import Token
-
-NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
-"""Tokens of the grammar that no rule has."""
 
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
@@ -71,29 +65,6 @@ class Scan:
     faults: list[SyntaxFault] = field(default_factory=list)
 
 
-class _KeepAll:
-    """Has lark keep the tokens that no rule of the grammar has."""
-
-    always_accept = NOT_PARSED
-
-    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
-        return stream
-
-
-@cache
-def language() -> Lark:
-    """Returns the lexer and parser of the grammar; made on first use, for that takes 0.1 s."""
-    options: dict[str, Any] = {
-        "parser": "lalr",
-        "lexer": "basic",
-        "postlex": _KeepAll(),
-        "transformer": Shaper(),
-        "keep_all_tokens": True,
-        "maybe_placeholders": False,
-    }
-    return Lark(Path(__file__).with_name("grammar.lark").read_text(encoding="utf-8"), **options)
-
-
 def with_line_feeds(text: str) -> str:
     """Returns a text with a line feed for each carriage return that ends a line alone."""
     return _LONE_RETURN.sub("\n", text)
@@ -104,17 +75,31 @@ def scan(text: str, first_line: int = 1) -> Scan:
 
     Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
     """
-    parser = language().parse_interactive(with_line_feeds(text))
-    parser.lexer_thread.state.line_ctr.line = first_line
+    text = with_line_feeds(text)
+    keywords = grammar().keywords
     result = Scan()
+    line, begin = first_line, 0
     before: Token | None = None
-    for token in parser.lexer_thread.lex(parser.parser_state):
-        if token.type == "COMMENT":
+    for match in grammar().pattern.finditer(text):
+        kind, (start, end) = match.lastgroup or BLANK, match.span()
+        value, at = match.group(), line
+        column = start - begin + 1
+        if "\n" in value:
+            line += value.count("\n")
+            begin = start + value.rindex("\n") + 1
+        if kind == BLANK:
+            continue
+        token: Token = str.__new__(Token, value)  # lark's own way takes twice as long
+        token.type, token.value = keywords.get(value, kind), value
+        token.start_pos, token.line, token.column = start, at, column
+        token.end_pos, token.end_line, token.end_column = end, line, end - begin + 1
+        if kind == "COMMENT":
             result.comments.append(token)
-        elif token.type in NOT_PARSED:
+        elif kind in NOT_PARSED:
             _mend(token, before, result)
         else:
-            result.faults += _escape_faults(token)
+            if "\\" in value:
+                result.faults += _escape_faults(token)
             result.tokens.append(token)
             before = token
     return result
@@ -154,8 +139,6 @@ def _whole(text: str) -> str:
 
 
 def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
-    if "\\" not in token:
-        return
     plain = token.replace("\\\\", "//")
     for pattern in (_BAD_ESCAPE, _LONE_SURROGATE):
         for match in pattern.finditer(plain):

@@ -7,6 +7,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from lark import Token
+
 from jausml.language.text.tree import (
     UNBOUNDED,
     Assignment,
@@ -33,8 +35,6 @@ from jausml.language.text.tree import (
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from lark import Token
 
 T = TypeVar("T")
 
@@ -83,17 +83,18 @@ def span_of(token: Token) -> Span:
 
 def _around(children: Sequence[Any]) -> Span:
     """Returns the stretch from the first to the last of what a rule consists of."""
-    spans = [span for span in map(_span, children) if span is not None]
-    first, last = spans[0], spans[-1]
+    first = next(filter(None, map(_span, children)))
+    last = next(filter(None, map(_span, reversed(children))))
     return Span(first.line, first.column, last.end_line, last.end_column)
 
 
 def _span(child: Any) -> Span | None:
-    if isinstance(child, Items):
-        return None
-    if isinstance(child, (list, tuple)):
-        return _around(child) if child else None
-    return child.span if hasattr(child, "span") else span_of(child)
+    if isinstance(child, Token):
+        return span_of(child)
+    if isinstance(child, list):
+        return _around(child) if child and not isinstance(child, Items) else None
+    span: Span = child.span
+    return span
 
 
 def _name(token: Token) -> Name:

@@ -350,7 +350,7 @@ class ElementWriter:
 
     def _is_obvious(self, owner: EObject, feature: FeatureTable, table: ClassTable) -> bool:
         """Tells whether a block of a class goes to a feature of its owner by itself."""
-        return owning_features(self._metamodels.class_of(owner), table) == [feature.name]
+        return owning_features(self._metamodels.class_of(owner), table) == (feature.name,)
 
     def _value(self, obj: EObject, *, with_class: bool) -> Element:
         table = self._metamodels.class_of(obj)

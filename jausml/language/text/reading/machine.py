@@ -1,0 +1,154 @@
+"""The grammar as lark compiles it: a pattern for all tokens, and a machine that takes them.
+
+The tables are lark's. What runs over them for each token of a text is here: lark's own lexer and
+parser do far more for each than what they are needed for.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from lark import Lark
+from lark.lexer import PatternStr
+
+from jausml.language.text.reading.shaping import Shaper
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from lark import Token
+
+BLANK = "BLANK"
+NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
+"""Tokens of the grammar that no rule has."""
+END = "$END"
+
+_WORD = "WORD"
+
+Rule: TypeAlias = "tuple[int, str, Callable[[list[Any]], Any]]"
+"""Of how many parts something consists, what it is, and what makes it of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grammar:
+    """What texts are scanned and parsed by.
+
+    Attributes:
+        pattern: One token, or what stands between two; its last group is named for the kind.
+        keywords: Kinds of the words that are no names.
+        states: What comes by each symbol in each state: the next state, or a rule that is complete.
+    """
+
+    pattern: re.Pattern[str]
+    keywords: Mapping[str, str]
+    states: Mapping[int, Mapping[str, int | Rule]]
+    first: int
+    last: int
+
+
+class _KeepAll:
+    """Has lark keep the tokens that no rule of the grammar has."""
+
+    always_accept = NOT_PARSED
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        return stream
+
+
+@cache
+def grammar() -> Grammar:
+    """Returns the grammar; made on first use, for that takes 0.1 s."""
+    options: dict[str, Any] = {
+        "parser": "lalr",
+        "lexer": "basic",
+        "postlex": _KeepAll(),
+        "transformer": Shaper(),
+        "keep_all_tokens": True,
+        "maybe_placeholders": False,
+    }
+    path = Path(__file__).with_name("grammar.lark")
+    made = Lark(path.read_text(encoding="utf-8"), **options)
+    word = re.compile(made.get_terminal(_WORD).pattern.to_regexp())
+    literals = {each.name: each.pattern for each in made.terminals}
+    keywords = {
+        pattern.value: name
+        for name, pattern in literals.items()
+        if isinstance(pattern, PatternStr) and word.fullmatch(pattern.value)
+    }
+    # What nothing else begins with first, then as lark does: the longest that may be meant.
+    tokens = sorted(
+        (each for each in made.terminals if each.name not in keywords.values()),
+        key=lambda each: (
+            each.name != BLANK,
+            -each.priority,
+            -each.pattern.max_width,
+            -len(each.pattern.value),
+            each.name,
+        ),
+    )
+    pattern = "|".join(f"(?P<{each.name}>{each.pattern.to_regexp()})" for each in tokens)
+    tables: Any = made.parse_interactive().parser_state.parse_conf  # Any: it has no types
+    states = {
+        state: {
+            str(symbol): argument if isinstance(argument, int) else _rule(argument, tables)
+            for symbol, (_, argument) in actions.items()
+        }
+        for state, actions in tables.states.items()
+    }
+    return Grammar(re.compile(pattern), keywords, states, tables.start_state, tables.end_state)
+
+
+def _rule(rule: Any, tables: Any) -> Rule:
+    return len(rule.expansion), str(rule.origin.name), tables.callbacks[rule]
+
+
+class Machine:
+    """One run over tokens: what is complete so far, and the states that led here, one more."""
+
+    def __init__(self) -> None:
+        self._grammar = grammar()
+        self.values: list[Any] = []
+        self.states = [self._grammar.first]
+
+    def take(self, token: Token) -> bool:
+        """Takes a token; returns False, with what was complete completed, where it cannot come."""
+        table, states, values, type_ = self._grammar.states, self.states, self.values, token.type
+        while (action := table[states[-1]].get(type_)) is not None:
+            if isinstance(action, int):
+                states.append(action)
+                values.append(token)
+                return True
+            size, name, make = action
+            if size:
+                parts = values[-size:]
+                del values[-size:], states[-size:]
+            else:
+                parts = []
+            values.append(make(parts))
+            states.append(table[states[-1]][name])  # type: ignore[arg-type] # a rule's is a state
+            if states[-1] == self._grammar.last:
+                return True
+        return False
+
+    def accepts(self, type_: str) -> bool:
+        """Tells whether a token of a kind could come next."""
+        table, states = self._grammar.states, list(self.states)
+        while (action := table[states[-1]].get(type_)) is not None:
+            if isinstance(action, int):
+                return True
+            size, name, _ = action
+            if size:
+                del states[-size:]
+            states.append(table[states[-1]][name])  # type: ignore[arg-type] # a rule's is a state
+            if states[-1] == self._grammar.last:
+                return True
+        return False
+
+    def accepted(self) -> set[str]:
+        """Returns the kinds of tokens that could come next."""
+        kinds = self._grammar.states[self.states[-1]]
+        return {each for each in kinds if each.isupper() and self.accepts(each)}
