@@ -19,6 +19,7 @@ from jausml.views.diagrams.layout.facing import can_face, face
 from jausml.views.diagrams.layout.labels import cleared
 from jausml.views.diagrams.layout.settling import chain
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
+from jausml.views.diagrams.layout.ways import spaced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -46,7 +47,12 @@ class Graphviz:
             raise LayoutError(MISSING)
         parts = [sheet] if sheet.packed else _parts(sheet)
         found = json.loads(_run(json.dumps(["\n".join(_graph(each)) for each in parts])))
-        return cleared(sheet, _beside(list(map(_places, parts, found))))
+        return cleared(
+            sheet,
+            _beside(
+                [spaced(each, _places(each, its)) for each, its in zip(parts, found, strict=True)]
+            ),
+        )
 
 
 def _run(text: str) -> bytes:

@@ -111,6 +111,19 @@ class Route:
     label: Point | None
 
 
+_SAMPLES = 12
+"""Points of a curve, between which it is taken as straight."""
+
+
+def samples(points: Sequence[Point]) -> list[Point]:
+    """Returns points on a way of cubic Bezier curves."""
+    found = list(points[:1])
+    for at in range(0, len(points) - 3, 3):
+        curve = points[at : at + 4]
+        found += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
+    return found
+
+
 def on_curve(points: Sequence[Point], part: float) -> Point:
     """Returns a point of a cubic Bezier curve."""
     rest = 1 - part
