@@ -81,7 +81,8 @@ class Node(_Described):
     """A box.
 
     `kind`: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
-    `state`. `group`: id of the group that it stands in, empty for none.
+    `state`. `group`: id of the group that it stands in, empty for none. `column`: from the left;
+    where a graph goes downwards, 0 for the box that stands above the others of its group.
     """
 
     id: str

@@ -82,7 +82,9 @@ def settle(
     while new:
         box = next((each for each in new if ground.peers(each)), new[0])
         new.remove(box)
-        ground.put(box, ground.nearest(box, ground.beside(box)))
+        # What is joined with nothing comes behind what there is, and never before it.
+        is_last = not ground.peers(box)
+        ground.put(box, ground.nearest(box, ground.beside(box), is_last=is_last))
     return {box.id: ground.corners[box.id] for box in sheet.boxes}
 
 
@@ -174,7 +176,8 @@ class _Ground:
             if not among:
                 return 0, 0
             lowest = max(among, key=lambda each: each.bottom)
-            return _centred(box, lowest) if column else lowest.left, lowest.bottom + GAP
+            left = _centred(box, lowest) if column and self._has_columns else lowest.left
+            return left, lowest.bottom + GAP
         y = sum(each.y for each in peers) / len(peers) - box.height / 2
         peer = self._areas[peers[0].box.id]
         if not self._has_columns:
@@ -187,18 +190,22 @@ class _Ground:
         return peer.right + COLUMN_GAP, y
 
     def _column(self, box: Box) -> list[Box]:
-        """Returns the boxes that stand in the column of a box, those of its frame if there are."""
-        if not self._has_columns:
-            return []
+        """Returns the boxes that stand in the column of a box, those of its frame if there are.
+
+        All are in one column where there are no others.
+        """
         same = [
             each
             for each in self._sheet.boxes
-            if each.id in self.corners and each.column == box.column
+            if each.id in self.corners and (each.column == box.column or not self._has_columns)
         ]
         return [each for each in same if each.group == box.group] or same
 
-    def nearest(self, box: Box, wanted: Point) -> Point:
-        """Returns the place above or below one that is wanted, where a box has room."""
+    def nearest(self, box: Box, wanted: Point, *, is_last: bool = False) -> Point:
+        """Returns the place above or below one that is wanted, where a box has room.
+
+        `is_last`: only below.
+        """
         x, y = wanted
         frames = self._all_frames()
         tops = [y]
@@ -206,7 +213,7 @@ class _Ground:
             for gap in (GAP, GAP + 2 * FRAME_MARGIN):
                 tops += [each.bottom + gap, each.top - gap - box.height]
         for top in sorted(tops, key=lambda each: (abs(each - y), -each)):
-            if self._has_room(box, (x, top)):
+            if (top >= y or not is_last) and self._has_room(box, (x, top)):
                 return round(x), round(top)
         lowest = max(each.bottom for each in (*self._areas.values(), *frames.values()))
         return round(x), round(lowest + GAP)
@@ -225,7 +232,8 @@ class _Ground:
             return False
         around = set(self._around(box.group))
         frames = self._all_frames()
-        if any(area.overlaps(each) for name, each in frames.items() if name not in around):
+        others = (each for name, each in frames.items() if name not in around)
+        if any(area.overlaps(each, FRAME_MARGIN) for each in others):
             return False
         grown = frames_around(self._sheet, {**self.corners, box.id: corner})
         return not any(

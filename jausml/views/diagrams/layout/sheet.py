@@ -29,7 +29,8 @@ class Row:
 class Box:
     """A box to be placed.
 
-    `group`: id of its frame, empty for none.
+    `group`: id of its frame, empty for none. `column`: from the left; on a sheet that goes
+    downwards, 0 for a box above the others of its frame.
     """
 
     id: str
