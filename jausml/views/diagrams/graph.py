@@ -23,6 +23,9 @@ JAUS_COLUMN, BRIDGE_COLUMN, ROS_COLUMN = 0, 1, 2
 Details = tuple[tuple[str, str], ...]
 """What is told on request: names and texts."""
 
+IDLE = "unconnected"
+"""Mark of the row of a service of which no connection carries anything."""
+
 ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 """States of parts, where a diagram compares two states of a model."""
 

@@ -74,7 +74,7 @@ const Row = memo(function Row({ node, port, states }: RowProps) {
       {/* biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts */}
       <div
         id={domId(key)}
-        className={`row ${states} ${port.mark.includes("unmapped") ? "quiet" : ""}`}
+        className={`row ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
         style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
         role="group"
         aria-label={[port.label, port.note, port.mark, told(port.findings)]
