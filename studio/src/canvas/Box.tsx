@@ -51,7 +51,11 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
         ))}
         {live && node.kind === CLOSED && <div className="live-inside">{liveText(live)}</div>}
       </div>
-      {live && node.kind !== CLOSED && <div className="live-text">{liveText(live)}</div>}
+      {live && node.kind !== CLOSED && (
+        <div className="live-text" title={liveText(live)}>
+          {liveText(live)}
+        </div>
+      )}
       {!isBare &&
         node.ports.map((port, at) => (
           <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />

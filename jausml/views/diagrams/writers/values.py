@@ -31,8 +31,8 @@ SIGN_ROOM = 18
 PartT = TypeVar("PartT", "Node", "Port", "Edge")
 
 SYSTEM = "system"
-LIVE_WIDTH = 100
-"""Room for what is told of a line while the system runs, above its label."""
+LIVE_WIDTH = 128
+"""Room for what is told of a line while the system runs, above its label: pages cut the rest."""
 
 _Way = tuple[float, ...]
 
