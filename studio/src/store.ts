@@ -103,6 +103,8 @@ export interface Studio {
   file: string;
   views: ViewInfo[];
   view: string;
+  /** How often a view was opened: it may be renamed while one looks at it. */
+  visits: number;
   graph: Graph | null;
   /** Revision that the graph shows. */
   revision: number;
@@ -167,6 +169,7 @@ export const BEGINNING: Studio = {
   file: "",
   views: [],
   view: "",
+  visits: 0,
   graph: null,
   revision: 0,
   picture: 0,

@@ -1,4 +1,4 @@
-"""Labels of lines: on the pictures of all shipped models they lie on nothing else."""
+"""Lines of all shipped models: labels lie on nothing else, ways keep off frames and corners."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from large_systems import large_system
 from jausml.views.diagrams.bundling import is_crowded
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.labels import Ground, _crosses
-from jausml.views.diagrams.layout.settling import Area
+from jausml.views.diagrams.layout.settling import Area, area_of, chain
+from jausml.views.diagrams.layout.sheet import samples
 from jausml.views.diagrams.views import graph_of, view_names
-from jausml.views.diagrams.writers import shapes
+from jausml.views.diagrams.writers import shapes, values
 
 pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 
@@ -22,6 +23,9 @@ SHIPPED = sorted(
     if "library" not in path.parts
 )
 
+ARROWHEAD = 8
+"""Pixels of the end of a line that an arrowhead takes."""
+
 ON_BORDERS = {"machine:Winch.ReceiveFSM": 2}
 """Labels of transitions that leave a frame and are longer than the way on either side of it."""
 
@@ -31,12 +35,11 @@ def placed(graph):
     return sheet, Graphviz().place(sheet)
 
 
-def hidden(graph):
+def hidden(sheet, places):
     """Returns how much labels hide: the number of lines and borders where it is no text.
 
     No label is cut by the borders of the picture.
     """
-    sheet, places = placed(graph)
     ground = Ground(sheet, places)
     areas = [ground.area(line, middle) for line, middle in ground.labels.items()]
     assert min((min(each.left, each.top) for each in areas), default=0) >= 0
@@ -45,13 +48,49 @@ def hidden(graph):
     return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
 
 
+def assert_ways_are_clear(sheet, corners, frames, lines):
+    """Complains of lines that leave the frame of both their ends, or begin or end at a corner.
+
+    None goes through a box.
+    """
+    parents = {each.id: each.parent for each in sheet.frames}
+    areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
+    groups = {each.id: list(chain(each.group, parents)) for each in sheet.boxes}
+    for line in sheet.lines:
+        points = samples(lines[line.id].points)
+        ends = groups[line.source[0]], groups[line.target[0]]
+        around = [frames[each] for each in ends[0] if each in ends[1]]
+        for x, y in points:
+            assert all(f.left < x < f.right and f.top < y < f.bottom for f in around), line
+            for area in areas.values():
+                is_in = area.left + 1 < x < area.right - 1 and area.top + 1 < y < area.bottom - 1
+                assert not is_in, line
+        for (name, _), (x, y) in ((line.source, points[0]), (line.target, points[-1])):
+            left, top, right, bottom = areas[name]
+            far = [abs(x - a) + abs(y - b) for a in (left, right) for b in (top, bottom)]
+            assert min(far) > ARROWHEAD, line
+
+
 @pytest.mark.parametrize("name", SHIPPED)
-def test_labels_of_shipped_models_lie_on_nothing(name):
+def test_labels_and_ways_of_shipped_models_lie_on_nothing(name):
     model = read(MODELS / name).model
     for view in view_names(model, library=False):
         graph = graph_of(model, view)
         if not is_crowded(graph):
-            assert hidden(graph) == ON_BORDERS.get(view, 0), view
+            sheet, places = placed(graph)
+            assert hidden(sheet, places) == ON_BORDERS.get(view, 0), view
+            frames = {name: Area(*one, *other) for name, (one, other) in places.frames.items()}
+            assert_ways_are_clear(sheet, places.boxes, frames, places.lines)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_ways_of_shipped_models_are_clear_on_the_page(name):
+    model = read(MODELS / name).model
+    for view in view_names(model, library=False):
+        graph = graph_of(model, view)
+        if not is_crowded(graph):
+            found = values.settled(graph, Graphviz())
+            assert_ways_are_clear(found.sheet, found.corners, found.frames, found.routes)
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +101,8 @@ def five_groups(tmp_path_factory):
 
 
 def test_groups_stand_beside_each_other_and_their_labels_lie_on_nothing(five_groups):
-    assert hidden(five_groups) == 0
-    _, places = placed(five_groups)
+    sheet, places = placed(five_groups)
+    assert hidden(sheet, places) == 0
     assert places.width > places.height
 
 

@@ -9,6 +9,7 @@ from test_pictures import HOSTILE, hostile
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import html
+from jausml.views.diagrams.writers.shapes import width
 
 pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
 
@@ -31,6 +32,21 @@ def test_a_row_is_told_when_it_is_clicked(page, car):
     assert "ReportVelocityState" in details.inner_text()
     page.keyboard.press("Escape")
     details.wait_for(state="hidden")
+
+
+NAMES = ("velocity_state_driver", "GlobalWaypointListDriver", "Moving (all inside)", "wheel_1/x")
+MEASURE = """([font, texts]) => {
+    const context = document.createElement("canvas").getContext("2d");
+    context.font = font;
+    return texts.map(each => context.measureText(each).width);
+}"""
+
+
+@pytest.mark.parametrize("bold", [False, True])
+def test_boxes_are_as_wide_as_their_texts(page, bold):
+    font = f"{'bold ' if bold else ''}100px Helvetica, Arial, 'Liberation Sans'"
+    drawn = page.evaluate(MEASURE, [font, NAMES])
+    assert drawn == pytest.approx([width(each, 100, bold=bold) for each in NAMES], rel=0.005)
 
 
 def heads(page):

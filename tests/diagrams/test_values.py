@@ -378,3 +378,33 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
         if not grown:
             assert all(now[each] == place for each, place in known.items() if each in now)
         known = now
+
+
+def machine(*names, edges=(), group=""):
+    """Returns a machine whose states are of this group, the first of them initial."""
+    states = [
+        Node(each, "state", each, "" if at else "initial", (), group, 1 if at else 0, key=each)
+        for at, each in enumerate(names)
+    ]
+    lines = (Edge(f"{a}{b}", End(a), End(b), "transition", a, (a,)) for a, b in edges)
+    groups = (Group("g", "state", "g"), Group("h", "state", "h", "g")) if group else ()
+    return Graph("machine:m", "m", tuple(states), groups, tuple(lines), downwards=True)
+
+
+@pytest.mark.parametrize("group", ["", "h"])
+@pytest.mark.parametrize("edges", [(), ("ba",), ("cd", "db", "bc"), ("ba", "cb", "dc")])
+def test_the_initial_state_stands_first_and_a_new_one_last(group, edges):
+    old, standing = machine(*"abcd", edges=edges, group=group), values.Standing()
+    before = corners(values.render(old, Graphviz(), standing=standing))
+    assert all(before[each][1] > before["a"][1] for each in "bcd")
+    for where in (group, ""):
+        new = replace(machine(*"abcd", "e", edges=edges, group=group))
+        added = (replace(new.nodes[-1], group=where),)
+        found = values.render(
+            replace(new, nodes=new.nodes[:-1] + added), Graphviz(), standing=standing
+        )
+        assert_apart(found)
+        after = corners(found)
+        assert all(after["e"][1] > after[each][1] for each in "abcd")
+        assert all(after[each] == before[each] for each in "abcd")
+        standing.shown.pop("e"), standing.boxes.pop("e")

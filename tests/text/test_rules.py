@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.engine import check
 
 HERE = Path(__file__).parent
 SOURCES = HERE.parents[1] / "jausml" / "language" / "text"
@@ -31,3 +32,22 @@ def test_each_rule_has_a_failing_text_and_a_place_that_reports_it():
         assert rule in sources, rule
     reported = set(re.findall(r"JML7\d\d", sources))
     assert reported == set(TEXT_RULES)
+
+
+def test_hints_are_spelt_as_the_file_is(texts):
+    text = """bridge b { address: 100.1.2 }
+m {
+    JAUS ReportVelocityState ROS std_msgs/Float64
+    JAUS->ROS ( Velocity_X -> data { defaultValue: 0 } )
+}
+n {
+    JAUS ReportCostMap2D ROS std_msgs/UInt8MultiArray
+    JAUS->ROS ( CostMap2DDataVar.CostDataList -> data )
+}
+"""
+    hints = {each.rule: each.hint for each in check(texts.one(text)).diagnostics if each.hint}
+    assert "set whenAbsent: useDefault" in hints.values()
+    assert any(
+        each.endswith("by a ListAssignment: CostMap2DDataVar.CostDataList -> data { ... }")
+        for each in hints.values()
+    ), hints

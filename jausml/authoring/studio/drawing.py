@@ -60,7 +60,18 @@ class Drawings:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._views: dict[tuple[str, str], _View] = defaultdict(_View)
+        self._names: dict[str, list[str]] = {}
         self._engine = Graphviz()
+
+    def follow(self, file: str, names: list[str]) -> None:
+        """Keeps what is known of views whose names have changed, where all others are there."""
+        with self._lock:
+            before = self._names.get(file, [])
+            self._names[file] = names
+            renamed = zip(before, names, strict=False) if len(before) == len(names) else ()
+            for old, new in renamed:
+                if old not in names and new not in before and (file, old) in self._views:
+                    self._views[file, new] = self._views.pop((file, old))
 
     def draw(
         self,

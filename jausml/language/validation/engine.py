@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from operator import attrgetter
 from typing import TYPE_CHECKING
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model import ReadResult
+    from jausml.language.model import Document, ReadResult
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Finding, Part, Rule
@@ -119,7 +120,7 @@ def _diagnostic(rule: Rule, finding: Finding, model: Model) -> Diagnostic:
         severity=finding.severity or rule.severity,
         location=model.location(finding.element, finding.feature, finding.position),
         message=finding.message,
-        hint=finding.hint,
+        hint=_spelt(finding.hint, model.document_of(finding.element)),
         element=model.element_path(finding.element),
         fragment=model.fragment(finding.element),
         related=tuple(
@@ -127,6 +128,18 @@ def _diagnostic(rule: Rule, finding: Finding, model: Model) -> Diagnostic:
             for note in finding.related
         ),
     )
+
+
+_ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
+_IN_TEXT = ", in text "
+
+
+def _spelt(hint: str, document: Document | None) -> str:
+    """Returns a hint as its file is written: rules state attributes as XMI has them."""
+    general, _, in_text = hint.partition(_IN_TEXT)
+    if document is None or document.is_xml:
+        return general
+    return _ATTRIBUTE.sub(r"\1: \2", f"{general}: {in_text}" if in_text else general)
 
 
 def check_project(

@@ -23,6 +23,9 @@ JAUS_COLUMN, BRIDGE_COLUMN, ROS_COLUMN = 0, 1, 2
 Details = tuple[tuple[str, str], ...]
 """What is told on request: names and texts."""
 
+IDLE = "unconnected"
+"""Mark of the row of a service of which no connection carries anything."""
+
 ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 """States of parts, where a diagram compares two states of a model."""
 
@@ -81,7 +84,8 @@ class Node(_Described):
     """A box.
 
     `kind`: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
-    `state`. `group`: id of the group that it stands in, empty for none.
+    `state`. `group`: id of the group that it stands in, empty for none. `column`: from the left;
+    where a graph goes downwards, 0 for the box that stands above the others of its group.
     """
 
     id: str

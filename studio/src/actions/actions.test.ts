@@ -52,6 +52,21 @@ test("a refused view says why", async () => {
   expect(state()).toMatchObject({ graph: null, graphFault: "no layout" });
 });
 
+test("a view is followed when what it shows is renamed, and all is asked for", async () => {
+  const [view, renamed] = ["service:Winch", "service:Hoist"].map((name) => [
+    ...VIEWS,
+    { name, kind: "service" as const, title: "", library: false },
+  ]);
+  const server = serve({
+    views: () => ({ views: renamed! }),
+    view: () => ({ revision: 2, graph: smallGraph() }),
+  });
+  update({ views: view!, view: "service:Winch", picture: 4, visits: 3 });
+  await actions.refresh();
+  expect(server.params("view")).toMatchObject([{ view: "service:Hoist", base: 0 }]);
+  expect(state()).toMatchObject({ view: "service:Hoist", visits: 3 });
+});
+
 test("changes that come while the graph is loaded are answered by one more", async () => {
   const graph = smallGraph();
   const server = serveGraph(graph);

@@ -14,7 +14,7 @@ export async function openFile(file: string, view = ""): Promise<void> {
     const nothing = { graph: null, problems: null, freshness: null, chosen: "", selection: [] };
     return update({ file, views: [], view: "", ...nothing });
   }
-  update({ file });
+  update({ file, views: [] });
   if (await loadViews(file)) {
     const { views } = state();
     const found = views.find((each) => each.name === view) ?? views[0];
@@ -34,14 +34,20 @@ export function takeProblems(problems: Problems): void {
 async function loadViews(file: string): Promise<boolean> {
   const answer = await tried(ask("views", { file }));
   if (!answer || state().file !== file) return false;
-  update({ views: answer.views });
+  const { views: before, view } = state();
+  const { views } = answer;
+  const at = before.findIndex((each) => each.name === view);
+  const isGone = !views.some((each) => each.name === view);
+  // What a view shows was renamed, where there are as many as before.
+  const renamed = isGone && views.length === before.length ? views[at] : undefined;
+  update({ views, ...(renamed && { view: renamed.name, picture: 0 }) });
   return true;
 }
 
 /** Shows a view of the file. */
 export async function openView(view: string): Promise<void> {
   const empty = { graph: null, picture: 0, opened: [], selection: [], bright: null, legal: null };
-  update({ view, graphFault: "", ...empty });
+  update({ view, graphFault: "", visits: state().visits + 1, ...empty });
   await load();
 }
 

@@ -51,7 +51,11 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
         ))}
         {live && node.kind === CLOSED && <div className="live-inside">{liveText(live)}</div>}
       </div>
-      {live && node.kind !== CLOSED && <div className="live-text">{liveText(live)}</div>}
+      {live && node.kind !== CLOSED && (
+        <div className="live-text" title={liveText(live)}>
+          {liveText(live)}
+        </div>
+      )}
       {!isBare &&
         node.ports.map((port, at) => (
           <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
@@ -74,7 +78,7 @@ const Row = memo(function Row({ node, port, states }: RowProps) {
       {/* biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts */}
       <div
         id={domId(key)}
-        className={`row ${states} ${port.mark.includes("unmapped") ? "quiet" : ""}`}
+        className={`row ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
         style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
         role="group"
         aria-label={[port.label, port.note, port.mark, told(port.findings)]

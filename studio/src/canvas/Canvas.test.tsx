@@ -124,7 +124,7 @@ test("what is watched stands out by shape and word, not by colour alone", () => 
   update({
     live: {
       edges: {
-        e1: { ...still, level: "ok", text: "25.0 of 25 Hz" },
+        e1: { ...still, level: "ok", text: "25.0 of 25 Hz of the sensor" },
         e2: { ...still, level: "error", text: "failing: no peer" },
         e3: { ...still, level: "not heard", text: "silent" },
       },
@@ -136,6 +136,9 @@ test("what is watched stands out by shape and word, not by colour alone", () => 
   expect(part(edgeKey("e1"))).toHaveTextContent("✓ 25.0 of 25 Hz");
   expect(part(edgeKey("e2"))).toHaveClass("live-failing");
   expect(part(edgeKey("e3"))).toHaveClass("live-silent");
+  // Layouts make room for so much; the rest is told on request.
+  const [said] = part(edgeKey("e1"))!.querySelectorAll("tspan");
+  expect(said).toHaveTextContent("✓ 25.0 of 25 Hz of the …");
   expect(part(nodeKey("base"))).toHaveClass("live-silent");
   expect(part(nodeKey("base"))).toHaveTextContent("? nothing heard");
 });

@@ -54,10 +54,10 @@ const READABLE = 0.7;
 export function Canvas() {
   const graph = useStudio((studio) => studio.graph);
   const fault = useStudio((studio) => studio.graphFault);
-  const view = useStudio((studio) => `${studio.file} ${studio.view}`);
+  const visits = useStudio((studio) => studio.visits);
   if (!graph) return fault ? <p className="quiet">{fault}</p> : <Nothing />;
   return (
-    <ReactFlowProvider key={view}>
+    <ReactFlowProvider key={visits}>
       <Diagram graph={graph} />
     </ReactFlowProvider>
   );

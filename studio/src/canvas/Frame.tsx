@@ -30,7 +30,11 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
       data-part={key}
     >
       <span className="title">{group.title}</span>
-      {live && <span className="live-text">{liveText(live)}</span>}
+      {live && (
+        <span className="live-text" title={liveText(live)}>
+          {liveText(live)}
+        </span>
+      )}
     </div>
   );
 });

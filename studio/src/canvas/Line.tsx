@@ -7,6 +7,8 @@ import { bend, type FlowEdge, middleOf, pathOf } from "./flow";
 import { domId, liveClass, liveText, SIGNS, severityOf, told } from "./marks";
 
 const LINE_HEIGHT = 13;
+/** Signs of what is told while the system runs, for which the layout makes room. */
+const LONGEST = 24;
 
 /** A line: the layout's route, or one of its own where a box was moved. */
 export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
@@ -27,7 +29,8 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   if (isTaken) classes.push("taken");
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
   // What a topic carries is told where its row ends on the other side of the bridge.
-  const said = live && edge.kind !== "topic" ? [liveText(live)] : [];
+  const told = live && edge.kind !== "topic" ? liveText(live) : "";
+  const said = told ? [told.length > LONGEST ? `${told.slice(0, LONGEST - 1)}…` : told] : [];
   // The layout made room for the other words alone: what is told now stands above them.
   const lines = [...said, ...texts];
   const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
@@ -39,6 +42,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
       <path className="way" d={path} strokeWidth={width} markerEnd="url(#arrow)" />
       {lines.length > 0 && (
         <text className="way-label" textAnchor="middle">
+          {told && <title>{told}</title>}
           {lines.map((text, at) => (
             <tspan
               // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name

@@ -9,8 +9,6 @@ export function Header() {
   const file = useStudio((studio) => studio.file);
   const views = useStudio((studio) => studio.views);
   const view = useStudio((studio) => studio.view);
-  const own = views.filter((each) => !each.library);
-  const library = views.filter((each) => each.library);
   return (
     <header className="header">
       <h1>
@@ -30,20 +28,22 @@ export function Header() {
       <label>
         View
         <select value={view} onChange={(event) => void openView(event.currentTarget.value)}>
-          {own.map((each) => (
-            <option key={each.name} value={each.name}>
-              {titleOf(each)}
-            </option>
-          ))}
-          {library.length > 0 && (
-            <optgroup label="Library">
-              {library.map((each) => (
+          {views
+            .filter((each) => !each.library)
+            .map((each) => (
+              <option key={each.name} value={each.name}>
+                {titleOf(each)}
+              </option>
+            ))}
+          {libraryGroups(views).map(([kind, group]) => (
+            <optgroup key={kind} label={`Library: ${KINDS[kind].toLowerCase()}s`}>
+              {group.map((each) => (
                 <option key={each.name} value={each.name}>
-                  {titleOf(each)}
+                  {each.title}
                 </option>
               ))}
             </optgroup>
-          )}
+          ))}
         </select>
       </label>
       <span className="spring" />
@@ -96,6 +96,18 @@ function Others() {
 }
 
 const KINDS = { system: "System", map: "Map", service: "Service", machine: "State machine" };
+
+/** Views of the library by their kinds, in the order of their names. */
+function libraryGroups(views: ViewInfo[]): [ViewInfo["kind"], ViewInfo[]][] {
+  const library = views.filter((each) => each.library);
+  const kinds = [...new Set(library.map((each) => each.kind))];
+  return kinds.map((kind) => [
+    kind,
+    library
+      .filter((each) => each.kind === kind)
+      .sort((one, other) => one.title.localeCompare(other.title)),
+  ]);
+}
 
 function titleOf({ kind, title }: ViewInfo): string {
   return title && title !== kind ? `${KINDS[kind]}: ${title}` : KINDS[kind];

@@ -2,6 +2,7 @@ import { act, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, test } from "vitest";
 import { listener } from "../actions";
+import type { ViewInfo } from "../protocol";
 import { state, update } from "../store";
 import { type FakeServer, PROJECT, serve } from "../testing/fakeServer";
 import { smallGraph } from "../testing/graphs";
@@ -18,19 +19,27 @@ beforeEach(() => {
 });
 
 test("views of the file come before those of the library, each with its kind", async () => {
-  const view = (name: string, kind: "system" | "map" | "service", library = false) => ({
+  const view = (name: string, kind: ViewInfo["kind"], library = false) => ({
     name,
     kind,
     title: name.split(":")[1] ?? "",
     library,
   });
   update({
-    views: [view("system", "system"), view("map:pose", "map"), view("service:S", "service", true)],
+    views: [
+      view("system", "system"),
+      view("map:pose", "map"),
+      view("service:T", "service", true),
+      view("machine:M", "machine", true),
+      view("service:S", "service", true),
+    ],
   });
   render(<Header />);
   const names = screen.getAllByRole("option").map((each) => each.textContent);
-  expect(names).toEqual(["robot.xmi", "System", "Map: pose", "Service: S"]);
-  expect(screen.getByRole("group", { name: "Library" })).toBeVisible();
+  expect(names).toEqual(["robot.xmi", "System", "Map: pose", "S", "T", "M"]);
+  const services = screen.getByRole("group", { name: "Library: services" });
+  expect(within(services).getAllByRole("option")).toHaveLength(2);
+  expect(screen.getByRole("group", { name: "Library: state machines" })).toBeVisible();
   await userEvent.selectOptions(screen.getByLabelText("View"), "map:pose");
   expect(server.params("view")).toMatchObject([{ file: "robot.xmi", view: "map:pose" }]);
   await userEvent.click(screen.getByRole("button", { name: "Undo" }));

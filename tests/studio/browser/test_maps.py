@@ -97,6 +97,18 @@ def test_states_are_drawn_renamed_and_removed(open_studio, tmp_path):
     desk.page.get_by_role("button", name="states", exact=True).click()
     expect(desk.box("State")).to_be_visible()
 
+    # What one looks at stays where it is when that is renamed which the view shows.
+    desk.view.select_option("service:Winch")
+    expect(desk.title("Winch")).to_be_visible()
+    desk.page.mouse.wheel(0, -240)
+    desk.title("Winch").click()
+    seen = desk.title("Winch").bounding_box()
+    desk.rename("Winch", "Hoist")
+    expect(desk.view).to_have_value("service:Hoist")
+    expect(desk.title("Hoist")).to_be_visible()
+    now = desk.title("Hoist").bounding_box()
+    assert (now["x"], now["y"]) == pytest.approx((seen["x"], seen["y"]), abs=1)
+
     # What is of the library is only looked at.
     desk.view.select_option("service:Management")
     expect(desk.page.locator(".view-bar")).to_contain_text("read-only")

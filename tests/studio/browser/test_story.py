@@ -39,6 +39,19 @@ class Sensor(SensorBase):
 """What the tutorial has its reader write."""
 
 
+COVERED = """() => {
+    const area = each => each.getBoundingClientRect();
+    const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1
+        && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    const all = names => [...document.querySelectorAll(names)];
+    const texts = all(".box .head, .box .row, .way-label tspan, .flow .live-text, .frame > .title");
+    return all(".flow .live-text").flatMap(each => texts
+        .filter(other => other !== each && meet(area(each), area(other)))
+        .map(other => `${each.textContent} on ${other.textContent}`));
+}"""
+"""What live labels lie on."""
+
+
 @pytest.fixture
 def running(tmp_path):
     """Returns a function that starts a command of the page; all end with the test."""
@@ -117,6 +130,9 @@ def test_from_an_empty_folder_to_a_running_system(open_studio, tmp_path, running
     desk.page.get_by_role("button", name="Watch", exact=True).click()
     expect(desk.page.locator(".line.live-ok")).not_to_have_count(0)
     expect(desk.page.locator(".box.live-ok")).to_have_count(2)
+    desk.page.get_by_role("button", name="Fit").click()
+    assert desk.page.locator(".flow .live-text").count() >= 3
+    assert desk.page.evaluate(COVERED) == []
     live = desk.page.get_by_role("region", name="Live")
     # The connection is still chosen in the diagram, which has opened its last message.
     expect(live).to_contain_text("Velocity_X: 1")

@@ -31,3 +31,23 @@ def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
     assert len(first["nodes"]) == 2
     assert "is drawn anew" in caplog.text
     assert "Traceback" in caplog.text
+
+
+def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes() -> None:
+    drawings = Drawings()
+
+    def draw(name: str) -> dict[str, tuple[float, float]]:
+        boxes = ("service", name), ("messages", f"{name}!takes"), ("messages", f"{name}!sends")
+        nodes = tuple(Node(each, kind, each, key=each) for kind, each in boxes)
+        found = drawings.draw("m.xmi", Graph(f"service:{name}", name, nodes, downwards=True), {})
+        return {each["key"]: (each["x"], each["y"]) for each in found["nodes"]}
+
+    drawings.follow("m.xmi", ["service:Winch", "service:Other"])
+    drawings._view("m.xmi", "service:Winch").standing.boxes |= {"Winch": (7, 70)}
+    before = draw("Winch")
+    assert before["Winch"] == (7, 70)
+    drawings.follow("m.xmi", ["service:Hoist", "service:Other"])
+    assert list(draw("Hoist").values()) == list(before.values())
+    drawings.follow("m.xmi", ["service:Winch", "service:Other"])
+    assert draw("Winch") == before
+    assert draw("Other")["Other"] != (7, 70)

@@ -171,6 +171,24 @@ service_set own {
     [*_, last] = boat.connect("helm/ReportLoad", "gauge").options
     assert last.label == "ReportLoad by new map (std_msgs/Float64)"
     assert "has no topic for it" in boat.connect("helm/ReportLoad", "lidar").refusal
+    [only] = boat.connect("helm/ReportLoad", "second").options
+    assert only.label == "ReportLoad by new map (std_msgs/Float64)"
+    assert [each.kind for each in only.commands if isinstance(each, Add)] == [
+        "bridge.AttributeMap",
+        "bridge.Connection",
+    ]
+
+    # A service of which nothing is carried has a row, from which one draws as from the box.
+    rows = {
+        each.label: each
+        for node in graph_of(boat.scope.model, "system").nodes
+        for each in node.ports
+        if each.mark == "unconnected"
+    }
+    assert set(rows) == {"VelocityStateDriver", "Winch"}
+    assert boat.scope.find(rows["Winch"].element).name == "Winch"
+    helm = boat.scope.model.fragment(boat.owners["helm"])
+    assert spot(boat.scope, helm, rows["Winch"].id) == Spot(boat.owners["helm"])
 
 
 def test_all_ends_of_a_component_are_told(car):

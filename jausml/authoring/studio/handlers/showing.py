@@ -101,9 +101,10 @@ def _faults(context: StudioContext) -> dict[str, Any]:
 def _views(context: StudioContext, file: str) -> dict[str, Any]:
     context.viewed_files.add(file)
     model = context.project.model(file).model
-    own = set(view_names(model, library=False))
+    own, names = set(view_names(model, library=False)), view_names(model)
+    context.drawings.follow(file, names)
     views = []
-    for name in view_names(model):
+    for name in names:
         kind, _, of = name.partition(":")
         title = of or kind
         views.append({"name": name, "kind": kind, "title": title, "library": name not in own})

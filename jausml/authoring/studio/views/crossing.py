@@ -21,6 +21,7 @@ from jausml.authoring.proposals.bridging import (
 from jausml.authoring.proposals.elements import Option, Options
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import name_among
+from jausml.authoring.studio.views.spots import Spot
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.studio.views.spots import Spot
     from jausml.language.metamodel.classes.ecore import EObject
 
 
@@ -134,7 +134,10 @@ def through(
 
 
 def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
-    """A bridge carries what a component sends or takes, each ready map on a topic of its own."""
+    """A bridge carries what a component sends or takes, each ready map on a topic of its own.
+
+    New maps go to topics of nodes, where a message has no ready one.
+    """
     component = at_jaus.owner
     if not isinstance(component, jaus.Component):
         return Options(refusal="only components speak JAUS")
@@ -148,10 +151,21 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
         if not _is_mapped(scope, owner, component, used, direction)
     ]
     options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in found]
+    options = options or [
+        option
+        for offer in wanted
+        if not any(_ready(scope, offer, None)) and not _is_carried(owner, component, offer)
+        for node in scope.model.instances(ros.Node, library=False)
+        for end in _ends_of(Spot(node), direction)
+        for option in _crossings(
+            scope, owner, component, offer, end, is_chosen=bool(at_jaus.message)
+        )
+    ]
     options.sort(key=_order)
     what = at_jaus.message or f"a message of {name_of(component)}"
-    refusal = f"no ready map has {what} that {name_of(owner)} does not carry already"
-    return Options(tuple(options), "" if options else f"{refusal}; draw to a topic of a node")
+    reason = f"no ready map has {what} that {name_of(owner)} does not carry already"
+    refusal = f"{reason}; add a topic to a node first, to which a new map can go"
+    return Options(tuple(options), "" if options else refusal)
 
 
 def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
@@ -323,19 +337,24 @@ def _option(
     return Option(label, why, draft.preview(), commands)
 
 
-def _is_carried(owner: EObject, component: jaus.Component, offer: Offer, at_ros: Spot) -> bool:
-    """Tells whether a bridge has a connection of these ends already."""
-    end = at_ros.element
-    if not isinstance(owner, bridge.Bridge) or not isinstance(end, ros.TopicEndpoint):
+def _is_carried(
+    owner: EObject, component: jaus.Component, offer: Offer, at_ros: Spot | None = None
+) -> bool:
+    """Tells whether a bridge has a connection of these ends already, or of any topic."""
+    if not isinstance(owner, bridge.Bridge):
         return False
-    topic = _topic(owner, at_ros.owner, end)
+    topic = ""
+    if at_ros is not None:
+        if not isinstance(at_ros.element, ros.TopicEndpoint):
+            return False
+        topic = _topic(owner, at_ros.owner, at_ros.element)
     return any(
         each.direction.name == offer.direction
         and each.map is not None
         and each.map.message is not None
         and find_same(offer.message, [each.map.message]) is not None
         and (not each.peers or component in each.peers)
-        and any(one.name == topic for one in each.topics)
+        and (not topic or any(one.name == topic for one in each.topics))
         for each in owner.bridgeConnections
     )
 

@@ -13,6 +13,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import refs
 from jausml.language.text.reading.document import TextDocument
 from jausml.views.diagrams.views import graph_of
+from jausml.views.diagrams.views.connections import PROVIDES, USES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,7 +49,9 @@ def spot(scope: Scope, node: str, port: str) -> Spot:
         raise AnswerError("that end is not in the model; add it first")
     owner = element_of(scope, node)
     if port.startswith(f"{node}{_MARK}"):
-        return Spot(owner, message=port.rpartition(_MARK)[2])
+        way, _, name = port.removeprefix(f"{node}{_MARK}").partition(_MARK)
+        # From the row of a service one draws as from the box.
+        return Spot(owner) if way in (PROVIDES, USES) else Spot(owner, message=name)
     return Spot(owner, element_of(scope, port) if port else None)
 
 

@@ -10,8 +10,9 @@ from collections import defaultdict
 from statistics import median
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.layout.settling import GAP, Area, area_of
+from jausml.views.diagrams.layout.settling import GAP, Area, label_area
 from jausml.views.diagrams.layout.sheet import Places, Route, on_curve
+from jausml.views.diagrams.layout.ways import fitted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -42,19 +43,8 @@ def can_face(sheet: Sheet) -> bool:
 def face(sheet: Sheet) -> Places:
     """Returns where everything stands."""
     work = _Work(sheet)
-    boxes = work.corners()
-    lines = work.routes(boxes)
-    areas = [area_of(box, boxes[box.id]) for box in sheet.boxes]
-    points = [point for route in lines.values() for point in route.points]
-    highest = min([each.top for each in areas] + [y for _, y in points])
-    moved = {name: (x, round(y - highest, 1)) for name, (x, y) in boxes.items()}
-    return Places(
-        max(each.right for each in areas),
-        round(max([each.bottom for each in areas] + [y for _, y in points]) - highest, 1),
-        moved,
-        {},
-        {name: _raised(route, highest) for name, route in lines.items()},
-    )
+    corners = work.corners()
+    return fitted(sheet, Places(0, 0, corners, {}, work.routes(corners)))
 
 
 class _Work:
@@ -165,17 +155,8 @@ def _label(
         return None
     ways = [on_curve(points, part) for part in (wanted, *_PARTS)]
     places = [(round(x, 1), round(y, 1) + aside) for x, y in ways]
-    areas = [
-        Area(x - line.width / 2, y - line.height / 2, x + line.width / 2, y + line.height / 2)
-        for x, y in places
-    ]
+    areas = [label_area(line, each) for each in places]
     free = (at for at, area in enumerate(areas) if not any(area.overlaps(t) for t in taken))
     chosen = next(free, 0)
     taken.append(areas[chosen])
     return places[chosen]
-
-
-def _raised(route: Route, by: float) -> Route:
-    points = tuple((round(x, 1), round(y - by, 1)) for x, y in route.points)
-    label = None if route.label is None else (route.label[0], round(route.label[1] - by, 1))
-    return Route(points, label)

@@ -19,6 +19,7 @@ from jausml.views.diagrams.layout.facing import can_face, face
 from jausml.views.diagrams.layout.labels import cleared
 from jausml.views.diagrams.layout.settling import chain
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
+from jausml.views.diagrams.layout.ways import spaced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -46,7 +47,12 @@ class Graphviz:
             raise LayoutError(MISSING)
         parts = [sheet] if sheet.packed else _parts(sheet)
         found = json.loads(_run(json.dumps(["\n".join(_graph(each)) for each in parts])))
-        return cleared(sheet, _beside(list(map(_places, parts, found))))
+        return cleared(
+            sheet,
+            _beside(
+                [spaced(each, _places(each, its)) for each, its in zip(parts, found, strict=True)]
+            ),
+        )
 
 
 def _run(text: str) -> bytes:
@@ -100,6 +106,7 @@ def _parts(sheet: Sheet) -> list[Sheet]:
     pairs += [
         (box.id, first.setdefault(outer[box.group], box.id)) for box in sheet.boxes if box.group
     ]
+    pairs += _below_first(sheet)
     for one, other in pairs:
         if whole[one] is not whole[other]:
             joined = whole[one] | whole[other]
@@ -159,10 +166,13 @@ def _lines(sheet: Sheet) -> Iterator[str]:
         for index, row in enumerate(box.rows)
     }
     columns = _columns(sheet)
+    first = {box.id for box in sheet.boxes if box.column == 0}
     linked = set()
     for number, line in enumerate(sheet.lines):
         ends, options = [line.source, line.target], [f"line={number}"]
         if columns and columns[line.source[0]] > columns[line.target[0]]:
+            ends.reverse()
+        if sheet.downwards and line.target[0] in first:
             ends.reverse()
         if line.width:
             options.append(f"label={_cell(line.width, line.height)}")
@@ -182,6 +192,16 @@ def _lines(sheet: Sheet) -> Iterator[str]:
         if line.course in ("left", "right"):
             yield f"  {{ rank=same; {start}; {end} }}"
     yield from _strays(sheet, columns, names, linked)
+    for one, other in _below_first(sheet):
+        yield f"  {names[one]} -> {names[other]} [style=invis]"
+
+
+def _below_first(sheet: Sheet) -> Iterator[tuple[str, str]]:
+    """Yields what is above what where a sheet goes downwards: the first box of each frame."""
+    first = {box.group: box.id for box in reversed(sheet.boxes) if box.column == 0}
+    for box in sheet.boxes if sheet.downwards else ():
+        if box.column and box.group in first:
+            yield first[box.group], box.id
 
 
 def _sides(columns: dict[str, int], start: str, end: str) -> tuple[str, str]:

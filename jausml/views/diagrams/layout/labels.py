@@ -11,16 +11,14 @@ from itertools import pairwise
 from math import dist
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.layout.settling import Area, area_of
-from jausml.views.diagrams.layout.sheet import on_curve
+from jausml.views.diagrams.layout.settling import Area, area_of, label_area
+from jausml.views.diagrams.layout.sheet import samples
+from jausml.views.diagrams.layout.ways import fitted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet
-
-_SAMPLES = 12
-"""Points of a curve, between which it is taken as straight."""
+    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
 
 _TEXTS = 10
 """How much a box or a label counts that is hidden; a line counts as one."""
@@ -35,24 +33,15 @@ _BESIDE = 3
 def cleared(sheet: Sheet, places: Places) -> Places:
     """Returns places of which labels lie on no other part, where their lines have room for that.
 
-    What they cover beyond the borders is added to the picture.
+    The picture becomes as large as all that stands on it.
     """
     ground = Ground(sheet, places)
     for line in sheet.lines:
         ground.clear(line)
-    areas = [ground.area(name, each) for name, each in ground.labels.items()]
-    left = min((each.left for each in areas), default=0)
-    top = min((each.top for each in areas), default=0)
-    right, down = max(0, -left), max(0, -top)
-    return replace(
-        places,
-        width=max([places.width, *(each.right for each in areas)]) + right,
-        height=max([places.height, *(each.bottom for each in areas)]) + down,
-        lines={
-            name: replace(route, label=ground.labels.get(name))
-            for name, route in places.lines.items()
-        },
-    ).moved(right, down)
+    lines = {
+        name: replace(route, label=ground.labels.get(name)) for name, route in places.lines.items()
+    }
+    return fitted(sheet, replace(places, lines=lines))
 
 
 class Ground:
@@ -60,8 +49,8 @@ class Ground:
 
     def __init__(self, sheet: Sheet, places: Places) -> None:
         self.labels = {name: each.label for name, each in places.lines.items() if each.label}
-        self._sizes = {each.id: (each.width, each.height) for each in sheet.lines}
-        self._ways = {name: _points(each) for name, each in places.lines.items()}
+        self._lines = {each.id: each for each in sheet.lines}
+        self._ways = {name: samples(each.points) for name, each in places.lines.items()}
         self._boxes = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
         self._thin = [
             Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
@@ -107,24 +96,13 @@ class Ground:
 
     def area(self, line: str, middle: Point) -> Area:
         """Returns what the label of a line covers."""
-        width, height = self._sizes[line]
-        x, y = middle
-        return Area(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+        return label_area(self._lines[line], middle)
 
     def _candidates(self, line: Line) -> Iterator[Point]:
         right, down = line.width / 2 + _BESIDE, line.height / 2 + _BESIDE
         for x, y in self._ways[line.id]:
             for across, along in ((0, 0), (0, -down), (0, down), (-right, 0), (right, 0)):
                 yield round(x + across, 1), round(y + along, 1)
-
-
-def _points(route: Route) -> list[Point]:
-    """Returns points on a way of cubic Bezier curves."""
-    found = list(route.points[:1])
-    for at in range(0, len(route.points) - 3, 3):
-        curve = route.points[at : at + 4]
-        found += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
-    return found
 
 
 def _borders(area: Area) -> Iterator[Area]:

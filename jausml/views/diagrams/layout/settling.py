@@ -9,7 +9,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.views.diagrams.layout.sheet import on_curve
+from jausml.views.diagrams.layout.sheet import samples
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -21,6 +21,9 @@ GAP, COLUMN_GAP = 24, 80
 
 FRAME_MARGIN = 12
 """Room between a frame and what stands in it."""
+
+_APART = 4
+"""Room between a frame that has grown by its lines and what stands beside it."""
 
 _CELL = 512
 
@@ -79,7 +82,9 @@ def settle(
     while new:
         box = next((each for each in new if ground.peers(each)), new[0])
         new.remove(box)
-        ground.put(box, ground.nearest(box, ground.beside(box)))
+        # What is joined with nothing comes behind what there is, and never before it.
+        is_last = not ground.peers(box)
+        ground.put(box, ground.nearest(box, ground.beside(box), is_last=is_last))
     return {box.id: ground.corners[box.id] for box in sheet.boxes}
 
 
@@ -171,7 +176,8 @@ class _Ground:
             if not among:
                 return 0, 0
             lowest = max(among, key=lambda each: each.bottom)
-            return _centred(box, lowest) if column else lowest.left, lowest.bottom + GAP
+            left = _centred(box, lowest) if column and self._has_columns else lowest.left
+            return left, lowest.bottom + GAP
         y = sum(each.y for each in peers) / len(peers) - box.height / 2
         peer = self._areas[peers[0].box.id]
         if not self._has_columns:
@@ -184,18 +190,22 @@ class _Ground:
         return peer.right + COLUMN_GAP, y
 
     def _column(self, box: Box) -> list[Box]:
-        """Returns the boxes that stand in the column of a box, those of its frame if there are."""
-        if not self._has_columns:
-            return []
+        """Returns the boxes that stand in the column of a box, those of its frame if there are.
+
+        All are in one column where there are no others.
+        """
         same = [
             each
             for each in self._sheet.boxes
-            if each.id in self.corners and each.column == box.column
+            if each.id in self.corners and (each.column == box.column or not self._has_columns)
         ]
         return [each for each in same if each.group == box.group] or same
 
-    def nearest(self, box: Box, wanted: Point) -> Point:
-        """Returns the place above or below one that is wanted, where a box has room."""
+    def nearest(self, box: Box, wanted: Point, *, is_last: bool = False) -> Point:
+        """Returns the place above or below one that is wanted, where a box has room.
+
+        `is_last`: only below.
+        """
         x, y = wanted
         frames = self._all_frames()
         tops = [y]
@@ -203,7 +213,7 @@ class _Ground:
             for gap in (GAP, GAP + 2 * FRAME_MARGIN):
                 tops += [each.bottom + gap, each.top - gap - box.height]
         for top in sorted(tops, key=lambda each: (abs(each - y), -each)):
-            if self._has_room(box, (x, top)):
+            if (top >= y or not is_last) and self._has_room(box, (x, top)):
                 return round(x), round(top)
         lowest = max(each.bottom for each in (*self._areas.values(), *frames.values()))
         return round(x), round(lowest + GAP)
@@ -222,7 +232,8 @@ class _Ground:
             return False
         around = set(self._around(box.group))
         frames = self._all_frames()
-        if any(area.overlaps(each) for name, each in frames.items() if name not in around):
+        others = (each for name, each in frames.items() if name not in around)
+        if any(area.overlaps(each, FRAME_MARGIN) for each in others):
             return False
         grown = frames_around(self._sheet, {**self.corners, box.id: corner})
         return not any(
@@ -262,10 +273,8 @@ def _centred(box: Box, other: Area) -> float:
     return (other.left + other.right - box.width) / 2
 
 
-_LEAST, _STEEP, _MOST = 24, 0.15, 90
+LEAST, STEEP, MOST = 24, 0.15, 90
 """How far a line bends outwards between boxes above each other; the page draws it so."""
-
-_SAMPLES = 8
 
 
 def surrounding(
@@ -279,25 +288,37 @@ def surrounding(
     """
     boxes = {each.id: each for each in sheet.boxes}
     parents = {each.id: each.parent for each in sheet.frames}
-    plain = frames_around(sheet, corners)
+    grown = frames_around(sheet, corners)
     chains = {each.id: tuple(chain(each.group, parents)) for each in sheet.boxes}
     more: dict[str, list[Area]] = {}
     for line in sheet.lines:
         source, target = chains[line.source[0]], chains[line.target[0]]
         frame = next((each for each in source if each in target), "")
-        area = _covered(line, boxes, corners, routes[line.id]) if frame else None
-        if area is not None:
-            more.setdefault(frame, []).append(area)
+        if frame:
+            route = routes[line.id]
+            between = () if route is not None else _bent(line, boxes, corners)
+            more.setdefault(frame, []).extend(covered(line, route) if route else between)
     areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
+    frames = {each.id: each for each in sheet.frames}
     for frame, found in more.items():
-        others = [area for name, area in areas.items() if frame not in chains[name]]
+        outside = [area for name, area in areas.items() if frame not in chains[name]]
         around = set(chain(frame, parents))
-        others += [
+        outside += [
             area
-            for name, area in plain.items()
+            for name, area in grown.items()
             if name not in around and frame not in chain(name, parents)
         ]
-        more[frame] = [each for each in found if not _is_in_the_way(each, others)]
+        more[frame] = [
+            each
+            for each in found
+            if not any(_framed(frames[frame], each).overlaps(other, _APART) for other in outside)
+        ]
+        # What grows later shall not cover this one.
+        for area in more[frame]:
+            inner = area
+            for name in chain(frame, parents):
+                inner = _framed(frames[name], inner)
+                grown[name] = grown[name].around(inner)
     return frames_around(sheet, corners, more)
 
 
@@ -308,32 +329,30 @@ def chain(group: str, parents: Mapping[str, str]) -> Iterator[str]:
         group = parents.get(group, "")
 
 
-def _is_in_the_way(area: Area, others: list[Area]) -> bool:
-    return any(area.overlaps(each, FRAME_MARGIN) for each in others)
+def covered(line: Line, route: Route) -> Iterator[Area]:
+    """Yields what the way of a line covers, and its label."""
+    xs, ys = zip(*samples(route.points), strict=True)
+    yield Area(min(xs), min(ys), max(xs), max(ys))
+    if route.label is not None:
+        yield label_area(line, route.label)
 
 
-def _covered(
-    line: Line, boxes: Mapping[str, Box], corners: Mapping[str, Point], route: Route | None
-) -> Area | None:
-    """Returns what a line covers, None where it stays between its boxes."""
-    if route is not None:
-        xs, ys = zip(*_points(route.points), strict=True)
-        return Area(min(xs), min(ys), max(xs), max(ys))
+def label_area(line: Line, middle: Point) -> Area:
+    """Returns what the label of a line covers."""
+    x, y = middle
+    right, down = line.width / 2, line.height / 2
+    return Area(x - right, y - down, x + right, y + down)
+
+
+def _bent(line: Line, boxes: Mapping[str, Box], corners: Mapping[str, Point]) -> Iterator[Area]:
+    """Yields what a line covers that a page draws, none where it stays between its boxes."""
     source, target = boxes[line.source[0]], boxes[line.target[0]]
     one, other = area_of(source, corners[source.id]), area_of(target, corners[target.id])
     if one.right <= other.left or other.right <= one.left:
-        return None
+        return
     both = one.around(other)
-    far = 0.75 * min(_LEAST + _STEEP * (both.bottom - both.top), _MOST)
+    far = 0.75 * min(LEAST + STEEP * (both.bottom - both.top), MOST)
     if source.column == target.column == 0:
-        return Area(min(one.left, other.left) - far, both.top, both.left, both.bottom)
-    return Area(both.right, both.top, max(one.right, other.right) + far, both.bottom)
-
-
-def _points(route: tuple[Point, ...]) -> Iterator[Point]:
-    """Yields points on a way of cubic Bezier curves."""
-    yield route[0]
-    for at in range(0, len(route) - 3, 3):
-        curve = route[at : at + 4]
-        for step in range(1, _SAMPLES + 1):
-            yield on_curve(curve, step / _SAMPLES)
+        yield Area(min(one.left, other.left) - far, both.top, both.left, both.bottom)
+    else:
+        yield Area(both.right, both.top, max(one.right, other.right) + far, both.bottom)

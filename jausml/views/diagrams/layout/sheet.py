@@ -29,7 +29,8 @@ class Row:
 class Box:
     """A box to be placed.
 
-    `group`: id of its frame, empty for none.
+    `group`: id of its frame, empty for none. `column`: from the left; on a sheet that goes
+    downwards, 0 for a box above the others of its frame.
     """
 
     id: str
@@ -109,6 +110,19 @@ class Route:
 
     points: tuple[Point, ...]
     label: Point | None
+
+
+_SAMPLES = 12
+"""Points of a curve, between which it is taken as straight."""
+
+
+def samples(points: Sequence[Point]) -> list[Point]:
+    """Returns points on a way of cubic Bezier curves."""
+    found = list(points[:1])
+    for at in range(0, len(points) - 3, 3):
+        curve = points[at : at + 4]
+        found += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
+    return found
 
 
 def on_curve(points: Sequence[Point], part: float) -> Point:

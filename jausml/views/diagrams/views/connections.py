@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import target_paths
-from jausml.views.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
-from jausml.views.diagrams.views.context import name_of, number
+from jausml.views.diagrams.graph import IDLE, JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
+from jausml.views.diagrams.views.context import details, name_of, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel.classes import jaus, ros
+    from jausml.language.metamodel.classes import ros
     from jausml.views.diagrams.views.context import Builder
+
+PROVIDES, USES = "provides", "uses"
+"""What boxes do with services of which nothing is carried."""
 
 _EXCHANGES = {
     "message": "message",
@@ -64,6 +69,33 @@ def add_service_connection(
             Edge(f"{row.id}!{start.node}", start, end, "message", name_of(message), (label,),
                  details=row.details, findings=row.findings, element=row.element)
         )  # fmt: skip
+
+
+def add_idle_services(builder: Builder, owner: jaus.Component) -> None:
+    """Adds a row for each service of which no connection carries anything.
+
+    The runtime takes care of core services by itself.
+    """
+    context, own = builder.context, builder.context.id_of(owner)
+    carried = [
+        each if isinstance(each, jaus.Service) else each.eContainer()
+        for each in builder.carried.get(own, ())
+    ]
+    for way, services in ((PROVIDES, owner.provides), (USES, owner.uses)):
+        for each in services:
+            if each.urn in SERVED_BY_RUNTIME or any(one in carried for one in lineage(each)):
+                continue
+            builder.put(
+                own,
+                Port(
+                    f"{own}!{way}!{name_of(each)}",
+                    name_of(each),
+                    way,
+                    IDLE,
+                    details=details(each),
+                    element=context.reference(each),
+                ),
+            )
 
 
 def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
@@ -198,6 +230,8 @@ def _jaus_ends(
         )
         boxes = [builder.add(box)]
     name = name_of(message)
+    for each in (context.id_of(owner), *boxes):
+        builder.carry(each, message)
     return [builder.put(each, Port(f"{each}!{way}!{name}", name, way)) for each in boxes]
 
 

@@ -137,7 +137,10 @@ def number(value: float) -> str:
 
 
 class Builder:
-    """A graph that grows."""
+    """A graph that grows.
+
+    `carried`: what connections carry from or to boxes, messages and services, by ids of boxes.
+    """
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -145,6 +148,7 @@ class Builder:
         self.groups: list[Group] = []
         self.edges: list[Edge] = []
         self.endpoints: list[tuple[str, str, End]] = []
+        self.carried: dict[str, list[EObject]] = {}
         self._ports: dict[str, dict[str, Port]] = {}
 
     def add(self, node: Node) -> str:
@@ -158,6 +162,11 @@ class Builder:
         """Adds a row to a box unless it has one of its id, and returns the end there."""
         self._ports[node].setdefault(port.id, port)
         return End(node, port.id)
+
+    def carry(self, node: str, what: EObject | None) -> None:
+        """Notes what a connection carries from or to a box."""
+        if what is not None:
+            self.carried.setdefault(node, []).append(what)
 
     def has(self, end: End) -> bool:
         """Tells whether there is such an end."""

@@ -184,6 +184,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
             "initial" if initial else "",
             tuple(rows),
             own if is_composite else around,
+            column=0 if initial and not is_composite else 1,
             details=tuple(each for state in elements for each in details(state)),
             findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
             element=element,

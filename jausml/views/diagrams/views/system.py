@@ -56,6 +56,9 @@ def graph(context: Context) -> Graph:
             _add_control(builder, each)
         if isinstance(each, bridge.Bridge):
             connections.add_bridge(builder, each)
+    for each in found:
+        if isinstance(each, jaus.Component):
+            connections.add_idle_services(builder, each)
     _add_topics(builder, [each for each in found if isinstance(each, ros.Node)])
     root = context.model.root
     name = name_of(root) if isinstance(root, systems.System) else context.view

@@ -13,7 +13,7 @@ from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, severity
 from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Row, Sheet
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from jausml.views.diagrams.graph import Edge, Finding, Graph, Node, Port
 
@@ -164,8 +164,18 @@ _WIDTHS = (
     *(556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500),
     *(334, 260, 334, 584),
 )
-_OTHER, _WIDE = 667, 1000
-_BOLD = 1.07
+_BOLD_WIDTHS = (
+    *(278, 333, 474, 556, 556, 889, 722, 238, 333, 333, 389, 584, 278, 333, 278, 278),
+    *((556,) * 10),
+    *(333, 333, 584, 584, 584, 611, 975),
+    *(722, 722, 722, 722, 667, 611, 778, 722, 278, 556, 722, 611, 833),
+    *(722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611),
+    *(333, 278, 333, 584, 556, 333),
+    *(556, 611, 556, 611, 556, 333, 611, 611, 278, 278, 556, 278, 889),
+    *(611, 611, 611, 611, 389, 556, 333, 611, 556, 778, 556, 556, 500),
+    *(389, 280, 389, 584),
+)
+_OTHER, _WIDE = 722, 1000
 _MOST_TEXTS = 1 << 14
 """Texts that are remembered: each edit of a page asks for the same ones."""
 
@@ -176,8 +186,8 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
 
     `size`: font size in pixels.
     """
-    thousandths = sum(_advance(each) for each in text)
-    return round(thousandths * size / 1000 * (_BOLD if bold else 1), 1)
+    widths = _BOLD_WIDTHS if bold else _WIDTHS
+    return round(sum(_advance(each, widths) for each in text) * size / 1000, 1)
 
 
 @lru_cache(maxsize=_MOST_TEXTS)
@@ -190,10 +200,10 @@ def cut(text: str, longest: int) -> str:
     return flat if len(flat) <= longest else f"{flat[: longest - 1]}\N{HORIZONTAL ELLIPSIS}"
 
 
-def _advance(sign: str) -> int:
+def _advance(sign: str, widths: Sequence[int]) -> int:
     index = ord(sign) - _FIRST
-    if 0 <= index < len(_WIDTHS):
-        return _WIDTHS[index]
+    if 0 <= index < len(widths):
+        return widths[index]
     if unicodedata.combining(sign):
         return 0
     is_wide = unicodedata.east_asian_width(sign) in "WF" or unicodedata.category(sign) == "Sm"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
 from jausml.views.diagrams.bundling import bundled
-from jausml.views.diagrams.graph import severity
+from jausml.views.diagrams.graph import IDLE, severity
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut, style, width
@@ -166,7 +166,7 @@ def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
 def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterator[str]:
     row = shapes.row_text(port)
     base = top + 12.5
-    quiet = "muted" if "unmapped" in port.mark else ""
+    quiet = "muted" if port.mark.endswith(("unmapped", IDLE)) else ""
     yield f'<g class="row" {_ids(key, port.id)}>'
     yield text_element(left + row.indent, base, row.label, shapes.ROW, port.state or quiet)
     if row.note:

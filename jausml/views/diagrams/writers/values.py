@@ -31,8 +31,8 @@ SIGN_ROOM = 18
 PartT = TypeVar("PartT", "Node", "Port", "Edge")
 
 SYSTEM = "system"
-LIVE_WIDTH = 100
-"""Room for what is told of a line while the system runs, above its label."""
+LIVE_WIDTH = 128
+"""Room for what is told of a line while the system runs, above its label: pages cut the rest."""
 
 _Way = tuple[float, ...]
 
@@ -41,7 +41,8 @@ _Way = tuple[float, ...]
 class Standing:
     """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
 
-    Boxes that are gone are kept: what undo brings back stands where it stood.
+    Boxes that are gone are kept: what undo brings back stands where it stood. `shown`: kinds and
+    corners of the boxes of the last picture by their keys, in its order.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
@@ -167,18 +168,16 @@ def _plain(part: PartT) -> PartT:
 
 
 def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> None:
-    """Gives the only new box of a kind the place of the only one that is gone: it was renamed."""
-    now = set(keys.values())
+    """Gives boxes that were renamed the places that they had.
+
+    Names change no order: they are found where a picture has as many boxes of a kind as before.
+    """
     for kind in {each.kind for each in graph.nodes} if standing.shown else ():
-        gone = [
-            corner
-            for key, (its, corner) in standing.shown.items()
-            if its == kind and key not in now
-        ]
+        old = [(key, corner) for key, (its, corner) in standing.shown.items() if its == kind]
         new = [keys[each.id] for each in graph.nodes if each.kind == kind]
-        new = [key for key in new if key not in standing.boxes]
-        if len(gone) == len(new) == 1:
-            standing.boxes[new[0]] = gone[0]
+        for (before, corner), key in zip(old, new, strict=False) if len(old) == len(new) else ():
+            if before not in new and key not in standing.boxes:
+                standing.boxes[key] = corner
 
 
 def _keep_routes(
