@@ -17,6 +17,7 @@ import pytest
 from jausml import __version__
 from jausml.cli.live import run as run_verb
 from jausml.cli.live import supervisor
+from jausml.generation.native import compiler
 
 READY = """\
 import signal, sys, time
@@ -243,6 +244,19 @@ def test_colcon_workspace_is_its_src(jausml, workspace):
     Path("ws").mkdir()
     out.rename("ws/src")
     assert jausml("run", "ws").stdout == "alpha | one\n"
+
+
+@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+def test_what_is_compiled_before_the_processes_start_is_told(jausml, workspace):
+    out = workspace("bridge", alpha="print('one')")
+    source = out / "alpha" / "core" / "core.cpp"
+    source.parent.mkdir()
+    source.write_text('extern const char jausml_digest[]; const char jausml_digest[] = "d1";\n')
+    result = jausml("run", out)
+    assert result.stdout == "alpha | one\n", result.stderr
+    told = "the translations of alpha are compiled, once, before anything runs\n"
+    assert result.stderr == told
+    assert jausml("run", out).stderr == ""
 
 
 def test_what_is_no_workspace(jausml, tmp_path):
