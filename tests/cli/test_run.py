@@ -405,7 +405,7 @@ def test_own_messages_that_are_not_built_are_named(jausml, workspace, tmp_path):
     ("package", "cure"),
     [
         # The library has it, so ROS has it.
-        ("ackermann_msgs", "apt install ros-jazzy-ackermann-msgs"),
+        ("ackermann_msgs", "pip install ros-jazzy-ackermann-msgs (few packages have wheels)"),
         ("tea_kettle_msgs", "`colcon build` where the sources of tea_kettle_msgs are"),
     ],
 )
@@ -415,7 +415,7 @@ def test_missing_messages_of_others_are_named(jausml, workspace, monkeypatch, pa
     assert result.exit_code == 2
     assert f"front needs {package}, which Python does not find" in result.stderr
     assert cure in result.stderr
-    assert ("apt" in result.stderr) is ("apt" in cure)
+    assert ("apt install" in result.stderr) is ("pip" in cure)
 
 
 @pytest.mark.parametrize("text", ["<package", "<package/>", ""])
