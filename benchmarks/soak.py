@@ -4,7 +4,8 @@ Usage: soak.py [--minutes 60] [--rate 500] [--data FILE]
 
 Points pass both ways through a generated bridge. Every ten seconds its memory, descriptors, threads
 and counts are looked at. Writes benchmarks/soak.json, whose section of docs/performance.md
-benchmarks/page.py makes; the exit code is 1 when something has grown or does not add up.
+benchmarks/page.py makes, or after less than an hour a file in build/benchmarks; the exit code is 1
+when something has grown or does not add up.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from figures import rounded
 from names import GENERATED, WAYS
 from processes import Children
 from rclpy.serialization import deserialize_message
-from run import machine
+from run import LOOKS, machine
 from samples import sample
 from systems import Measured, generate
 from variants import Loop, settle
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 DATA = HERE / "soak.json"
+FULL = 60.0
+"""Minutes of a run that the page on performance tells of."""
+
 BRIDGE = "soaked"
 PERIOD = 10.0
 """Seconds from one look to the next."""
@@ -309,12 +313,17 @@ def _rest(loop: _Soaked) -> None:
     drained(loop.take, _LAST_REPORT)
 
 
+def data_file(minutes: float) -> Path:
+    """Returns where a run is kept; a short one does not replace what the page tells."""
+    return DATA if minutes >= FULL else LOOKS / DATA.name
+
+
 def main() -> int:
     """Runs it; returns the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--minutes", type=float, default=FULL)
     parser.add_argument("--rate", type=float, default=500.0, help="messages a second, each way")
-    parser.add_argument("--data", type=Path, default=DATA)
+    parser.add_argument("--data", type=Path)
     options = parser.parse_args()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
@@ -323,7 +332,9 @@ def main() -> int:
     told = faults(found)
     looks = found["looks"]
     found["looks"] = [*looks[:-1:KEPT], looks[-1]]
-    options.data.write_text(f"{json.dumps(found, indent=1)}\n", encoding="utf-8")
+    file = options.data or data_file(options.minutes)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(f"{json.dumps(found, indent=1)}\n", encoding="utf-8")
     print("\n".join(told) or "nothing has grown, and all adds up")
     return 1 if told else 0
 

@@ -272,7 +272,7 @@ def _has_wheels(release: str) -> bool:
 def package_cure(name: str) -> str:
     """Returns how a package of messages of ROS 2 is installed."""
     package = f"ros-{distribution()}-{name.replace('_', '-')}"
-    return f"apt install {package}, or pip install {package}"
+    return f"apt install {package}, or pip install {package} (few packages have wheels)"
 
 
 def _rclpy() -> Finding:

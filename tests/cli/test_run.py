@@ -17,6 +17,7 @@ import pytest
 from jausml import __version__
 from jausml.cli.live import run as run_verb
 from jausml.cli.live import supervisor
+from jausml.generation.native import compiler
 
 READY = """\
 import signal, sys, time
@@ -245,6 +246,19 @@ def test_colcon_workspace_is_its_src(jausml, workspace):
     assert jausml("run", "ws").stdout == "alpha | one\n"
 
 
+@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+def test_what_is_compiled_before_the_processes_start_is_told(jausml, workspace):
+    out = workspace("bridge", alpha="print('one')")
+    source = out / "alpha" / "core" / "core.cpp"
+    source.parent.mkdir()
+    source.write_text('extern const char jausml_digest[]; const char jausml_digest[] = "d1";\n')
+    result = jausml("run", out)
+    assert result.stdout == "alpha | one\n", result.stderr
+    told = "the translations of alpha are compiled, once, before anything runs\n"
+    assert result.stderr == told
+    assert jausml("run", out).stderr == ""
+
+
 def test_what_is_no_workspace(jausml, tmp_path):
     result = jausml("run", tmp_path)
     assert result.exit_code == 2
@@ -391,7 +405,7 @@ def test_own_messages_that_are_not_built_are_named(jausml, workspace, tmp_path):
     ("package", "cure"),
     [
         # The library has it, so ROS has it.
-        ("ackermann_msgs", "apt install ros-jazzy-ackermann-msgs"),
+        ("ackermann_msgs", "pip install ros-jazzy-ackermann-msgs (few packages have wheels)"),
         ("tea_kettle_msgs", "`colcon build` where the sources of tea_kettle_msgs are"),
     ],
 )
@@ -401,7 +415,7 @@ def test_missing_messages_of_others_are_named(jausml, workspace, monkeypatch, pa
     assert result.exit_code == 2
     assert f"front needs {package}, which Python does not find" in result.stderr
     assert cure in result.stderr
-    assert ("apt" in result.stderr) is ("apt" in cure)
+    assert ("apt install" in result.stderr) is ("pip" in cure)
 
 
 @pytest.mark.parametrize("text", ["<package", "<package/>", ""])

@@ -30,6 +30,8 @@ BESIDE = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 NAME = re.compile(r'<\w+:\w+ xmi:version="2.0"[^>]* name="(\w+)"')
+FINDING = re.compile(r"^ *(\S+:\d+[:\d]*: (?:error|warning|info): .*)$", re.MULTILINE)
+WHOLE_FINDING = re.compile(r"\S+:\d+:\d+: (?:error|warning|info): JML\d{3} ")
 LINK = re.compile(r"\]\((?!http)([^)#]+)(?:#[^)]*)?\)")
 pytestmark = pytest.mark.timeout(300)
 
@@ -67,6 +69,16 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     line = [bash, "-euo", "pipefail", "-c", script(page)]
     result = run_script(line, cwd=tmp_path, env=environment, timeout=250)
     assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_findings_that_pages_show_have_the_form_of_findings() -> None:
+    shown = [
+        (page.name, line)
+        for page in PAGES
+        for line in FINDING.findall(page.read_text(encoding="utf-8"))
+    ]
+    assert len(shown) >= 5
+    assert [each for each in shown if not WHOLE_FINDING.match(each[1])] == []
 
 
 def test_the_tutorial_has_commands() -> None:

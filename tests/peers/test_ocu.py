@@ -15,8 +15,11 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.heard import Heard
+from jausml.runtime import Scope
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import RequestControl
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.messages import QueryIdentification, ReportControl, RequestControl
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports
@@ -319,6 +322,17 @@ def test_a_component_without_discovery_is_shown_as_one(jausml, component):
     assert result.exit_code == 2
     assert "100.1.1 answers (ReportStatus, ReportControl), but not QueryServices" in result.stderr
     assert "firewall" not in result.stderr
+
+
+def test_what_a_component_asks_while_it_starts_is_no_answer(network, catalogue):
+    heard = Heard(catalogue, network, Counters())
+    heard.note(QueryIdentification(query_type=Scope.SYSTEM).encode(), TARGET)
+    told = heard.why(TARGET, "QueryStatus", "ReportStatus", ())
+    assert told.startswith("100.1.1 sends QueryIdentification, but does not answer QueryStatus yet")
+    control = ReportControl(subsystem_id=0, node_id=0, component_id=0, authority_code=0)
+    heard.note(control.encode(), TARGET)
+    told = heard.why(TARGET, "QueryStatus", "ReportStatus", ())
+    assert told.startswith("100.1.1 answers (ReportControl), but not QueryStatus: it does not")
 
 
 def test_a_component_without_the_service_is_told_from_a_silent_one(jausml, component):

@@ -182,6 +182,11 @@ def soaked(soak, seen, **more):
     return {**found, **more}
 
 
+def test_a_short_soak_does_not_replace_what_the_page_tells(soak):
+    assert soak.data_file(1.0).parent == soak.LOOKS
+    assert soak.data_file(60.0) == soak.DATA
+
+
 def test_a_soak_that_stays_as_it_was_is_good(soak):
     assert soak.faults(soaked(soak, looks(0.0))) == []
 

@@ -85,6 +85,8 @@ def build_before_run(folder: Path, packages: Sequence[str]) -> None:
     if program is None:
         remark(MISSING)
         return
+    names = ", ".join(each.parent.parent.name for each in stale)
+    remark(f"the translations of {names} are compiled, once, before anything runs")
     for each in _built(stale, program):
         if each.reason:
             warn(f"{each.library.parent.name} is not compiled, Python translates: {each.reason}")

@@ -97,8 +97,13 @@ class Heard:
         fault = self._fault(target, report)
         if fault:
             return f"{target} answers {message} with a {report} that cannot be read: {fault}"
-        answers = listed([each for each in self.names(target) if each != report])
-        return f"{target} answers ({answers}), but not {message}: {self._reason(message, services)}"
+        names = self.names(target)
+        answers = [each for each in names if each != report and self._may_answer(each)]
+        if not answers:
+            sent = listed(names) or "nothing that can be read"
+            return f"{target} sends {sent}, but does not answer {message} yet: it may be starting"
+        reason = self._reason(message, services)
+        return f"{target} answers ({listed(answers)}), but not {message}: {reason}"
 
     def nothing(self) -> str:
         """Returns what may be the cause when nothing at all was heard, the likeliest first."""
@@ -159,6 +164,12 @@ class Heard:
         for service in self._catalogue.services.values():
             if any(each.name == message for each in service.inputs):
                 yield service
+
+    def _may_answer(self, name: str) -> bool:
+        """Whether a message may be an answer: what services only take asks or commands itself."""
+        services = self._catalogue.services.values()
+        is_sent = any(each.name == name for service in services for each in service.outputs)
+        return is_sent or next(self._takers(name), None) is None
 
     def _name(self, code: int) -> str:
         entries = self._catalogue.find(code)

@@ -92,3 +92,12 @@ def test_the_goal_is_the_end_of_the_path(along: float, aside: float, is_there: b
     # The path ends heading to -y: along it is down, aside is +x or -x.
     assert is_at_goal(PATH, END.x + aside, END.y - along) is is_there
     assert is_at_goal(PATH, END.x - aside, END.y - along) is is_there
+
+
+def test_only_what_is_known_is_said_of_a_drive() -> None:
+    progress = Progress(PATH)
+    lines = [line for report in drive() for line in progress.take_position(*report)]
+    assert lines[0].endswith(" m (JAUS axes),  9.0 m/s")
+    progress.take_estimate(0.0, 0.0)
+    later = [line for x, y, time in drive() for line in progress.take_position(x, y, time + 100)]
+    assert "m/s, estimate off by" in later[0]

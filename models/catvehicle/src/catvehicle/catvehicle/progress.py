@@ -98,12 +98,10 @@ class Progress:
         return []
 
     def _said(self, x: float, y: float, sensed: float) -> str:
-        speed = off = math.nan
+        said = [f"vehicle at x {x:6.2f} m, y {y:6.2f} m (JAUS axes)"]
         if self._last is not None:
             speed = math.dist(self._last[:2], (x, y)) / (sensed - self._last[2])
+            said.append(f"{speed:4.1f} m/s")
         if self._estimate is not None:
-            off = math.dist((x, y), self._estimate)
-        return (
-            f"vehicle at x {x:6.2f} m, y {y:6.2f} m (JAUS axes), {speed:4.1f} m/s; "
-            f"estimate off by {off:.2f} m"
-        )
+            said.append(f"estimate off by {math.dist((x, y), self._estimate):.2f} m")
+        return ", ".join(said)
