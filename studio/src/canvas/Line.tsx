@@ -30,7 +30,8 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
   // What a topic carries is told where its row ends on the other side of the bridge.
   const told = live && edge.kind !== "topic" ? liveText(live) : "";
-  const said = told ? [told.length > LONGEST ? `${told.slice(0, LONGEST - 1)}…` : told] : [];
+  const isCut = told.length > LONGEST;
+  const said = told ? [isCut ? `${told.slice(0, LONGEST - 1)}…` : told] : [];
   // The layout made room for the other words alone: what is told now stands above them.
   const lines = [...said, ...texts];
   const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
@@ -42,7 +43,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
       <path className="way" d={path} strokeWidth={width} markerEnd="url(#arrow)" />
       {lines.length > 0 && (
         <text className="way-label" textAnchor="middle">
-          {told && <title>{told}</title>}
+          {isCut && <title>{told}</title>}
           {lines.map((text, at) => (
             <tspan
               // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name
