@@ -25,7 +25,7 @@ OWN_DATA = {
     "authoring/projects/places.py",
     "authoring/projects/starting.py",
     "authoring/studio/handlers/showing.py",
-    "language/text/reading/scanning.py",
+    "language/text/reading/machine.py",
     "generators/jausml_generators/cpp/types.py",
 }
 """Modules that read what is shipped with them."""
