@@ -83,7 +83,6 @@ def main(arguments: list[str]) -> int:
     """Says what is wrong, if anything is; returns the exit status."""
     name, *given = arguments
     folder = Path(given[0] if given else os.environ["JAUSML_WORKSPACE"])
-    logging.disable()
     with tempfile.TemporaryDirectory(prefix="jausml_verdict_") as place:
         try:
             problem = next(VERDICTS[name](folder, Path(place)), "")
@@ -95,4 +94,5 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
+    logging.disable()
     sys.exit(main(sys.argv[1:]))

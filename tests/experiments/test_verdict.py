@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 
 import pytest
@@ -36,6 +37,7 @@ def packages(tmp_path_factory, virtual_workspaces):
 def test_sound_packages_pass(packages, name, capsys) -> None:
     assert verdict.main([name, str(packages[name])]) == 0
     assert capsys.readouterr().out == ""
+    assert logging.getLogger("jausml").isEnabledFor(logging.WARNING)  # for the tests that follow
 
 
 @pytest.mark.parametrize("name", sweep(MISTAKES, every=4))
