@@ -61,12 +61,15 @@ def ros(tmp_path, monkeypatch):
 def test_each_axis_and_a_button(ros):
     from sensor_msgs.msg import Joy
 
-    axes, buttons = ros.listen(Joy, "cab/spacenav"), ros.listen(Joy, "cab/button")
+    # A button that is held is told once: it is pressed when the cab has found who listens.
+    buttons = ros.listen_to_publisher(Joy, "cab/button")
+    axes = ros.listen(Joy, "cab/spacenav")
     pushed = [0.25, -0.5, 0.75, -1.0, 0.125, 1.0]
     pressed = ros.publisher(Joy, "joy")
     with Repeater(ros.publisher(Joy, "spacenav/joy"), Joy(axes=pushed, buttons=[1])):
+        wait_for(lambda: len(axes) > 5, "axes", 60)
         with Repeater(pressed, Joy(buttons=[1, 0])):
-            wait_for(lambda: axes and buttons and buttons[-1].buttons[0], "both", 60)
+            wait_for(lambda: buttons and buttons[-1].buttons[0], "button", 60)
         with Repeater(pressed, Joy(buttons=[0, 1])):
             wait_for(lambda: not buttons[-1].buttons[0], "the release", 60)
     assert list(axes[-1].axes) == pytest.approx(pushed, abs=1 / 32767)
