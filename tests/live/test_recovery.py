@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "models" / "catvehicle"
 OTHERS = ("vehicle", "operator_control_unit", "steering_controller", "velocity_controller")
 PATIENCE = 40.0
-SPEED = re.compile(r"vehicle at .* ([\d.]+) m/s;")
+SPEED = re.compile(r"vehicle at .* ([\d.]+) m/s\b")
 pytestmark = [pytest.mark.live, pytest.mark.timeout(150)]
 
 
