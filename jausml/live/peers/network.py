@@ -40,6 +40,7 @@ SUBSYSTEM = 65000
 """Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
 _LAST = 254
+_NOWHERE = logging.NullHandler()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +136,7 @@ def component_address(text: str) -> JausAddress:
 
 def silence_log() -> None:
     """Keeps warnings of the runtime about foreign datagrams from the terminal."""
-    logging.getLogger("jausml").addHandler(logging.NullHandler())
+    logging.getLogger("jausml").addHandler(_NOWHERE)  # once, however often it is asked for
 
 
 def _peer(text: str) -> tuple[JausAddress, Endpoint]:
