@@ -6,7 +6,7 @@ the PATH with such a `jausml`. Standard streams, folder, environment, signals an
 those of the command, but the process that does it is another one. What is read of the library, and
 the templates that are compiled, is what a second command of the same process would find.
 
-`Forked` is a program in Python that finds rclpy imported.
+`Forked` is a program in Python that finds rclpy and the runtime of generated workspaces imported.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 CLIENT = Path(__file__).with_name("warm_client.py")
+ROOT = Path(__file__).parents[2]
 PAGE = "JAUSML_PAGE"
 """Names, in the environment of a command, the page of the studio of a test."""
 ROS = (
@@ -156,7 +157,7 @@ def programs() -> Path:
 def serve(kind: str, listener: socket.socket) -> None:
     """Has each program that comes done in a process of its own."""
     prepare, run = KINDS[kind]
-    prepare()
+    prepare(Path(listener.getsockname()).parent)
     gc.collect()
     gc.freeze()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # no zombies: nobody waits for who watches
@@ -169,7 +170,7 @@ def serve(kind: str, listener: socket.socket) -> None:
         client.close()
 
 
-def _read_library() -> None:
+def _read_library(_folder: Path) -> None:
     """Reads the library and compiles all templates."""
     from jausml.generation import load_targets, render, select
     from jausml.language import project
@@ -181,14 +182,24 @@ def _read_library() -> None:
     assert read_models.__kwdefaults__ is not None
     read_models.__kwdefaults__["cache"] = cache
     project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
-    model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
+    model = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
     render(check_project([model]).model, select(load_targets()).targets)
 
 
-def _import_ros() -> None:
-    """Imports what a node needs; no thread of DDS runs before its context is there."""
+def _import_ros(folder: Path) -> None:
+    """Imports what a node needs, and the runtime that each generated workspace has a copy of.
+
+    No thread of DDS runs before its context is there.
+    """
     for each in ROS:
         importlib.import_module(each)
+    runtime = folder / "jausml_runtime"
+    runtime.symlink_to(ROOT / "jausml" / "runtime")
+    sys.path.insert(0, str(folder))
+    for each in sorted(runtime.rglob("*.py")):
+        parts = each.relative_to(folder).with_suffix("").parts
+        importlib.import_module(".".join(parts).removesuffix(".__init__"))
+    sys.path.remove(str(folder))
 
 
 def _watch(client: socket.socket, run: Callable[[dict[str, Any]], None]) -> None:
