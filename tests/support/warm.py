@@ -57,14 +57,19 @@ class Forked:
     """A program in Python beside rclpy: what tests want of `subprocess.Popen`, and its names."""
 
     def __init__(
-        self, arguments: list[str], environment: dict[str, str], stderr: int, *, stdin: bool
+        self,
+        arguments: list[str],
+        environment: dict[str, str],
+        stderr: int | None = None,
+        *,
+        stdin: bool = False,
     ) -> None:
         """Starts it.
 
         Args:
             arguments: `-m` and a module, or a file; then what either is given.
             environment: Its whole environment.
-            stderr: Where it writes errors.
+            stderr: Where it writes errors; without it where it writes all else.
             stdin: Whether it is told something, by `stdin`.
         """
         self.arguments = arguments
@@ -83,7 +88,8 @@ class Forked:
         }
         self._server = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._server.connect(str(_server("python")))
-        socket.send_fds(self._server, [b"\0"], [its_input, its_output, stderr])
+        streams = [its_input, its_output, its_output if stderr is None else stderr]
+        socket.send_fds(self._server, [b"\0"], streams)
         self._server.sendall(json.dumps(request).encode() + b"\n")
         for each in (its_input, its_output):
             os.close(each)
