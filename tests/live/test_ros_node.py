@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from warm import Forked
 from workspaces import python_path
 
 pytest.importorskip("rclpy")
@@ -73,13 +74,7 @@ class Process:
             **os.environ,
             "PYTHONPATH": python_path(workspace),
         }
-        self.popen = subprocess.Popen(
-            [sys.executable, "-m", f"{name}.main", *arguments],
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        self.popen = Forked(["-m", f"{name}.main", *arguments], environment)
         self.lines = []
         self.fresh = queue.SimpleQueue()
         self.reader = threading.Thread(target=self.read)
@@ -116,7 +111,7 @@ class Process:
 
     def close(self):
         # Asked first: a DDS process that is killed leaves shared memory behind.
-        self.popen.terminate()
+        self.popen.send_signal(signal.SIGTERM)
         try:
             self.popen.wait(PATIENCE)
         finally:

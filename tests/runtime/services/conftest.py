@@ -256,3 +256,11 @@ def setting(world: World) -> Iterator[Setting]:
 def message_classes() -> dict[int, type[Message]]:
     """The core messages by their codes."""
     return CLASSES
+
+
+@pytest.fixture
+def client(world):
+    """A component without services of its own, which subscribes."""
+    component = world.component("2.1.1", services=(), retry_min=0.5, retry_max=4.0)
+    component.start()
+    return component

@@ -9,9 +9,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 from .metrics import Sample, comfort, path_error
 from .velocity import safe_speed
 
@@ -69,6 +66,10 @@ def draw_run(
     """
     if not samples:
         raise ValueError("a run without samples cannot be drawn")
+    # It takes half a second, and most who import this module draw nothing.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
     figure = Figure(figsize=SIZE, dpi=RESOLUTION, layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(title, fontsize=_TEXT + 3)

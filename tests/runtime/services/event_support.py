@@ -1,0 +1,45 @@
+"""A provider of events, and what subscribes to them."""
+
+from __future__ import annotations
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import (
+    QueryHeartbeatPulse,
+    QueryStatus,
+    ReportHeartbeatPulse,
+    ReportStatus,
+)
+
+PROVIDER = JausAddress(1, 1, 1)
+
+
+class Inbox(list):
+    """Reports of one subscription."""
+
+    def __call__(self, report, sender):
+        assert sender == PROVIDER
+        self.append(report)
+
+
+def provider(world, **settings):
+    component = world.component(str(PROVIDER), **settings)
+    component.start()
+    return component
+
+
+def pulses(client, inbox, **named):
+    return client.subscribe(PROVIDER, QueryHeartbeatPulse(), ReportHeartbeatPulse, inbox, **named)
+
+
+def statuses(client, inbox, **named):
+    return client.subscribe(PROVIDER, QueryStatus(), ReportStatus, inbox, **named)
+
+
+def kill(world, component):
+    """End a component as a crash does: without a word."""
+    world.detach(component.address)
+    component._jaus_core.events.stop()
+    component._jaus_running = False
+    component._jaus_clients.events._component = world.component("77.7.7")
+    for stream in list(component._jaus_clients.events._streams.values()):
+        stream._cancel_timers()

@@ -1,0 +1,21 @@
+"""Addresses and packets for tests of transports."""
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.packet import AckNak, Packet
+
+DRIVER = JausAddress(100, 1, 1)
+SENSOR = JausAddress(100, 1, 2)
+OCU = JausAddress(200, 1, 1)
+PEER = JausAddress(300, 1, 1)
+STATUS = b"\x02\x40" + bytes(5)
+
+
+def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
+    return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields)
+
+
+def join(peer, at, wait_until) -> None:
+    """Let a station learn where the peer is."""
+    before = at.counter("transport.nak")
+    peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)
+    wait_until(lambda: at.counter("transport.nak") > before)
