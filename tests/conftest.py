@@ -103,11 +103,11 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two workers for each processor: half of their time tests wait for what they started.
+    """More workers than processors: most of the time tests wait for processes that they started.
 
-    Not more: what is said to come in time shall come on a computer that is busy with tests.
+    Not many more: what is said to come in time shall come on a computer that is busy with tests.
     """
-    return min(2 * (os.cpu_count() or 2), MOST_WORKERS)
+    return min(3 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
