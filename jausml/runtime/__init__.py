@@ -76,7 +76,7 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
-from .messages.handoff import HandoffDecision
+from .messages.access_control import HandoffDecision
 from .services.definitions import (
     Completion,
     ComponentSettings,

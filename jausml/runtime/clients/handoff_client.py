@@ -15,7 +15,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.handoff import HandoffDecision
+from ..messages.access_control import HandoffDecision
 from ..services.definitions import HandoffRequest
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..messages.digital_resources import (
+from ..messages.discovery import (
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..clients.list_client import ListRequest
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
-    from ..messages.handoff import HandoffDecision
+    from ..messages.access_control import HandoffDecision
     from ..services.definitions import HandoffRequest
     from ..services.element_list import ListElement
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING
 
-from ..messages.digital_resources import server_type
+from ..messages.discovery import server_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -12,7 +12,7 @@ from jausml.runtime import ServiceIdentity
 from jausml.runtime.component.modelled import ModelledComponent
 from jausml.runtime.component.state_machine import On, State
 from jausml.runtime.messages import CreateEvent, Event, RequestControl, Reset
-from jausml.runtime.messages.machine_states import (
+from jausml.runtime.messages.management import (
     MACHINE_STATES,
     QueryMachineStates,
     ReportMachineStates,

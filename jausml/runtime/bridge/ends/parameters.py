@@ -14,7 +14,7 @@ from ...base.address import JausAddress
 from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_search import PeerBinding
-from ...messages.digital_resources import server_type
+from ...messages.discovery import server_type
 from ...services.definitions import MAX_EVENT_RATE
 from .topics import Parameter
 
