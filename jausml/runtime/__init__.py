@@ -86,7 +86,7 @@ from .services.definitions import (
     ServiceIdentity,
     Status,
 )
-from .services.element_list import ElementList, ListElement, chain
+from .services.list_manager import ElementList, ListElement, chain
 from .transports.packets.packet import Priority
 from .transports.transport import Transport
 from .wire import DecodeError, EncodeError, Message

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..guardian.ward import Ward
     from ..services.definitions import HandoffRequest
-    from ..services.element_list import ListElement
+    from ..services.list_manager import ListElement
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings

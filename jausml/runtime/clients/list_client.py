@@ -14,7 +14,7 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from ..services.element_list import ALL_UIDS, NO_UID, ListElement
+from ..services.list_manager import ALL_UIDS, NO_UID, ListElement
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -11,7 +11,7 @@ from ..messages.discovery import (
     RequestIDRec,
 )
 from ..services.definitions import Scope
-from ..services.digital_resources import DIGITAL_RESOURCE_DISCOVERY, endpoints
+from ..services.discovery import DIGITAL_RESOURCE_DISCOVERY, endpoints
 from .peer_search import PeerSearch
 
 if TYPE_CHECKING:

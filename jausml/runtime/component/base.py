@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
     from ..services.definitions import Completion
-    from ..services.element_list import ListElement
+    from ..services.list_manager import ListElement
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
 

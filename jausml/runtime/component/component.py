@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..clients.query import PendingQuery
     from ..messages.access_control import HandoffDecision
     from ..services.definitions import HandoffRequest
-    from ..services.element_list import ListElement
+    from ..services.list_manager import ListElement
 
 R = TypeVar("R", bound=Message)
 

@@ -15,14 +15,12 @@ from ..clients.query import QueryClient
 from ..clients.resource_client import ResourceClient
 from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
-from ..services.digital_resources import DigitalResourceService
-from ..services.discovery import DiscoveryService
+from ..services.discovery import DigitalResourceService, DiscoveryService
 from ..services.events import EventsService
 from ..services.handoff import HandoffService
 from ..services.list_manager import ListManagerService
 from ..services.liveness_and_time import LivenessService, TimeService
-from ..services.machine_states import MachineStatesService
-from ..services.management import ManagementService
+from ..services.management import MachineStatesService, ManagementService
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 
 if TYPE_CHECKING:
@@ -34,8 +32,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..services.definitions import HandoffRequest
     from ..services.dispatch import Handler, Provision, Router
-    from ..services.element_list import ElementList
     from ..services.host import Host
+    from ..services.list_manager import ElementList
     from ..transports.transport import Transport
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..wire.message import DecodeError
     from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
     from .dispatch import Handler, Provision
-    from .element_list import ListElement
+    from .list_manager import ListElement
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)

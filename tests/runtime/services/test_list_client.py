@@ -18,7 +18,7 @@ from jausml.runtime.messages import (
     ReportElement,
     SetElement,
 )
-from jausml.runtime.services.element_list import ListElement, ListError
+from jausml.runtime.services.list_manager import ListElement, ListError
 from jausml.runtime.wire.message import EncodeError
 
 from .state_tables import CORE_NAMES, V1_1, core_services

@@ -13,7 +13,7 @@ from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.live.peers.conformance.steps import ask
 from jausml.live.peers.entry_messages import EntryMessage, message_class
 from jausml.runtime.messages import SetElement
-from jausml.runtime.services.element_list import chain
+from jausml.runtime.services.list_manager import chain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -12,7 +12,7 @@ from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, Any
 
 from ...services.definitions import Completion, Guard, Status
-from ...services.element_list import NO_UID, ListElement
+from ...services.list_manager import NO_UID, ListElement
 from .list_driver import ListDriver, ListMessages
 
 if TYPE_CHECKING:

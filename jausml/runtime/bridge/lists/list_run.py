@@ -12,7 +12,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...services.element_list import ALL_UIDS, NO_UID, chain
+from ...services.list_manager import ALL_UIDS, NO_UID, chain
 from ..ends.actions import Outcome
 from .run import RETRIES, Run
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Timer
     from ...clients.peer_search import PeerSearch
-    from ...services.element_list import ListElement
+    from ...services.list_manager import ListElement
     from ...wire.message import Message
     from ..ends.actions import ActionClient, ListAction, SentGoal
     from ..ends.ends import Ends
