@@ -10,13 +10,13 @@ from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from ..bridge.ends.actions import Outcome
+from ..bridge.ends.ros_side import Outcome
 from ..bridge.ends.topics import TopicFault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..bridge.ends.actions import GoalTaker, GoalWatcher
+    from ..bridge.ends.ros_side import GoalTaker, GoalWatcher
     from .network import Way
 
 NO_SERVER = "no_action_server"

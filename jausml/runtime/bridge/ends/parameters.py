@@ -21,9 +21,8 @@ from .topics import Parameter
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from .actions import ListAction
     from .ends import BridgeSettings
-    from .ros_side import RosSide
+    from .ros_side import ListAction, RosSide
     from .topics import RosService, Topic
 
 LEAST = 1e-9

@@ -11,8 +11,8 @@ from ..light_message import is_light
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..ends.actions import ListAction
     from ..ends.ends import Ends
+    from ..ends.ros_side import ListAction
     from ..reports.states import StopReason
 
 SourceT = TypeVar("SourceT")

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...services.list_manager import ALL_UIDS, NO_UID, chain
-from ..ends.actions import Outcome
+from ..ends.ros_side import Outcome
 from .run import RETRIES, Run
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..ends.actions import Outcome
 from ..ends.mission_driver import Kind, State
+from ..ends.ros_side import Outcome
 from .run import RETRIES, Run
 
 if TYPE_CHECKING:

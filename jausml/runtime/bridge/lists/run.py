@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..ends.actions import Outcome
+from ..ends.ros_side import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
