@@ -18,11 +18,10 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.command_client import PendingCommand
-    from ..clients.control_session import ControlSession
+    from ..clients.control_session import ControlSession, HandoffAnswer, PendingHandoff
     from ..clients.control_state import ControlState
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
-    from ..clients.handoff_client import HandoffAnswer, PendingHandoff
     from ..clients.list_client import ListRequest
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery

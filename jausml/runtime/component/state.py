@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..clients.command_client import CommandClient
-from ..clients.control_session import ControlClient
+from ..clients.control_session import ControlClient, HandoffClient
 from ..clients.discovery_client import DiscoveryClient, Greeter, Presence
 from ..clients.event_client import EventClient
-from ..clients.handoff_client import HandoffClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
 from ..clients.query import QueryClient
