@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..ends.list_driver import ListMessages
     from ..ends.ros_side import ListAction, ServedGoal
     from ..reports.states import Standing, StopReason
-    from .run import Run
+    from .list_run import Run
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..ends.mission_driver import Kind, State
 from ..ends.ros_side import Outcome
-from .run import RETRIES, Run
+from .list_run import RETRIES, Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..connections.controlled_peers import RepeatedStops
     from ..ends.mission_driver import MissionMessages
-    from .run import RunWatcher, Settled
+    from .list_run import RunWatcher, Settled
 
 _TASK = 1
 """The one task of a mission: elements of a list have no tree."""
