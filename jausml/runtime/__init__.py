@@ -24,13 +24,12 @@ from .bridge.bridge import Bridge
 from .bridge.calls.calls import CallTranslation
 from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.connection import AnyConnection
-from .bridge.connections.joins import Join
 from .bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
 from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.transcoding import Transcode, ros_classes
+from .bridge.connections.translations import Join, Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages

@@ -22,7 +22,7 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Status
 from ..services.management import PASSIVE
-from .connections.transcoding import Form
+from .connections.translations import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.ends import SharedMessages, SharedTopics

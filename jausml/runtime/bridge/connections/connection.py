@@ -20,11 +20,10 @@ from ..reports.diagnostics import Latency
 from ..reports.limiting import Limiting
 from ..reports.states import StopReason
 from .ages import Backlog
-from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .transcoding import Form, compiled_first, transcoder
+from .translations import Form, compiled_first, transcoder, with_joins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -34,8 +33,7 @@ if TYPE_CHECKING:
     from ..ends.topics import TopicFault
     from ..reports.diagnostics import ConnectionStatus
     from .ages import Age
-    from .joins import Joined
-    from .transcoding import Transcode
+    from .translations import Joined, Transcode
 
     Take = Callable[[bytes, Any], None]
 

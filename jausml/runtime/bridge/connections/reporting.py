@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...base.counters import Counters
     from ..ends.topics import TopicFault
     from ..reports.diagnostics import Statistics
-    from .transcoding import Form
+    from .translations import Form
 
 
 PERIODS = 3

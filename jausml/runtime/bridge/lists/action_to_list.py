@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...services.definitions import Guard
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers, RepeatedStops
-from ..connections.transcoding import ros_decoder, uses_ros_classes
+from ..connections.translations import ros_decoder, uses_ros_classes
 from ..ends import parameters
 from ..ends.mission_driver import MissionMessages
 from ..ends.ros_side import LONGEST_GOAL, Outcome

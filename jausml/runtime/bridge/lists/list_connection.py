@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import FILTERED, Connection
-from ..connections.transcoding import Form, uses_ros_classes
+from ..connections.translations import Form, uses_ros_classes
 from ..light_message import is_light
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...clients.peer_search import PeerBinding
 from ..connections.connection import NOT_READY
-from ..connections.transcoding import ros_encoder
+from ..connections.translations import ros_encoder
 from ..ends import parameters
 from ..ends.list_driver import ListAnswers
 from ..ends.ros_side import LONGEST_GOAL, Outcome
