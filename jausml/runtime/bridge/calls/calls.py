@@ -13,8 +13,7 @@ from ...wire.message import EncodeError
 from ..connections.connection import FILTERED, NOT_READY
 from ..connections.translations import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
 from ..ends import parameters
-from ..reports.diagnostics import ConnectionStatus, Statistics
-from ..reports.limiting import Limiting
+from ..reports.diagnostics import ConnectionStatus, Limiting, Statistics
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:

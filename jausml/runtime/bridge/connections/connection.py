@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
 from ..messages.compiled import compiled_of
-from ..reports.diagnostics import Latency
-from ..reports.limiting import Limiting
+from ..reports.diagnostics import Latency, Limiting
 from ..reports.states import StopReason
 from .ages import Backlog
 from .reporting import Reporter
