@@ -79,11 +79,12 @@ from .services.definitions import (
     ComponentSettings,
     Guard,
     HandoffRequest,
+    ListElement,
     Scope,
     ServiceIdentity,
     Status,
 )
-from .services.list_manager import ElementList, ListElement, chain
+from .services.list_manager import ElementList, chain
 from .transports.packets.packet import Priority
 from .transports.transport import Transport
 from .wire import DecodeError, EncodeError, Message

@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
-    from ..services.definitions import HandoffRequest
-    from ..services.list_manager import ListElement
+    from ..services.definitions import HandoffRequest, ListElement
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings

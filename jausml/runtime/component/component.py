@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
     from ..messages.access_control import HandoffDecision
-    from ..services.definitions import HandoffRequest
-    from ..services.list_manager import ListElement
+    from ..services.definitions import HandoffRequest, ListElement
 
 R = TypeVar("R", bound=Message)
 

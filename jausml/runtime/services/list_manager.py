@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..base.api import JausError
@@ -18,7 +17,7 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from .definitions import Guard
+from .definitions import Guard, ListElement
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -35,33 +34,6 @@ NO_UID = 0
 
 ALL_UIDS = 65535
 """UID that means all elements in a DeleteElement; no element has it."""
-
-
-@dataclass(frozen=True)
-class ListElement:
-    """One element of a list.
-
-    Attributes:
-        uid: Identifier, 1 to 65534; says nothing about the order.
-        previous_uid: Element before it; 0 in the first element.
-        next_uid: Element after it; 0 in the last element, the first element's in the last one of
-            a circular list.
-        data: What the element is: an encoded message, or bytes of the user's own format.
-        data_format: 0 for a JAUS message, 1 for a format of the user (AS5710, SetElement).
-    """
-
-    uid: int
-    previous_uid: int = NO_UID
-    next_uid: int = NO_UID
-    data: bytes = b""
-    data_format: int = 0
-
-    @property
-    def message_code(self) -> int | None:
-        """Code of the message that the element is; None for other formats."""
-        if self.data_format != 0 or len(self.data) < 2:
-            return None
-        return int.from_bytes(self.data[:2], "little")
 
 
 class ListError(JausError):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...component.component import JausComponent
-    from ...services.list_manager import ListElement
+    from ...services.definitions import ListElement
     from ...wire.message import Message
 
 

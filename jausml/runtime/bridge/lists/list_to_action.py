@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Timer
     from ...clients.peer_search import PeerSearch
-    from ...services.list_manager import ListElement
+    from ...services.definitions import ListElement
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
