@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 from jausml.generation.native import compiler
-from jausml.live.workers.pool import Work
-from jausml.live.workers.pool_processes import PoolError
+from jausml.live.workers.pool import PoolError, Work
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
