@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.live.messages import UnknownMessageError
+from jausml.live.peers.control import Handoffs, Hold
 from jausml.live.peers.discovery import POLL, controller_of
-from jausml.live.peers.handoffs import Handoffs
 from jausml.live.peers.heard import Heard
-from jausml.live.peers.holding import Hold
-from jausml.live.peers.listing import ListingClient
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
-from jausml.live.peers.watching import AnsweringClient, WatchingClient
+from jausml.live.peers.watching import AnsweringClient, ListingClient, WatchingClient
 from jausml.runtime import (
     ComponentSettings,
     ControlState,
