@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.project import OneDocument, one_document
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import Work
+from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import CompiledForm, ProgramError, PythonForm, Tally, compiled
 from jausml.proving.plan import directed, plan

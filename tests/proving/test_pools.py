@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 from jausml.generation.native import compiler
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import Work
+from jausml.live.workers.pool_processes import PoolError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -139,7 +139,7 @@ def _run(
     campaign: Campaign, document: OneDocument, chosen: Sequence[int], settings: Settings
 ) -> None:
     """Fills a campaign with what becomes of mutations, in their order."""
-    from jausml.live.workers.pool import PoolError
+    from jausml.live.workers.pool_processes import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
     try:

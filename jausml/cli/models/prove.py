@@ -106,7 +106,7 @@ def _proved(
 ) -> list[MapResult]:
     """Returns the results of maps, in their order."""
     from jausml.language.model.xmi.writer import UnwritableError
-    from jausml.live.workers.pool import PoolError
+    from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.running import program, prove_all
 
     try:

@@ -12,7 +12,7 @@ from distributed import Client, KilledWorker, get_worker
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from jausml.language.model.cache import digest, tool
-from jausml.live.workers.pool import PoolError, PoolProcesses
+from jausml.live.workers.pool_processes import PoolError, PoolProcesses
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
