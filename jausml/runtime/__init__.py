@@ -58,8 +58,8 @@ from .clients.event_subscription import EventSubscription
 from .clients.list_client import ListRequest
 from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
-from .component.component import JausComponent, Simulation
-from .component.modelled import ModelledComponent
+from .component.component import JausComponent
+from .component.modelled import ModelledComponent, Simulation
 from .component.process import ComponentProgram, run_component, running_transport
 from .component.state_machine import (
     Action,
