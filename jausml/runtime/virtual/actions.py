@@ -40,7 +40,7 @@ class VirtualAction:
 
 
 class VirtualActionClient:
-    """Sends goals of one action; see `ActionClient` of actions.py."""
+    """Sends goals of one action; see `ActionClient` of ros_side.py."""
 
     def __init__(self, action: VirtualAction, way: Way) -> None:
         self._action = action

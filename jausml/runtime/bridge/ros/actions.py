@@ -123,7 +123,7 @@ class NodeActionClient:
         fill: Callable[[Any], object] | None,
         watcher: GoalWatcher,
     ) -> NodeGoal:
-        """Sends a goal; see `ActionClient` of actions.py."""
+        """Sends a goal; see `ActionClient` of ros_side.py."""
         goal = NodeGoal(self, watcher)
         self.work.run(goal.send, elements, fill)
         return goal
