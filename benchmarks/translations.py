@@ -84,7 +84,7 @@ class _Forms:
     def __init__(self, model: Any, package: str) -> None:
         self._base = typed_bridge.bridge_class(package)
         self._bridge = self._base()
-        transcoding = importlib.import_module("jausml_runtime.bridge.connections.transcoding")
+        transcoding = importlib.import_module("jausml_runtime.bridge.connections.translations")
         self._typed = typed_bridge.typed(self._base, transcoding.ros_classes)()
         messages = importlib.import_module(f"{package}.messages")
         element = next(each for each in model.instances(bridge.Bridge) if each.name == package)

@@ -49,7 +49,7 @@ def main() -> int:
     """Runs the bridge."""
     package, *arguments = sys.argv[1:]
     base = bridge_class(package)
-    mark = importlib.import_module("jausml_runtime.bridge.connections.transcoding").ros_classes
+    mark = importlib.import_module("jausml_runtime.bridge.connections.translations").ros_classes
     run: Any = importlib.import_module("jausml_runtime").run_bridge
     return int(run(typed(base, mark)(), arguments))
 

@@ -270,6 +270,6 @@ class VirtualDrive:
         quality = self._workspace.module("jausml_runtime").Qos
         types = self._workspace.module("robot.ros_types")
         ros = Ros(self.world, types, link, quality(reliability="best_effort", depth=1))
-        outcome = self._workspace.module("jausml_runtime.bridge.ends.actions").Outcome
+        outcome = self._workspace.module("jausml_runtime.bridge.ends.ros_side").Outcome
         Follower(ros, self._conditions, outcome)
         Wheels(ros, self.record)

@@ -24,20 +24,18 @@ from .bridge.bridge import Bridge
 from .bridge.calls.calls import CallTranslation
 from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.connection import AnyConnection
-from .bridge.connections.joins import Join
 from .bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
 from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.transcoding import Transcode, ros_classes
+from .bridge.connections.translations import Join, Transcode, ros_classes
 from .bridge.diagnosing import Carried
-from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages
 from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
-from .bridge.ends.ros_side import RosSide
+from .bridge.ends.ros_side import ListAction, Progress, RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
@@ -53,16 +51,15 @@ from .bridge.messages.limits import (
 )
 from .bridge.process import run_bridge, run_node
 from .clients.command_client import PendingCommand
-from .clients.control_session import ControlSession
+from .clients.control_session import ControlSession, HandoffAnswer, PendingHandoff
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
-from .clients.handoff_client import HandoffAnswer, PendingHandoff
 from .clients.list_client import ListRequest
 from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
-from .component.component import JausComponent, Simulation
-from .component.modelled import ModelledComponent
+from .component.component import JausComponent
+from .component.modelled import ModelledComponent, Simulation
 from .component.process import ComponentProgram, run_component, running_transport
 from .component.state_machine import (
     Action,
@@ -76,17 +73,18 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
-from .messages.handoff import HandoffDecision
+from .messages.access_control import HandoffDecision
 from .services.definitions import (
     Completion,
     ComponentSettings,
     Guard,
     HandoffRequest,
+    ListElement,
     Scope,
     ServiceIdentity,
     Status,
 )
-from .services.element_list import ElementList, ListElement, chain
+from .services.list_manager import ElementList, chain
 from .transports.packets.packet import Priority
 from .transports.transport import Transport
 from .wire import DecodeError, EncodeError, Message

@@ -10,7 +10,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.samples import example, sample
+from jausml.live.messages.text import example, sample
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.outgoing import Packetizer
 from jausml.runtime.transports.packets.packet import AckNak, Priority

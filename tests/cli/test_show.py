@@ -11,8 +11,7 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.samples import example, sample
-from jausml.live.messages.text import rows
+from jausml.live.messages.text import example, rows, sample
 
 TEXT_MODEL = """
 /** Pays rope out. */

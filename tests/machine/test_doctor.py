@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from ports import free_port
 
 from jausml.cli import main
-from jausml.live.peers.makes.jaus_plus_plus import JausPlusPlus
+from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import Place, Vehicle
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings

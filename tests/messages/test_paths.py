@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.live.messages import EncodeError
-from jausml.live.messages.paths import by_name, parse_fields
+from jausml.live.messages.entries import by_name, parse_fields
 from jausml.live.messages.text import paths_of
 from jausml.live.peers.rendering import shown_fields
 

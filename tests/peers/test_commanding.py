@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.live.peers.commanding import Course
+from jausml.live.peers.requesting import Course
 
 
 def times(course, late):

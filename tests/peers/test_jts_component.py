@@ -11,7 +11,7 @@ import pytest
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import CheckFilter, opened, run
 from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.makes.tool_set import JtsComponent
+from jausml.live.peers.makes.junior import JtsComponent
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime.base.address import JausAddress
 

@@ -16,7 +16,7 @@ from jausml.live.peers.operator import running_operator
 from jausml.live.systems.machines import MOST_MACHINES
 from jausml.live.systems.monitoring import Monitor, polling
 from jausml.live.systems.state import SystemState
-from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
+from jausml.runtime.messages.management import QueryMachineStates, ReportMachineStates
 
 pytestmark = pytest.mark.ports
 

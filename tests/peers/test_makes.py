@@ -6,7 +6,7 @@ import pytest
 
 from jausml.cli.shared import options
 from jausml.live.peers.makes import rover
-from jausml.live.peers.makes.jaus_plus_plus import JausPlusPlus
+from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import SERVICES, Place, Vehicle
 from jausml.runtime.base.address import JausAddress
 

@@ -17,8 +17,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.bridge.connections.reporting import FEWEST_FAILURES, Reporter
 from jausml.runtime.bridge.messages.limits import AbsentFieldError
-from jausml.runtime.bridge.reports.diagnostics import Statistics
-from jausml.runtime.bridge.reports.limiting import Limiting
+from jausml.runtime.bridge.reports.diagnostics import Limiting, Statistics
 from jausml.runtime.messages import RequestControl
 
 pytestmark = pytest.mark.ports

@@ -7,8 +7,7 @@ import struct
 
 import pytest
 
-from jausml.live.peers.makes.junior import JuniorPeer
-from jausml.live.peers.makes.tool_set import REPORT_STATUS, STANDBY, JtsComponent
+from jausml.live.peers.makes.junior import REPORT_STATUS, STANDBY, JtsComponent, JuniorPeer
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress

@@ -360,7 +360,7 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.paths import parse_fields
+    from jausml.live.messages.entries import parse_fields
     from jausml.live.messages.values import shown
 
     name, _, fields = line.strip().partition(" ")

@@ -238,7 +238,7 @@ def _fields(
 ) -> dict[str, Any] | None:
     if not words:
         return None
-    from jausml.live.messages.paths import parse_fields
+    from jausml.live.messages.entries import parse_fields
 
     try:
         return parse_fields(" ".join(words))

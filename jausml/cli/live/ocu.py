@@ -311,9 +311,9 @@ def send_command(
     over by a higher authority, or no longer answers. The exit status is 4 then, also with
     --keep-sending.
     """
-    from jausml.live.peers.commanding import Course, outcome
-    from jausml.live.peers.commanding import command as send
     from jausml.live.peers.console import Console
+    from jausml.live.peers.requesting import Course, outcome
+    from jausml.live.peers.requesting import command as send
 
     if rate is not None and not duration:
         raise click.UsageError("--rate needs a --duration")

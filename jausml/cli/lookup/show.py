@@ -95,7 +95,7 @@ def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
 
 
 def _example(entry: MessageEntry) -> dict[str, Any]:
-    from jausml.live.messages.samples import example
+    from jausml.live.messages.text import example
 
     return {"message": entry.name, "fields": example(entry)}
 

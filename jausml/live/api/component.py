@@ -10,8 +10,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.live.api.declarations import Declarations, taking
-from jausml.live.api.messages import Received, Subscription, catalogue
+from jausml.live.api.messages import Declarations, Received, Subscription, catalogue, taking
 from jausml.live.peers.discovery import controller_of
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Operator, running_operator

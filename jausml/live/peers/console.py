@@ -9,13 +9,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
+from jausml.live.messages.entries import parse_fields
 from jausml.live.messages.errors import did_you_mean, similar
-from jausml.live.messages.paths import parse_fields
 from jausml.live.messages.text import paths_of
-from jausml.live.peers.commanding import outcome
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
-from jausml.live.peers.requesting import request
+from jausml.live.peers.requesting import outcome, request
 from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import Resume, Standby

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from jausml.language import wire
 from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
 from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
-from jausml.live.messages.samples import sample
+from jausml.live.messages.text import sample
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:

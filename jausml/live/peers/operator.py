@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.live.messages import UnknownMessageError
+from jausml.live.peers.control import Handoffs, Hold
 from jausml.live.peers.discovery import POLL, controller_of
-from jausml.live.peers.handoffs import Handoffs
 from jausml.live.peers.heard import Heard
-from jausml.live.peers.holding import Hold
-from jausml.live.peers.listing import ListingClient
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
-from jausml.live.peers.watching import AnsweringClient, WatchingClient
+from jausml.live.peers.watching import AnsweringClient, ListingClient, WatchingClient
 from jausml.runtime import (
     ComponentSettings,
     ControlState,
@@ -25,15 +23,8 @@ from jausml.runtime import (
     JausComponent,
     Scope,
 )
+from jausml.runtime import messages as core_messages
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.messages import (
-    ClearEmergency,
-    QueryStatus,
-    RejectControl,
-    ReportStatus,
-    Resume,
-    SetEmergency,
-)
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
 
@@ -91,8 +82,8 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         self.handoffs = component.handoffs
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
         self._request_ids = count(1)
-        component.on_message(RejectControl, self._rejected)
-        component.on_message(ReportStatus, self._status_reported)
+        component.on_message(core_messages.RejectControl, self._rejected)
+        component.on_message(core_messages.ReportStatus, self._status_reported)
 
     # ---- control ----------------------------------------------------------------------------
 
@@ -157,17 +148,19 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         """
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
-        is_urgent = isinstance(message, SetEmergency | ClearEmergency)
+        is_urgent = isinstance(message, core_messages.SetEmergency | core_messages.ClearEmergency)
         self._component.send(
             message,
             target,
             priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
-            acknowledge=not isinstance(message, Resume),
+            acknowledge=not isinstance(message, core_messages.Resume),
         )
         end = time.monotonic() + self.timeout
         while True:
             try:
-                state = status_of(self.ask(target, QueryStatus(), ReportStatus))
+                state = status_of(
+                    self.ask(target, core_messages.QueryStatus(), core_messages.ReportStatus)
+                )
             except NoAnswer:
                 return None
             if state in states:
@@ -179,12 +172,14 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
     def emergency(self, target: JausAddress) -> Status | None:
         """Sets an emergency, which stops a component; it needs no control."""
-        return self.change(target, SetEmergency(emergency_code=_STOP), Status.EMERGENCY)
+        return self.change(
+            target, core_messages.SetEmergency(emergency_code=_STOP), Status.EMERGENCY
+        )
 
     def clear(self, target: JausAddress) -> Status | None:
         """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
         after = [each for each in Status if each is not Status.EMERGENCY]
-        return self.change(target, ClearEmergency(emergency_code=_STOP), *after)
+        return self.change(target, core_messages.ClearEmergency(emergency_code=_STOP), *after)
 
     def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
         """Sends a message, once and without waiting."""
@@ -307,12 +302,12 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             hold.session.release()
         return hold is not None
 
-    def _rejected(self, _message: RejectControl, sender: JausAddress) -> None:
+    def _rejected(self, _message: core_messages.RejectControl, sender: JausAddress) -> None:
         self._rejections.put(sender)
         if sender in self._holds:
             self._holds[sender].rejected()
 
-    def _status_reported(self, report: ReportStatus, sender: JausAddress) -> None:
+    def _status_reported(self, report: core_messages.ReportStatus, sender: JausAddress) -> None:
         if sender in self._holds:
             self._holds[sender].status_reported(report)
 

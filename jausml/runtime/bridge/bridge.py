@@ -22,7 +22,7 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Status
 from ..services.management import PASSIVE
-from .connections.transcoding import Form
+from .connections.translations import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.ends import SharedMessages, SharedTopics
@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
-    from ..services.definitions import HandoffRequest
-    from ..services.element_list import ListElement
+    from ..services.definitions import HandoffRequest, ListElement
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.api import JausError
 from ..wire.message import EncodeError
-from .connections.transcoding import uses_ros_classes
+from .connections.translations import uses_ros_classes
 from .light_message import LightMessage
 from .messages.compiled import NoCoreError, compiled_of
 from .messages.limits import RosTypeError

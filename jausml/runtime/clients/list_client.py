@@ -14,7 +14,8 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from ..services.element_list import ALL_UIDS, NO_UID, ListElement
+from ..services.definitions import ListElement
+from ..services.list_manager import ALL_UIDS, NO_UID
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..messages.digital_resources import (
+from ..messages.discovery import (
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
     RequestIDRec,
 )
 from ..services.definitions import Scope
-from ..services.digital_resources import DIGITAL_RESOURCE_DISCOVERY, endpoints
+from ..services.discovery import DIGITAL_RESOURCE_DISCOVERY, endpoints
 from .peer_search import PeerSearch
 
 if TYPE_CHECKING:

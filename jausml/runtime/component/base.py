@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..services.definitions import Completion
-    from ..services.element_list import ListElement
+    from ..services.definitions import Completion, ListElement
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ..clients.list_client import deletion, replacement
 from ..clients.peer_search import PeerBinding
@@ -18,17 +17,15 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.command_client import PendingCommand
-    from ..clients.control_session import ControlSession
+    from ..clients.control_session import ControlSession, HandoffAnswer, PendingHandoff
     from ..clients.control_state import ControlState
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
-    from ..clients.handoff_client import HandoffAnswer, PendingHandoff
     from ..clients.list_client import ListRequest
     from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
-    from ..messages.handoff import HandoffDecision
-    from ..services.definitions import HandoffRequest
-    from ..services.element_list import ListElement
+    from ..messages.access_control import HandoffDecision
+    from ..services.definitions import HandoffRequest, ListElement
 
 R = TypeVar("R", bound=Message)
 
@@ -364,51 +361,3 @@ class JausComponent(ComponentBase):
     def discovery_server(self) -> JausAddress | None:
         """Where the component is registered: the Discovery service of its subsystem, if known."""
         return self._jaus_clients.discovery.server
-
-
-LOGGER = logging.getLogger(__name__)
-
-MessageT = TypeVar("MessageT", bound=Message)
-
-
-class Simulation:
-    """Keeps what a component is told, and makes its reports of it.
-
-    Components that the model calls ``simulated`` have one: nothing is behind them yet, and each
-    Report says what the Set of the same quantity asked for (AS6009). Nothing has measured that:
-    every report is counted as ``component.simulated``, and a component says so when it begins.
-    """
-
-    def __init__(self, component: JausComponent) -> None:
-        """Has been told nothing yet."""
-        self._component = component
-        self._kept: dict[type[Message], dict[str, Any]] = {}
-        component.when_started(self._warn)
-
-    def keep(self, report_class: type[Message], **values: Any) -> None:
-        """Have reports say these values from now on, and send events on them.
-
-        Args:
-            values: By their attributes in the report. None is what a command left out: of that, the
-                value before stays.
-        """
-        told = {name: value for name, value in values.items() if value is not None}
-        self._kept.setdefault(report_class, {}).update(told)
-        self._component.report_changed(report_class)
-
-    def report(self, at_rest: MessageT) -> MessageT:
-        """Return a report that says what was kept, and of all else what it says at rest.
-
-        Args:
-            at_rest: The report of a component that was told nothing; it is changed.
-        """
-        for name, value in self._kept.get(type(at_rest), {}).items():
-            setattr(at_rest, name, value)
-        self._component.counters.add("component.simulated")
-        return at_rest
-
-    def _warn(self) -> None:
-        LOGGER.warning(
-            "%s is simulated: its reports say what it was told, and nothing of a machine",
-            self._component.address,
-        )

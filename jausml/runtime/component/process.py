@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from ..base.address import JausAddress
 from ..base.loop import Loop
 from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
-from ..messages.digital_resources import server_type
+from ..messages.discovery import server_type
 from ..services.definitions import ComponentSettings, Scope
 from ..transports.jtcp import JtcpTransport
 from ..transports.node_manager import NodeManagerTransport

@@ -5,24 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..clients.command_client import CommandClient
-from ..clients.control_session import ControlClient
+from ..clients.control_session import ControlClient, HandoffClient
 from ..clients.discovery_client import DiscoveryClient, Greeter, Presence
 from ..clients.event_client import EventClient
-from ..clients.handoff_client import HandoffClient
 from ..clients.list_client import ListClient
 from ..clients.peer_search import PeerClient
 from ..clients.query import QueryClient
 from ..clients.resource_client import ResourceClient
 from ..services.access_control import AccessControlService
 from ..services.definitions import VERSION_1_1, Guard, Status
-from ..services.digital_resources import DigitalResourceService
-from ..services.discovery import DiscoveryService
+from ..services.discovery import DigitalResourceService, DiscoveryService
 from ..services.events import EventsService
 from ..services.handoff import HandoffService
 from ..services.list_manager import ListManagerService
 from ..services.liveness_and_time import LivenessService, TimeService
-from ..services.machine_states import MachineStatesService
-from ..services.management import ManagementService
+from ..services.management import MachineStatesService, ManagementService
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 
 if TYPE_CHECKING:
@@ -34,8 +31,8 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..services.definitions import HandoffRequest
     from ..services.dispatch import Handler, Provision, Router
-    from ..services.element_list import ElementList
     from ..services.host import Host
+    from ..services.list_manager import ElementList
     from ..transports.transport import Transport
 
 

@@ -6,10 +6,9 @@ writes. The positional parameters are the inputs and then the arguments of the c
 """
 
 # ruff: noqa: F403 - each module names what it offers in its own __all__
-from . import numbers, orientations, pictures, types
+from . import numbers, orientations, types
 from .numbers import *
 from .orientations import *
-from .pictures import *
 from .types import *
 
-__all__ = numbers.__all__ + orientations.__all__ + pictures.__all__ + types.__all__
+__all__ = numbers.__all__ + orientations.__all__ + types.__all__

@@ -7,15 +7,24 @@ are those of the standard, whose records are offered by the messages that hold t
 
 from .access_control import (
     ConfirmControl,
+    ConfirmHandoffRequest,
+    ConfirmReleaseControl,
     QueryAuthority,
     QueryControl,
+    QueryEnhancedTimeout,
+    QueryHandoffTimeout,
     QueryTimeout,
     RejectControl,
     ReleaseControl,
+    RemoveHandoffRequest,
     ReportAuthority,
     ReportControl,
+    ReportEnhancedTimeout,
+    ReportHandoffTimeout,
     ReportTimeout,
     RequestControl,
+    RequestHandoff,
+    RequestReleaseControl,
     SetAuthority,
 )
 from .discovery import (
@@ -44,17 +53,6 @@ from .events import (
     ReportEvents,
     ReportEventTimeout,
     UpdateEvent,
-)
-from .handoff import (
-    ConfirmHandoffRequest,
-    ConfirmReleaseControl,
-    QueryEnhancedTimeout,
-    QueryHandoffTimeout,
-    RemoveHandoffRequest,
-    ReportEnhancedTimeout,
-    ReportHandoffTimeout,
-    RequestHandoff,
-    RequestReleaseControl,
 )
 from .list_manager import (
     ConfirmElementRequest,

@@ -1,1 +1,1 @@
-"""The AS5710 core services that a component provides, one module per service."""
+"""The core services that a component provides (AS5710), and services beside them."""

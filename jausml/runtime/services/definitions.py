@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING
 
-from ..messages.digital_resources import server_type
+from ..messages.discovery import server_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -240,3 +240,30 @@ class Completion:
             self._succeeded = succeeded
             if self._on_end is not None:
                 self._on_end()
+
+
+@dataclass(frozen=True)
+class ListElement:
+    """One element of a list.
+
+    Attributes:
+        uid: Identifier, 1 to 65534; says nothing about the order.
+        previous_uid: Element before it; 0 in the first element.
+        next_uid: Element after it; 0 in the last element, the first element's in the last one of
+            a circular list.
+        data: What the element is: an encoded message, or bytes of the user's own format.
+        data_format: 0 for a JAUS message, 1 for a format of the user (AS5710, SetElement).
+    """
+
+    uid: int
+    previous_uid: int = 0
+    next_uid: int = 0
+    data: bytes = b""
+    data_format: int = 0
+
+    @property
+    def message_code(self) -> int | None:
+        """Code of the message that the element is; None for other formats."""
+        if self.data_format != 0 or len(self.data) < 2:
+            return None
+        return int.from_bytes(self.data[:2], "little")

@@ -19,7 +19,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.handoff import HandoffDecision as Decision
+from ..messages.access_control import HandoffDecision as Decision
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

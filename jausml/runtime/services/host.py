@@ -17,9 +17,14 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
-    from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
+    from .definitions import (
+        Completion,
+        ComponentSettings,
+        HandoffRequest,
+        ListElement,
+        ServiceIdentity,
+    )
     from .dispatch import Handler, Provision
-    from .element_list import ListElement
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)

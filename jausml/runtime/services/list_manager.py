@@ -1,9 +1,10 @@
-"""The ListManager service: a list of elements that the controller edits (AS5710)."""
+"""The ListManager service: a list that its controller edits as a whole or not at all (AS5710)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.api import JausError
 from ..messages import (
     ConfirmElementRequest,
     DeleteElement,
@@ -16,13 +17,183 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from .definitions import Guard
-from .element_list import ElementList, ListElement, ListError, Reason
+from .definitions import Guard, ListElement
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
     from ..base.address import JausAddress
     from ..wire.message import Message
     from .host import Host
+
+
+Reason = RejectElementRequest.ResponseCode
+
+NO_UID = 0
+"""Previous UID of the first element, next UID of the last one."""
+
+ALL_UIDS = 65535
+"""UID that means all elements in a DeleteElement; no element has it."""
+
+
+class ListError(JausError):
+    """A request that the list refuses.
+
+    Attributes:
+        reason: Code for RejectElementRequest.
+    """
+
+    def __init__(self, reason: Reason, text: str) -> None:
+        super().__init__(text)
+        self.reason = reason
+
+
+def chain(
+    contents: Iterable[tuple[int, bytes, int]], *, circular: bool = False
+) -> list[ListElement]:
+    """Return elements linked in the order given."""
+    known = list(contents)
+    if not known:
+        return []
+    uids = [uid for uid, _, _ in known]
+    closing = uids[0] if circular and len(uids) > 1 else NO_UID
+    before, after = [NO_UID, *uids[:-1]], [*uids[1:], closing]
+    return [
+        ListElement(uid, previous, following, data, data_format)
+        for (uid, data, data_format), previous, following in zip(known, before, after, strict=True)
+    ]
+
+
+class ElementList:
+    """Elements in an order, which is valid at any time (AS5710, ListManager).
+
+    A valid list has one first element, one last element unless it is circular, and no element
+    that is not reached from the first one. A request that would break that changes nothing.
+    """
+
+    def __init__(self, capacity: int) -> None:
+        self._capacity = capacity
+        self._elements: dict[int, ListElement] = {}
+
+    def __len__(self) -> int:
+        """Return the number of elements."""
+        return len(self._elements)
+
+    def __iter__(self) -> Iterator[ListElement]:
+        """Iterate over the elements in order, each once."""
+        return iter(tuple(self._elements.values()))
+
+    def __contains__(self, uid: object) -> bool:
+        """Whether there is an element of a UID."""
+        return uid in self._elements
+
+    def get(self, uid: int) -> ListElement | None:
+        """Return the element of a UID."""
+        return self._elements.get(uid)
+
+    @property
+    def first(self) -> ListElement | None:
+        """The first element."""
+        return next(iter(self._elements.values()), None)
+
+    @property
+    def circular(self) -> bool:
+        """Whether the first element follows the last one."""
+        return bool(self._elements) and next(reversed(self._elements.values())).next_uid != NO_UID
+
+    def set(self, requested: Sequence[ListElement]) -> None:
+        """Add elements, or replace those of the same UID; neighbours are linked to them.
+
+        Raises:
+            ListError: The list would not be valid, or is full; nothing is changed.
+        """
+        new = {element.uid: element for element in requested}
+        self._check(requested, new)
+        kept = [element for element in self if element.uid not in new]
+        if len(kept) + len(new) > self._capacity:
+            raise ListError(Reason.OUT_OF_MEMORY, f"more than {self._capacity} elements")
+        closed = self.circular and len(kept) > 1
+        # The gaps that replaced elements leave are closed first.
+        chained = chain(((e.uid, e.data, e.data_format) for e in kept), circular=closed)
+        self._elements = _in_order(_linked({each.uid: each for each in chained}, new))
+
+    def delete(self, uids: Sequence[int]) -> None:
+        """Delete elements, or all; the neighbours of a deleted element become neighbours.
+
+        Raises:
+            ListError: There is no such element; nothing is changed.
+        """
+        if ALL_UIDS in uids:
+            self._elements = {}
+            return
+        for uid in uids:
+            if uid == NO_UID:
+                raise ListError(Reason.INVALID_ELEMENT_ID, "no element has UID 0")
+            if uid not in self._elements:
+                raise ListError(Reason.ELEMENT_ID_NOT_FOUND, f"there is no element {uid}")
+        kept = [(e.uid, e.data, e.data_format) for e in self if e.uid not in uids]
+        circular = self.circular
+        self._elements = {each.uid: each for each in chain(kept, circular=circular)}
+
+    def _check(self, requested: Sequence[ListElement], new: dict[int, ListElement]) -> None:
+        """Refuse what is wrong with single elements."""
+        if len(new) != len(requested):
+            raise ListError(Reason.INVALID_ELEMENT_ID, "an element is given twice")
+        for element in requested:
+            uid = element.uid
+            if uid in (NO_UID, ALL_UIDS):
+                raise ListError(Reason.INVALID_ELEMENT_ID, f"{uid} is no UID of an element")
+            for neighbour, reason in (
+                (element.previous_uid, Reason.INVALID_PREVIOUS_ELEMENT),
+                (element.next_uid, Reason.INVALID_NEXT_ELEMENT),
+            ):
+                known = neighbour in new or neighbour in self._elements
+                if neighbour == uid or (neighbour != NO_UID and not known):
+                    raise ListError(reason, f"element {uid}: {neighbour} cannot be its neighbour")
+
+
+def _linked(
+    kept: dict[int, ListElement], new: dict[int, ListElement]
+) -> dict[int, tuple[int, int, ListElement]]:
+    """Return previous and next UID of all elements, with the neighbours of new ones updated."""
+    previous = {each.uid: each.previous_uid for each in (*kept.values(), *new.values())}
+    following = {each.uid: each.next_uid for each in (*kept.values(), *new.values())}
+    old_first = next(iter(kept), NO_UID)
+    old_last = next(reversed(kept), NO_UID)
+    has_new_first = any(each.previous_uid == NO_UID for each in new.values())
+    for element in new.values():
+        if element.previous_uid in kept:
+            following[element.previous_uid] = element.uid
+        # A next UID that is the first element's closes the circle, unless another is first now.
+        closes = element.next_uid == old_first and not has_new_first
+        if element.next_uid in kept and not closes:
+            previous[element.next_uid] = element.uid
+    if old_last and has_new_first and following[old_last] == old_first:
+        following[old_last] = next(e.uid for e in new.values() if e.previous_uid == NO_UID)
+    return {
+        uid: (previous[uid], following[uid], element) for uid, element in {**kept, **new}.items()
+    }
+
+
+def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListElement]:
+    """Walk along the links from the first element; refuses a list that is not valid."""
+    heads = [uid for uid, (previous, _, _) in links.items() if previous == NO_UID]
+    if len(heads) != 1:
+        raise ListError(Reason.INVALID_PREVIOUS_ELEMENT, f"{len(heads)} elements are the first")
+    ordered: dict[int, ListElement] = {}
+    before, uid = NO_UID, heads[0]
+    while uid != NO_UID and not (ordered and uid == heads[0]):
+        previous, following, element = links[uid]
+        if uid in ordered:
+            raise ListError(Reason.INVALID_NEXT_ELEMENT, f"{before} leads back to {uid}")
+        if previous != before:
+            raise ListError(Reason.INVALID_PREVIOUS_ELEMENT, f"{before} and {uid} do not agree")
+        ordered[uid] = ListElement(uid, previous, following, element.data, element.data_format)
+        before, uid = uid, following
+    if len(ordered) != len(links):
+        raise ListError(Reason.INVALID_NEXT_ELEMENT, "elements would be cut off from the list")
+    return ordered
+
 
 DATA_FORMATS = (0, 1)
 """Formats of ElementData: a JAUS message, or one of the user; a report can hold no other."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import math
-import socket
 from collections import Counter, OrderedDict, deque
 from functools import partial
 from typing import TYPE_CHECKING
@@ -16,18 +15,19 @@ from .address_book import SOURCE_REFUSED, AllowedHosts, resolve
 from .delivery import ReliableCarrier, report
 from .packets.duplicates import DuplicateWindow
 from .packets.messenger import Messenger
-from .packets.packet import AckNak, Broadcast, Packet
+from .packets.packet import AckNak, Packet
 from .ports import advice
-from .tcp_connection import TcpConnection, connect
+from .tcp_connection import TcpConnection, connect, listen, octets_of
 from .transport import Transport
 
 if TYPE_CHECKING:
+    import socket
+
     from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
     from ..base.settings import Endpoint, TransportSettings
     from .delivery import OnResult, Receive, Take
 
-_BACKLOG = 64
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
@@ -131,7 +131,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _send_now(self, packets: list[Packet], on_result: OnResult | None) -> None:
         destination = packets[0].destination
-        data = b"".join([_message(packet) for packet in packets])
+        data = b"".join([octets_of(packet) for packet in packets])
         if destination.is_wildcard:
             sent = [each.write(data) for each in self._everyone()]
             report(self.loop, on_result, success=any(sent))
@@ -147,7 +147,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def answer(self, packet: Packet, origin: TcpConnection) -> None:
         """Send a packet back over the connection that one came from."""
-        origin.write(_message(packet))
+        origin.write(octets_of(packet))
 
     def _way_to(self, destination: JausAddress) -> TcpConnection | None:
         """Return the connection to a component, which may be on its way."""
@@ -339,7 +339,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """Try to own the port; until then stay connected to its owner."""
         self._takeover = None
         try:
-            self._listener = _listen(self._well_known)
+            self._listener = listen(self._well_known)
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise OSError(
@@ -368,7 +368,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     def _announce(self, connection: TcpConnection) -> None:
         for address in self._inbox.receivers:
             present = Packet(BROADCAST, address, acknowledge=AckNak.ACK)
-            connection.write(_message(present))
+            connection.write(octets_of(present))
 
     def _relay(self, packet: Packet, origin: TcpConnection) -> bool:
         """Pass a packet on for another process of this host; return whether it went somewhere."""
@@ -385,7 +385,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):
             return False
-        data = _message(packet)
+        data = octets_of(packet)
         for way in ways:
             way.write(data)
         self.counters.add("jtcp.relayed")
@@ -395,23 +395,3 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 def _place(peer: Endpoint) -> tuple[str, str]:
     """Returns host and endpoint of a peer, as budgets take them."""
     return peer[0], f"{peer[0]}:{peer[1]}"
-
-
-def _message(packet: Packet) -> bytes:
-    if packet.destination.is_wildcard:
-        packet = packet._replace(broadcast=Broadcast.GLOBAL)
-    return packet.encode()[1:]
-
-
-def _listen(endpoint: Endpoint) -> socket.socket:
-    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    try:
-        # Connections of a former owner that still time out must not keep the port.
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        sock.bind(endpoint)
-        sock.listen(_BACKLOG)
-        sock.settimeout(0)
-    except OSError:
-        sock.close()
-        raise
-    return sock

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 from ..base.api import JausError
 from .delivery import report
-from .packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
+from .packets.packet import (
+    EMPTY_MESSAGE_SIZE,
+    JUDP_VERSION,
+    Broadcast,
+    Packet,
+    message_size,
+    parse_message,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -22,6 +29,7 @@ if TYPE_CHECKING:
 
 
 _SIZE_END = 3
+_BACKLOG = 64
 
 
 class StreamError(JausError):
@@ -297,3 +305,29 @@ def _keep_alive(sock: socket.socket) -> None:
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, _KEEPALIVE_IDLE_S)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, _KEEPALIVE_INTERVAL_S)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, _KEEPALIVE_PROBES)
+
+
+def octets_of(packet: Packet) -> bytes:
+    """A packet as it stands in a stream."""
+    if packet.destination.is_wildcard:
+        packet = packet._replace(broadcast=Broadcast.GLOBAL)
+    return packet.encode()[1:]
+
+
+def listen(endpoint: Endpoint) -> socket.socket:
+    """A socket that takes connections.
+
+    Raises:
+        OSError: The port is taken, or no address of this computer.
+    """
+    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        # Connections of a former owner that still time out must not keep the port.
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        sock.bind(endpoint)
+        sock.listen(_BACKLOG)
+        sock.settimeout(0)
+    except OSError:
+        sock.close()
+        raise
+    return sock

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from ..base.loop import Loop
-    from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
-    from ..bridge.ends.ros_side import RosCodec, RosPublisher
+    from ..bridge.ends.ros_side import ActionClient, GoalTaker, ListAction, RosCodec, RosPublisher
     from ..bridge.ends.topics import (
         EndpointHealth,
         Parameter,

@@ -14,7 +14,7 @@ from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.component.component import JausComponent
-from jausml.runtime.services.element_list import chain
+from jausml.runtime.services.list_manager import chain
 
 from ..bridge_support import Process, wait_for
 

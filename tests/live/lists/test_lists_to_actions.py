@@ -10,7 +10,8 @@ import pytest
 pytest.importorskip("rclpy")
 
 from jausml.runtime.clients.control_state import ControlState
-from jausml.runtime.services.element_list import ListElement, chain
+from jausml.runtime.services.definitions import ListElement
+from jausml.runtime.services.list_manager import chain
 
 from ..bridge_support import guardian_of, wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from jausml.runtime.services.element_list import chain
+from jausml.runtime.services.list_manager import chain
 
 from ..bridge_support import wait_for
 from .list_system import OPERATOR, PATIENCE, ROBOT, facts, pass_by, wait_goal

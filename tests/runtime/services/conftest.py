@@ -12,7 +12,7 @@ from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
-from jausml.runtime.messages import digital_resources, machine_states
+from jausml.runtime.messages import discovery, management
 from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -39,7 +39,7 @@ CORE_SERVICES = tuple(
 
 CLASSES = {
     each.CODE: each
-    for module in (core_messages, digital_resources, machine_states)
+    for module in (core_messages, discovery, management)
     for each in vars(module).values()
     if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
 }

@@ -7,7 +7,7 @@ import pytest
 from jausml.runtime import ComponentSettings, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.process import ComponentProgram, run_component
-from jausml.runtime.messages.digital_resources import (
+from jausml.runtime.messages.discovery import (
     ConfirmDigitalResourceEndpoint,
     Endpoint,
     QueryDigitalResourceEndpoint,
@@ -17,7 +17,7 @@ from jausml.runtime.messages.digital_resources import (
     RequestIDRec,
     server_type,
 )
-from jausml.runtime.services.digital_resources import DIGITAL_RESOURCE_DISCOVERY
+from jausml.runtime.services.discovery import DIGITAL_RESOURCE_DISCOVERY
 
 from .conftest import CORE_SERVICES
 

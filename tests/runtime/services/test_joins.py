@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.bridge.connections.translations import Join
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 

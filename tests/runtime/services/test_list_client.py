@@ -18,7 +18,8 @@ from jausml.runtime.messages import (
     ReportElement,
     SetElement,
 )
-from jausml.runtime.services.element_list import ListElement, ListError
+from jausml.runtime.services.definitions import ListElement
+from jausml.runtime.services.list_manager import ListError
 from jausml.runtime.wire.message import EncodeError
 
 from .state_tables import CORE_NAMES, V1_1, core_services

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime import ros_classes
-from jausml.runtime.bridge.connections.transcoding import uses_ros_classes
+from jausml.runtime.bridge.connections.translations import uses_ros_classes
 
 
 class Generated:

@@ -14,27 +14,9 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.semantics.conversions import NoValueError, definition
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths import attributes
+from jausml_generators.bridge.checks import filling
 from jausml_generators.bridge.checks.check import Check, tidy
-from jausml_generators.bridge.checks.filling import (
-    PRESENT,
-    JausMessage,
-    Place,
-    Scalar,
-    ValueTextError,
-    has_value,
-    is_absent,
-    short_name,
-)
-from jausml_generators.bridge.translation.expressions import (
-    BITS,
-    BOOLEAN,
-    INTEGER,
-    OCTETS,
-    QUATERNION,
-    REAL,
-    TEXT,
-    TIME,
-)
+from jausml_generators.bridge.translation import expressions
 from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.statements import long_string
 
@@ -70,11 +52,11 @@ class Sample:
         changed: Paths of the target at which something else must stand than as it is made.
     """
 
-    values: dict[str, Scalar] = field(default_factory=dict)
-    expected: dict[str, Scalar] = field(default_factory=dict)
+    values: dict[str, filling.Scalar] = field(default_factory=dict)
+    expected: dict[str, filling.Scalar] = field(default_factory=dict)
     changed: list[str] = field(default_factory=list)
 
-    def without(self, path: str) -> dict[str, Scalar]:
+    def without(self, path: str) -> dict[str, filling.Scalar]:
         """Returns the values but for one."""
         return {each: value for each, value in self.values.items() if each != path}
 
@@ -89,7 +71,7 @@ def sample_of(ends: Ends) -> Sample | None:
         return None
     try:
         return _Sampler(ends).sample()
-    except (_NoSampleError, PathError, ValueTextError):
+    except (_NoSampleError, PathError, filling.ValueTextError):
         return None
 
 
@@ -119,40 +101,40 @@ class _Sampler:
         if path in self._sample.values:
             return
         place = self._only_once(self._ends.source.place(path))
-        if place.kind == TEXT:
+        if place.kind == expressions.TEXT:
             self._sample.values[path] = "a"
-        elif place.kind == QUATERNION:
+        elif place.kind == expressions.QUATERNION:
             for name, part in zip("xyzw", _ORIENTATION, strict=True):
                 self._sample.values[f"{path}.{name}"] = part
-        elif place.kind == TIME:
+        elif place.kind == expressions.TIME:
             for name, part in zip(("sec", "nanosec"), _INSTANT, strict=True):
                 self._sample.values[f"{path}.{name}"] = part
-        elif place.kind == BITS:
-            self._sample.values[path] = PRESENT
-        elif place.is_number or place.kind in {BOOLEAN, OCTETS}:
+        elif place.kind == expressions.BITS:
+            self._sample.values[path] = filling.PRESENT
+        elif place.is_number or place.kind in {expressions.BOOLEAN, expressions.OCTETS}:
             tried = (each for each in self._candidates(place) if self._fits(place, each))
             value = next(tried, None)
             if value is None:
                 raise _NoSampleError
             self._sample.values[path] = value
 
-    def _only_once(self, place: Place) -> Place:
+    def _only_once(self, place: filling.Place) -> filling.Place:
         """Refuses alternatives of one field, of which a message has only one."""
         if place.code in self._given:
             raise _NoSampleError
         self._given.add(place.code)
         return place
 
-    def _candidates(self, place: Place) -> Iterator[Scalar]:
-        if place.kind == BOOLEAN:
+    def _candidates(self, place: filling.Place) -> Iterator[filling.Scalar]:
+        if place.kind == expressions.BOOLEAN:
             yield from (True, False)
             return
-        if place.kind == OCTETS:
+        if place.kind == expressions.OCTETS:
             yield from (bytes(range(1, count)) for count in range(2, _MOST_OCTETS))
             return
         number = len(self._sample.values) + 1
         low, high = place.limits
-        if place.kind == INTEGER:
+        if place.kind == expressions.INTEGER:
             yield from (first for first, _ in place.ranges)
             yield from (number, *(int(each) for each in (low,) if math.isfinite(each)))
             yield from (*(int(each) for each in _OTHERS if each >= 1), 0)
@@ -161,7 +143,7 @@ class _Sampler:
         yield from map(float, _OTHERS)
         yield from ((low + high) / 2 if math.isfinite(high - low) else 0.0, 0.0)
 
-    def _fits(self, place: Place, value: Scalar) -> bool:
+    def _fits(self, place: filling.Place, value: filling.Scalar) -> bool:
         """Whether a source may have a value, and all that is made of it alone has a place."""
         if isinstance(value, bytes):
             takers = [chain.targets[0] for chain in self._ends.reading(place.path)]
@@ -179,7 +161,7 @@ class _Sampler:
     def _is_judged(self, chain: Chain) -> bool:
         return chain.is_numeric or _is_look_up(chain)
 
-    def _result(self, chain: Chain, values: list[Any]) -> Scalar | None:
+    def _result(self, chain: Chain, values: list[Any]) -> filling.Scalar | None:
         if _is_look_up(chain):
             return self._looked_up(chain, values[0])
         return chain.forward([float(each) for each in values])
@@ -189,11 +171,11 @@ class _Sampler:
         if result is None:
             return False
         target = self._ends.target.place(chain.targets[0])
-        if isinstance(result, str | bytes) or target.kind == BOOLEAN:
+        if isinstance(result, str | bytes) or target.kind == expressions.BOOLEAN:
             return True
         return target.can_hold(result) or (self._ends.to_ros and math.isnan(result))
 
-    def _looked_up(self, chain: Chain, value: Scalar) -> Scalar | None:
+    def _looked_up(self, chain: Chain, value: filling.Scalar) -> filling.Scalar | None:
         table = chain.assignment.conversions[0].table
         source = self._ends.source.place(chain.sources[0])
         target = self._ends.target.place(chain.targets[0])
@@ -209,7 +191,7 @@ class _Sampler:
             self._expect_parts(chain, values)
             return
         if len(values) == 1 and not chain.steps and isinstance(values[0], str | bytes):
-            if values[0] != PRESENT:
+            if values[0] != filling.PRESENT:
                 self._note(chain.targets[0], values[0])
             return
         if any(value is None or isinstance(value, str | bytes) for value in values):
@@ -222,7 +204,7 @@ class _Sampler:
         if result is not None and len(chain.targets) == 1:
             self._note(chain.targets[0], result)
 
-    def _expect_parts(self, chain: Chain, values: list[Scalar | None]) -> None:
+    def _expect_parts(self, chain: Chain, values: list[filling.Scalar | None]) -> None:
         """Notes angles, the parts of an orientation or those of a TimeStamp."""
         known = [each.conversion for each in chain.steps]
         if any(each.needs_clock for each in known):
@@ -244,9 +226,11 @@ class _Sampler:
         for name, part in zip(names, results[0], strict=True):
             self._note(f"{chain.targets[0]}.{name}", part)
 
-    def _whole(self, path: str, value: Scalar | None) -> Any:
+    def _whole(self, path: str, value: filling.Scalar | None) -> Any:
         """What a conversion takes from a path of the source."""
-        whole = {QUATERNION: _ORIENTATION, TIME: _INSTANT}.get(self._ends.source.place(path).kind)
+        whole = {expressions.QUATERNION: _ORIENTATION, expressions.TIME: _INSTANT}.get(
+            self._ends.source.place(path).kind
+        )
         if whole is not None:
             return whole
         if value is None or isinstance(value, str | bytes):
@@ -256,10 +240,10 @@ class _Sampler:
     def _expect_constant(self, assignment: Any) -> None:
         path = assignment.target.strip()
         place = self._ends.target.place(path)
-        if place.is_number or place.kind in {TEXT, BOOLEAN}:
+        if place.is_number or place.kind in {expressions.TEXT, expressions.BOOLEAN}:
             self._note(path, self._ends.frames.get(path) or place.parse(str(assignment.value)))
 
-    def _note(self, path: str, value: Scalar) -> None:
+    def _note(self, path: str, value: filling.Scalar) -> None:
         if self._ends.is_alone(path):
             self._sample.expected[path] = value
 
@@ -286,10 +270,10 @@ class _Case:
     """
 
     chain: Chain
-    source: Place
-    target: Place
+    source: filling.Place
+    target: filling.Place
     word: str
-    value: Scalar
+    value: filling.Scalar
     nearest: float | None
 
 
@@ -318,22 +302,24 @@ def _cases(ends: Ends, chain: Chain) -> Iterator[_Case]:
             if value is not None:
                 nearest = None if target.ranges else end
                 yield _Case(chain, source, target, word, value, nearest)
-    if source.kind == REAL and not ends.to_ros:
+    if source.kind == expressions.REAL and not ends.to_ros:
         yield _Case(chain, source, target, "not_a_number", math.nan, None)
 
 
-def _is_limited(target: Place) -> bool:
+def _is_limited(target: filling.Place) -> bool:
     low, high = target.limits
     return math.isfinite(high - low) and high < _LARGEST_SINGLE
 
 
-def _source_value(ends: Ends, chain: Chain, source: Place, beyond: float) -> Scalar | None:
+def _source_value(
+    ends: Ends, chain: Chain, source: filling.Place, beyond: float
+) -> filling.Scalar | None:
     """The value of the source that leads beyond an end; None when it cannot have it."""
     wanted = chain.back(beyond)
     if not math.isfinite(wanted):
         return None
     low, high = _brought(ends, source)
-    value: Scalar = round(wanted) if source.kind == INTEGER else wanted
+    value: filling.Scalar = round(wanted) if source.kind == expressions.INTEGER else wanted
     if not low <= float(value) <= high:
         return None
     result = chain.forward([float(value)])
@@ -348,10 +334,10 @@ def chain_gain(chain: Chain) -> float:
     return 1.0 if one is None or zero is None else one - zero
 
 
-def _brought(ends: Ends, source: Place) -> tuple[float, float]:
+def _brought(ends: Ends, source: filling.Place) -> tuple[float, float]:
     """What a source may hold, legal or not: integers of a peer are taken as they come."""
     message = ends.source
-    if isinstance(message, JausMessage):
+    if isinstance(message, filling.JausMessage):
         field = message.field(source.path)
         return field.brought or field.limits
     return source.limits
@@ -374,15 +360,15 @@ def _check(ends: Ends, sample: Sample, case: _Case) -> Check:
     policy = ends.policy(case.chain)
     values = {**sample.values, case.source.path: case.value}
     lines = ends.source.fill(values)
-    name = f"{ends.name}_{short_name(case.target.path)}_{case.word}"
+    name = f"{ends.name}_{filling.short_name(case.target.path)}_{case.word}"
     word = _POLICIES[policy]
     label = long_string(case.target.path)
     if policy == "dropField" or (policy == "clamp" and case.nearest is not None):
         lines += ends.translated()
         if case.nearest is None or policy == "dropField":
-            lines += is_absent(case.target)
+            lines += filling.is_absent(case.target)
         else:
-            lines += has_value(case.target, case.nearest)
+            lines += filling.has_value(case.target, case.nearest)
         lines.append(f"counts = bridge.{ends.name}.statistics.out_of_range")
         lines.append(f'assert counts == {{("{word}", {label}): 1}}')
     else:

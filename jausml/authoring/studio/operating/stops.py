@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.paths.scopes import target_paths
-from jausml.live.messages.paths import by_name, parse_fields
-from jausml.live.messages.samples import sample
+from jausml.live.messages.entries import by_name, parse_fields
+from jausml.live.messages.text import sample
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from jausml.authoring.editing.project import Project
-    from jausml.live.peers.holding import Hold
+    from jausml.live.peers.control import Hold
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.state import SystemState

@@ -12,7 +12,7 @@ from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.entries import as_it_is, parts
-from jausml.live.messages.samples import sample
+from jausml.live.messages.text import sample
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, Step, step
-from jausml.live.peers.conformance.session import NOBODY, Authority
-from jausml.live.peers.conformance.steps import (
+from jausml.live.peers.conformance.check import (
     A,
     B,
+    Check,
+    Step,
     ask,
     expect,
     expect_none,
     has,
     needs,
     send,
+    step,
     take,
 )
+from jausml.live.peers.conformance.session import NOBODY, Authority
 from jausml.live.peers.discovery import controller_of
 from jausml.runtime.messages import (
     ConfirmControl,

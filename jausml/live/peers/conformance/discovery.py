@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Check, Step
-from jausml.live.peers.conformance.steps import (
+from jausml.live.peers.conformance.check import (
     A,
     AnythingBut,
+    Check,
     Judgement,
+    Step,
     any_of,
     ask,
     expect_none,

@@ -5,7 +5,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.access import request
-from jausml.live.peers.conformance.check import Check, step
+from jausml.live.peers.conformance.check import (
+    A,
+    AnythingBut,
+    B,
+    Check,
+    ask,
+    expect,
+    expect_none,
+    has,
+    provides,
+    put,
+    send,
+    settle,
+    since_1_1,
+    slow,
+    step,
+    usual,
+)
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.event_steps import (
     FREE_EVENT,
@@ -30,22 +47,6 @@ from jausml.live.peers.conformance.event_steps import (
     updating,
 )
 from jausml.live.peers.conformance.session import Authority
-from jausml.live.peers.conformance.steps import (
-    A,
-    AnythingBut,
-    B,
-    ask,
-    expect,
-    expect_none,
-    has,
-    provides,
-    put,
-    send,
-    settle,
-    since_1_1,
-    slow,
-    usual,
-)
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:

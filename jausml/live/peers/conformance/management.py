@@ -17,11 +17,11 @@ from jausml.live.peers.conformance.access import (
     request,
     timeout_in_reach,
 )
-from jausml.live.peers.conformance.check import Check, Step, step
-from jausml.live.peers.conformance.session import Authority
-from jausml.live.peers.conformance.steps import (
+from jausml.live.peers.conformance.check import (
     A,
     B,
+    Check,
+    Step,
     ask,
     expect,
     has,
@@ -31,9 +31,11 @@ from jausml.live.peers.conformance.steps import (
     send,
     silence,
     since_1_1,
+    step,
     take,
     usual,
 )
+from jausml.live.peers.conformance.session import Authority
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,

@@ -14,7 +14,6 @@ from jausml.live.peers.conformance import (
     discovery,
     events,
     lists,
-    liveness_and_time,
     management,
     transport,
 )
@@ -59,8 +58,8 @@ def _of_service(name: str) -> Callable[[Session], str]:
 _FIXED: tuple[tuple[str, Callable[[Session], str], tuple[Check, ...]], ...] = (
     ("transport", transport.requires, transport.CHECKS),
     ("discovery", _of_service("Discovery"), discovery.CHECKS),
-    ("liveness", _of_service("Liveness"), liveness_and_time.LIVENESS),
-    ("time", _of_service("Time"), liveness_and_time.TIME_CHECKS),
+    ("liveness", _of_service("Liveness"), lists.LIVENESS),
+    ("time", _of_service("Time"), lists.TIME_CHECKS),
     ("events", _of_service("Events"), events.CHECKS),
     ("access", access.requires, access.CHECKS),
     ("management", management.requires, management.CHECKS),

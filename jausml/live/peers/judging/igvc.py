@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance import lists
 from jausml.live.peers.conformance.access import ACCEPTED, LOW, request
-from jausml.live.peers.conformance.check import step
-from jausml.live.peers.conformance.management import READY, STANDBY, comes_to, is_down
-from jausml.live.peers.conformance.steps import (
+from jausml.live.peers.conformance.check import (
     A,
     AnythingBut,
     ask,
@@ -21,8 +19,10 @@ from jausml.live.peers.conformance.steps import (
     has,
     ready,
     send,
+    step,
     usual,
 )
+from jausml.live.peers.conformance.management import READY, STANDBY, comes_to, is_down
 from jausml.live.peers.discovery import services_of
 from jausml.live.peers.judging.competition import Competition, PartOf, Task, part, task
 from jausml.live.peers.judging.driving import (
@@ -42,8 +42,8 @@ from jausml.runtime import messages as core
 from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
+    from jausml.live.peers.conformance.check import Judgement
     from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.steps import Judgement
     from jausml.runtime.base.settings import Endpoint
 
 RULES = "IGVC 2011, JAUS Challenge"

@@ -1,24 +1,101 @@
-"""A rover to try an operator or a bridge with, as each make would have it."""
+"""A rover to try an operator or a bridge with, as each make would have it; that of JAUS++ 5.
+
+What a component on JAUS++ does otherwise than the standard has it:
+
+- an acknowledgement lacks its first byte, the version of JUDP, and is right otherwise;
+- a packet that is repeated is obeyed again;
+- UpdateEvent brings it to a standstill, for ever;
+- QueryServices is answered for the component that it names, and with an empty report for wildcards;
+- an event that is asked for again is the one that it has.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import select
+import struct
+import threading
+from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
-from jausml.live.peers.makes.jaus_plus_plus import JausPlusPlus
-from jausml.live.peers.makes.junior import JuniorVehicle
-from jausml.live.peers.makes.tool_set import JtsComponent
+from jausml.live.peers.makes.junior import JtsComponent, JuniorVehicle
 from jausml.live.peers.makes.vehicle import Vehicle
+from jausml.runtime.base.address import address_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import Any
+    from collections.abc import Callable, Iterable
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.makes.vehicle import Place
     from jausml.runtime.base.address import JausAddress
 
     OnCommand = Callable[[JausAddress, MessageEntry, dict[str, Any]], None]
+
+
+_HEADER = struct.Struct("<BHBII")
+_SMALLEST = _HEADER.size + 2
+_BUFFER = 1 << 18
+
+
+class JausPlusPlus:
+    """A component on JAUS++: sends and receives for a vehicle, on a thread.
+
+    Attributes:
+        obeyed_again: Packets that came again, and were obeyed again.
+    """
+
+    def __init__(self, vehicle: Vehicle, place: Place) -> None:
+        """Listens at a place."""
+        self.obeyed_again = 0
+        self._vehicle = vehicle
+        self._book: dict[int, tuple[str, int]] = {}
+        self._seen: set[tuple[int, int, bytes]] = set()
+        self._number = 0
+        self._unicast, self._group = place.sockets(_BUFFER)
+        self._running = True
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends the component."""
+        self._running = False
+        self._thread.join()
+        self._unicast.close()
+        self._group.close()
+
+    def _run(self) -> None:
+        while self._running:
+            readable, _, _ = select.select([self._unicast, self._group], [], [], 0.01)
+            for sock in readable:
+                data, sender = sock.recvfrom(65535)
+                if sender != self._unicast.getsockname():
+                    self._on_datagram(data, sender)
+            self._send(self._vehicle.due())
+
+    def _on_datagram(self, data: bytes, sender: tuple[str, int]) -> None:
+        if data[:1] != b"\2" or len(data) <= _SMALLEST:
+            return
+        _, size, flags, destination, source = _HEADER.unpack_from(data, 1)
+        place = address_of(destination)
+        if size != len(data) - 1 or flags & 0x20 or not place.matches(self._vehicle.address):
+            return
+        number, payload = data[-2:], data[1 + _HEADER.size : -2]
+        self._book[source] = sender
+        if flags & 0x10 and not self._vehicle.is_dead:
+            head = _HEADER.pack(0, _SMALLEST, flags | 0x30, source, self._vehicle.address.packed)
+            self._unicast.sendto(head + number, sender)
+        packet = source, int.from_bytes(number, "little"), payload
+        self.obeyed_again += packet in self._seen
+        self._seen.add(packet)
+        self._send(self._vehicle.take(payload, address_of(source)))
+
+    def _send(self, told: Iterable[tuple[JausAddress, bytes]]) -> None:
+        for client, payload in told:
+            self._number = self._number + 1 & 0xFFFF
+            own = self._vehicle.address.packed
+            head = _HEADER.pack(0, _SMALLEST + len(payload), 0, client.packed, own)
+            datagram = b"\2" + head + payload + struct.pack("<H", self._number)
+            self._unicast.sendto(datagram, self._book[client.packed])
+
 
 FULL_SPEED = 2.0
 """Metres per second at an effort of 100 percent."""

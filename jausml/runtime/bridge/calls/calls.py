@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from ...transports.packets.packet import Priority
 from ...wire.message import EncodeError
 from ..connections.connection import FILTERED, NOT_READY
-from ..connections.transcoding import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
+from ..connections.translations import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
 from ..ends import parameters
-from ..reports.diagnostics import ConnectionStatus, Statistics
-from ..reports.limiting import Limiting
+from ..reports.diagnostics import ConnectionStatus, Limiting, Statistics
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.counters import Counters
     from ...wire.message import Message
-    from ..connections.transcoding import Transcode
+    from ..connections.translations import Transcode
     from ..ends.ends import Ends
     from ..ends.topics import RosService
     from ..light_message import LightMessage

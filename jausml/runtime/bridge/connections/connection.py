@@ -16,15 +16,13 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
 from ..messages.compiled import compiled_of
-from ..reports.diagnostics import Latency
-from ..reports.limiting import Limiting
+from ..reports.diagnostics import Latency, Limiting
 from ..reports.states import StopReason
 from .ages import Backlog
-from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .transcoding import Form, compiled_first, transcoder
+from .translations import Form, compiled_first, transcoder, with_joins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -34,8 +32,7 @@ if TYPE_CHECKING:
     from ..ends.topics import TopicFault
     from ..reports.diagnostics import ConnectionStatus
     from .ages import Age
-    from .joins import Joined
-    from .transcoding import Transcode
+    from .translations import Joined, Transcode
 
     Take = Callable[[bytes, Any], None]
 

@@ -10,8 +10,7 @@ from ..light_message import is_light
 from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import FILTERED, Connection
-from .joins import JoinedTopic
-from .transcoding import Form, ros_decoder, uses_ros_classes
+from .translations import Form, JoinedTopic, ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -24,9 +23,8 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
-    from .joins import Join
     from .stopping import Switch
-    from .transcoding import Transcode
+    from .translations import Join, Transcode
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from ..reports.diagnostics import NOT_LOST, THINNED, ConnectionStatus
-from ..reports.limiting import FAILURES
+from ..reports.diagnostics import FAILURES, NOT_LOST, THINNED, ConnectionStatus
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from ...base.counters import Counters
     from ..ends.topics import TopicFault
     from ..reports.diagnostics import Statistics
-    from .transcoding import Form
+    from .translations import Form
 
 
 PERIODS = 3

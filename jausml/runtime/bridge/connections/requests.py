@@ -12,7 +12,7 @@ from ...transports.delivery import MESSAGE_CODE_SIZE
 from ..ends import parameters
 from ..ends.ends import Taker
 from ..ends.simulation import real_rate
-from .joins import Joined
+from .translations import Joined
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..ends.ends import Ends
     from .connection import Take
-    from .transcoding import Transcode
+    from .translations import Transcode
 
 
 class EventRequests:

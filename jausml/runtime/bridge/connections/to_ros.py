@@ -18,7 +18,7 @@ from .ages import jaus_age
 from .connection import FILTERED, Connection
 from .requests import CommandMemory, JoinedReport
 from .shaping import RateCap
-from .transcoding import Form, ros_encoder, uses_ros_classes
+from .translations import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .connection import Take
     from .requests import CommandAnswer, ReportJoin
     from .stopping import Switch
-    from .transcoding import Transcode
+    from .translations import Transcode
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...services.definitions import Completion, Guard
-from ...services.element_list import NO_UID
+from ...services.list_manager import NO_UID
 from ...transports.delivery import MESSAGE_CODE_SIZE
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...component.component import JausComponent
-    from ...services.element_list import ListElement
+    from ...services.definitions import ListElement
     from ...wire.message import Message
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, Any
 
-from ...services.definitions import Completion, Guard, Status
-from ...services.element_list import NO_UID, ListElement
+from ...services.definitions import Completion, Guard, ListElement, Status
+from ...services.list_manager import NO_UID
 from .list_driver import ListDriver, ListMessages
 
 if TYPE_CHECKING:

@@ -14,16 +14,15 @@ from ...base.address import JausAddress
 from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_search import PeerBinding
-from ...messages.digital_resources import server_type
+from ...messages.discovery import server_type
 from ...services.definitions import MAX_EVENT_RATE
 from .topics import Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from .actions import ListAction
     from .ends import BridgeSettings
-    from .ros_side import RosSide
+    from .ros_side import ListAction, RosSide
     from .topics import RosService, Topic
 
 LEAST = 1e-9

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...services.definitions import Guard
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers, RepeatedStops
-from ..connections.transcoding import ros_decoder, uses_ros_classes
+from ..connections.translations import ros_decoder, uses_ros_classes
 from ..ends import parameters
-from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.mission_driver import MissionMessages
+from ..ends.ros_side import LONGEST_GOAL, Outcome
 from .list_connection import ListConnection
 from .list_run import ListRun
 from .mission_run import MissionRun
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...clients.peer_search import PeerSearch
     from ...wire.message import Message
-    from ..ends.actions import ListAction, ServedGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
+    from ..ends.ros_side import ListAction, ServedGoal
     from ..reports.states import Standing, StopReason
-    from .run import Run
+    from .list_run import Run
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import FILTERED, Connection
-from ..connections.transcoding import Form, uses_ros_classes
+from ..connections.translations import Form, uses_ros_classes
 from ..light_message import is_light
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..ends.actions import ListAction
     from ..ends.ends import Ends
+    from ..ends.ros_side import ListAction
     from ..reports.states import StopReason
 
 SourceT = TypeVar("SourceT")

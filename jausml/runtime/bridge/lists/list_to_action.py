@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...clients.peer_search import PeerBinding
 from ..connections.connection import NOT_READY
-from ..connections.transcoding import ros_encoder
+from ..connections.translations import ros_encoder
 from ..ends import parameters
-from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.list_driver import ListAnswers
+from ..ends.ros_side import LONGEST_GOAL, Outcome
 from .list_connection import ListConnection
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Timer
     from ...clients.peer_search import PeerSearch
-    from ...services.element_list import ListElement
+    from ...services.definitions import ListElement
     from ...wire.message import Message
-    from ..ends.actions import ActionClient, ListAction, SentGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
+    from ..ends.ros_side import ActionClient, ListAction, SentGoal
     from ..ends.topics import TopicFault
     from ..reports.states import Standing, StopReason
 

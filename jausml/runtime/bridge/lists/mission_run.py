@@ -11,9 +11,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..ends.actions import Outcome
 from ..ends.mission_driver import Kind, State
-from .run import RETRIES, Run
+from ..ends.ros_side import Outcome
+from .list_run import RETRIES, Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...wire.message import Message
     from ..connections.controlled_peers import RepeatedStops
     from ..ends.mission_driver import MissionMessages
-    from .run import RunWatcher, Settled
+    from .list_run import RunWatcher, Settled
 
 _TASK = 1
 """The one task of a mission: elements of a list have no tree."""

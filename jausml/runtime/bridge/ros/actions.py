@@ -21,8 +21,8 @@ from rclpy.action.server import ActionServer, CancelResponse, GoalEvent, GoalRes
 from rclpy.qos import qos_profile_action_status_default
 
 from ...base.counters import LOGGER
-from ..ends.actions import Outcome
 from ..ends.guarding import type_library
+from ..ends.ros_side import Outcome
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .parameters import as_parameter_error
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.actions import GoalTaker, GoalWatcher, ListAction
+    from ..ends.ros_side import GoalTaker, GoalWatcher, ListAction
 
 MARK_SIZE = 8
 """Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""
@@ -123,7 +123,7 @@ class NodeActionClient:
         fill: Callable[[Any], object] | None,
         watcher: GoalWatcher,
     ) -> NodeGoal:
-        """Sends a goal; see `ActionClient` of actions.py."""
+        """Sends a goal; see `ActionClient` of ros_side.py."""
         goal = NodeGoal(self, watcher)
         self.work.run(goal.send, elements, fill)
         return goal

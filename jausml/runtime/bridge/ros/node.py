@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.actions import ActionClient, GoalTaker, ListAction
+    from ..ends.ros_side import ActionClient, GoalTaker, ListAction
     from ..ends.topics import Parameter, RosService, TopicFault
     from .actions import NodeActions
     from .lifecycle import Managed

@@ -80,11 +80,9 @@ class Outbox:
     With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
     of each destination says which packets are under way at once. What is given up though its
     destination lives is watched for a while: over a long way the acknowledgement is late, and the
-    message is not lost. Callable from any thread;
-    results are reported on the loop's thread.
-
-    An answer is as good as an acknowledgement, which may be on its way as well: instead of being
-    repeated when its time has come, what was answered is done.
+    message is not lost. An answer is as good as an acknowledgement, which may be on its way as
+    well: instead of being repeated when its time has come, what was answered is done. Callable from
+    any thread; results are reported on the loop's thread.
 
     Attributes:
         outcomes: What became of messages, by source and destination, of 4,096 pairs at most.
