@@ -164,6 +164,39 @@ def test_what_is_joined_counts_while_it_is_fresh():
         assert list(topics_of_joins(None, connection, owner, joined)) == [(topic, "imu")]
 
 
+JOINED = """
+
+bridge vehicle {
+    address: 100.1.20
+    provides: GlobalPoseSensor
+    connection global_pose {
+        map: global_pose
+        topic fix
+        topic imu { join: ownImu }
+    }
+}
+"""
+
+
+def test_a_join_is_counted_as_bridges_count_it_by_its_name_in_the_model(tmp_path):
+    text = (
+        WAYPOINTS.parents[2] / "library" / "mappings" / "global_pose_sensor.ros2jaus"
+    ).read_text(encoding="utf-8")
+    changed = text.replace("join imu ", "join ownImu ").replace("imu.", "ownImu.")
+    changed = changed.replace(
+        "freshness: 0.5  whenStale: leave", "freshness: 0.5  whenStale: dropMessage"
+    )
+    file = tmp_path / "alone.ros2jaus"
+    file.write_text(changed + JOINED, encoding="utf-8")
+    read = read_models([file], notations=NOTATIONS).model
+    fix, imu = serialized_pose()
+    messages = [Taken(AT, 0, imu, "ownImu"), Taken(AT, 0, fix), Taken(AT + 2 * SECOND, 0, fix)]
+    with RecordedTranslation(read.metamodels, connection_of(read, "global_pose")[1]) as translation:
+        fresh, stale = translation.made_of(messages)
+    assert fresh.data
+    assert stale.counter == "stale_join_ownImu"
+
+
 def serialized_pose():
     """What ROS serializes of a fix and of the attitude that is joined to it."""
     store = get_typestore(Stores.ROS2_JAZZY)
