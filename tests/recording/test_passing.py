@@ -25,8 +25,8 @@ from jausml.live.recording.passing import (
     Taken,
     passed,
 )
-from jausml.live.systems.dropped import topics_of_joins
 from jausml.live.systems.state import ConnectionState
+from jausml.live.systems.ways import topics_of_joins
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.wire import TimeStamp
 
@@ -149,7 +149,7 @@ WAYPOINTS = MODEL.parents[3] / "models" / "examples" / "waypoints" / "waypoints.
 
 def test_what_is_joined_counts_while_it_is_fresh():
     read = read_models([WAYPOINTS], notations=NOTATIONS, allow_outside=True).model
-    owner, joined = connection_of(read, "global_pose")
+    _, joined = connection_of(read, "global_pose")
     fix, imu = serialized_pose()
     messages = [
         Taken(AT, 0, imu, "imu"),
@@ -161,7 +161,7 @@ def test_what_is_joined_counts_while_it_is_fresh():
     assert len(fresh.data) == len(stale.data) + 6  # roll, pitch and yaw
     for node, topic in (("/vehicle", "/vehicle/imu"), ("/left", "/left/imu")):
         connection = ConnectionState(f"{node}/waypoint_vehicle", "global_pose")
-        assert list(topics_of_joins(None, connection, owner, joined)) == [(topic, "imu")]
+        assert list(topics_of_joins(None, connection, joined)) == [(topic, "imu")]
 
 
 JOINED = """

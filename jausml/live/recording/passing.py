@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes import bridge
+    from jausml.live.workers.worker import Element
 
 _NAME = "recorded"
 _SECONDS = 60.0
@@ -83,15 +84,25 @@ _ALIKE = bytes([255, *bytes(255)])
 class RecordedTranslation:
     """The translation of one connection in a process of its own; close it at the end."""
 
-    def __init__(self, metamodels: Metamodels, connection: bridge.Connection) -> None:
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        connection: bridge.Connection,
+        *others: Element,
+    ) -> None:
         """Starts the process.
+
+        Args:
+            others: Those of the model whose policies and quantities count too.
 
         Raises:
             RecordingError: The map of the connection has errors, or there is none.
         """
         used, self.is_to_ros = connection.map, connection.direction.name == TO_ROS
         try:
-            made = bridge_of_maps(metamodels, _NAME, {_NAME: (used, self.is_to_ros)}, [connection])
+            made = bridge_of_maps(
+                metamodels, _NAME, {_NAME: (used, self.is_to_ros)}, [connection, *others]
+            )
             code, (view,) = bridge_code(made), bridge_views(made)
         except Exception as error:  # generators take models without errors
             raise RecordingError(f"the map of '{connection.name}' has errors") from error

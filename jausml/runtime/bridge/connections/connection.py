@@ -24,7 +24,7 @@ from .joins import with_joins
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .transcoding import Form, compiled_first, transcoder
+from .transcoding import Form, compiled_first, override_of, transcoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -60,6 +60,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     """
 
     form: Form
+    override: list[tuple[str, str]]
 
     def __init__(
         self,
@@ -278,6 +279,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
 
     def _made_transcode(self) -> Transcode:
         self.form = self.classes()
+        self.override = override_of(self._translate)
         transcode = transcoder(
             self._translate,
             self.decoder(),
