@@ -282,6 +282,8 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
         if (value := getattr(answer, name)) is not None
     }
     told["told"] = now if is_live else former.told
+    if answer.machines is not None:
+        told["machines_told"] = now
     told["unanswered"] = 0 if is_live else unanswered
     latest = replace(former, **told)
     components = {**state.components, answer.address: _judged_component(state, latest)}
