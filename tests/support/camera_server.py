@@ -47,6 +47,19 @@ class CameraServer:
         return f"http://{self.host}{path}"
 
 
+def give(handler, end, kind, body):
+    """Answers with some bytes; a video goes on until the end."""
+    goes_on = kind == "video/webm"
+    handler.send_response(200)
+    handler.send_header("Content-Type", kind)
+    if not goes_on:
+        handler.send_header("Content-Length", str(len(body)))
+    handler.end_headers()
+    handler.wfile.write(body)
+    if goes_on:
+        end.wait()
+
+
 def _answered(camera, end):
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self):
@@ -56,22 +69,11 @@ def _answered(camera, end):
                 self.send_header("Location", "/mjpeg")
                 self.end_headers()
             elif self.path in camera.files:
-                self._give(*camera.files[self.path])
+                give(self, end, *camera.files[self.path])
             elif self.path.startswith("/mjpeg"):
                 self._stream()
             else:
                 self.send_error(404)
-
-        def _give(self, kind, body):
-            goes_on = kind == "video/webm"
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            if not goes_on:
-                self.send_header("Content-Length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
-            if goes_on:
-                end.wait()
 
         def _stream(self):
             self.send_response(200)
