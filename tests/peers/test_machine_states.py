@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import time
+from contextlib import contextmanager
 
 import pytest
 from click.testing import CliRunner
@@ -13,9 +16,11 @@ from running_winch import ADDRESS, READY, running_winch, telling_winch
 import jausml
 from jausml.cli import main
 from jausml.live.peers.operator import running_operator
+from jausml.live.systems import monitoring
 from jausml.live.systems.machines import MOST_MACHINES
 from jausml.live.systems.monitoring import Monitor, polling
-from jausml.live.systems.state import SystemState
+from jausml.live.systems.state import Level, SystemState
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages.management import QueryMachineStates, ReportMachineStates
 
 pytestmark = pytest.mark.ports
@@ -105,7 +110,34 @@ def test_a_report_that_cannot_be_read_says_nothing(component, network, catalogue
     assert found.state == "STANDBY"
 
 
-def test_who_stops_telling_is_not_shown_where_it_was(component, network, catalogue):
+def test_changes_come_by_the_event_and_times_go_on_meanwhile(component, network, catalogue):
+    states, asked, rounds = ["Idle"], [], set()
+
+    def report(_query, _sender):
+        rec = ReportMachineStates.MachineRec("urn:winch", "Drum", states[-1], 5000)
+        time_rec = ReportMachineStates.TimeRec(states[-1], 1, 5000)
+        return ReportMachineStates([ReportMachineStates.MachineSeq(rec, [time_rec])])
+
+    target = component(telling=report)
+    target.on_payload(QueryMachineStates, lambda payload, _: asked.append(payload))
+
+    def condition(found):
+        rounds.add(found.round_trip)
+        machine = next(iter(found.present_machines), None)
+        if machine is None:
+            return None
+        if states[-1] == "Idle" and machine.seconds > 8 and machine.times[0].seconds > 8:
+            states.append("Moving")
+            target.report_changed(ReportMachineStates)
+        return machine if machine.state == "Moving" else None
+
+    assert observed(network, catalogue, condition).seconds < 8
+    assert len(rounds) > 4
+    assert len(asked) <= 2  # before its event was confirmed
+
+
+def test_who_stops_telling_is_not_shown_where_it_was(component, network, catalogue, monkeypatch):
+    monkeypatch.setattr(monitoring, "_SELDOM", 3)
     answers, seen = [nonsense()], []
 
     def report(_query, _sender):
@@ -129,3 +161,56 @@ def test_who_does_not_provide_it_is_never_asked(component, network, catalogue):
 
     assert observed(network, catalogue, condition)
     assert asked == []
+
+
+ROVER = """
+import sys, time
+import jausml
+from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
+
+with running_transport(TransportSettings(port=int(sys.argv[1]))) as transport:
+    component = JausComponent(
+        transport, JausAddress(100, 1, 7), name=sys.argv[2],
+        services=[ServiceIdentity(each, 1, 1) for each in sys.argv[3:]],
+        settings=ComponentSettings(register_services=False),
+    )
+    component.start()
+    time.sleep(600)
+"""
+CORE = [f"urn:jaus:jss:core:{each}" for each in ("Transport", "Events", "Management")]
+DISCOVERY = "urn:jaus:jss:core:Discovery"
+
+
+@contextmanager
+def rover(port, name, services):
+    arguments = [sys.executable, "-c", ROVER, str(port), name, *services]
+    process = subprocess.Popen(arguments)
+    try:
+        yield
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_what_one_provided_that_was_replaced_is_forgotten(network, catalogue, free_port, answers):
+    """The other one, which answers no Discovery or has another name, provides less."""
+    monitor, target = Monitor(SystemState()), JausAddress(100, 1, 7)
+
+    def seen(condition):
+        found = monitor.state().components.get(str(target))
+        return found if found is not None and condition(found) else None
+
+    with running_operator(network, catalogue) as operator, polling(monitor, operator):
+        with rover(free_port, "first", [*CORE, DISCOVERY, "urn:jaus:jss:mobility:X"]):
+            wait_for(lambda: seen(lambda each: any("mobility" in e for e in each.services)))
+        wait_for(lambda: seen(lambda each: each.is_gone))
+        with rover(free_port, "second", [*CORE, DISCOVERY] if answers else CORE):
+            found = wait_for(lambda: seen(lambda each: each.level is Level.OK))
+            assert not any("mobility" in each for each in found.services)
+            assert not any("mobility" in each.urn for each in operator.services(target))
+            if answers:
+                wait_for(lambda: seen(lambda each: each.services))

@@ -25,8 +25,8 @@ from jausml.live.recording.passing import (
     Taken,
     passed,
 )
-from jausml.live.systems.dropped import topics_of_joins
 from jausml.live.systems.state import ConnectionState
+from jausml.live.systems.ways import topics_of_joins
 from jausml.runtime.conversions import Time, time_to_timestamp
 from jausml.runtime.wire import TimeStamp
 
@@ -149,7 +149,7 @@ WAYPOINTS = MODEL.parents[3] / "models" / "examples" / "waypoints" / "waypoints.
 
 def test_what_is_joined_counts_while_it_is_fresh():
     read = read_models([WAYPOINTS], notations=NOTATIONS, allow_outside=True).model
-    owner, joined = connection_of(read, "global_pose")
+    _, joined = connection_of(read, "global_pose")
     fix, imu = serialized_pose()
     messages = [
         Taken(AT, 0, imu, "imu"),
@@ -161,7 +161,40 @@ def test_what_is_joined_counts_while_it_is_fresh():
     assert len(fresh.data) == len(stale.data) + 6  # roll, pitch and yaw
     for node, topic in (("/vehicle", "/vehicle/imu"), ("/left", "/left/imu")):
         connection = ConnectionState(f"{node}/waypoint_vehicle", "global_pose")
-        assert list(topics_of_joins(None, connection, owner, joined)) == [(topic, "imu")]
+        assert list(topics_of_joins(None, connection, joined)) == [(topic, "imu")]
+
+
+JOINED = """
+
+bridge vehicle {
+    address: 100.1.20
+    provides: GlobalPoseSensor
+    connection global_pose {
+        map: global_pose
+        topic fix
+        topic imu { join: ownImu }
+    }
+}
+"""
+
+
+def test_a_join_is_counted_as_bridges_count_it_by_its_name_in_the_model(tmp_path):
+    text = (
+        WAYPOINTS.parents[2] / "library" / "mappings" / "global_pose_sensor.ros2jaus"
+    ).read_text(encoding="utf-8")
+    changed = text.replace("join imu ", "join ownImu ").replace("imu.", "ownImu.")
+    changed = changed.replace(
+        "freshness: 0.5  whenStale: leave", "freshness: 0.5  whenStale: dropMessage"
+    )
+    file = tmp_path / "alone.ros2jaus"
+    file.write_text(changed + JOINED, encoding="utf-8")
+    read = read_models([file], notations=NOTATIONS).model
+    fix, imu = serialized_pose()
+    messages = [Taken(AT, 0, imu, "ownImu"), Taken(AT, 0, fix), Taken(AT + 2 * SECOND, 0, fix)]
+    with RecordedTranslation(read.metamodels, connection_of(read, "global_pose")[1]) as translation:
+        fresh, stale = translation.made_of(messages)
+    assert fresh.data
+    assert stale.counter == "stale_join_ownImu"
 
 
 def serialized_pose():

@@ -9,11 +9,21 @@ from functools import cache, reduce
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recorded_systems import BRIDGE, MODEL, OPERATOR, VEHICLE, Drive, recorded
+from recorded_systems import (
+    BRIDGE,
+    MODEL,
+    OPERATOR,
+    VEHICLE,
+    Drive,
+    recorded,
+    recorded_traffic,
+)
 
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import load_catalogue
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.passing import RecordedTranslation
 from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
@@ -136,6 +146,100 @@ def test_of_two_messages_close_to_each_other_the_one_that_was_refused_is_named(o
     assert found.ros[1].endswith(f"refuses it: {REFUSED}.")
     assert found.ros[2] == "/cmd_vel at 3.530 s"
     assert found.jaus[0].endswith("at 3.431 s")
+
+
+ROOT = MODEL.parents[3]
+LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
+LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
+CALLER = "20.1.1"
+
+
+def explained_traffic(path, file, bridge, connection, messages, *counts):
+    """Explains what a connection of a bridge counted in the second status, and not in the first."""
+    told = {
+        float(second): [(connection, "running", (("translation", "light classes"), *values))]
+        for second, values in enumerate(counts)
+    }
+    catalogue = load_catalogue([file], project_root=ROOT, notations=NOTATIONS)
+    node, address = bridge
+    path.write_bytes(recorded_traffic(catalogue, node, address, messages, told))
+    found = read_models([file], notations=NOTATIONS, allow_outside=True).model
+    system = indexed(str(path))
+    try:
+        return explained(system, found, (node, connection), 9.0)
+    finally:
+        system.recording.close()
+
+
+@pytest.mark.parametrize(
+    ("connection", "topic", "message"),
+    [
+        # A request of JAUS, and the answer of JAUS to one of ROS: only these two are recorded.
+        ("switch_robot", "/lamp/switch", (CALLER, "100.1.20", "SetLamp")),
+        ("read", "/read_lamp", ("100.1.2", "100.1.20", "ReportLamp")),
+    ],
+)
+def test_of_calls_the_half_that_comes_from_jaus_is_translated_again(
+    tmp_path, connection, topic, message
+):
+    messages = [(0.3, *message, {"Brightness": 100}), (0.6, *message, {"Brightness": 7})]
+    bridge = "/front", "100.1.20"
+    failed = ("failed: not_translated", "1")
+    found = explained_traffic(
+        tmp_path / "calls.mcap", LAMPS, bridge, connection, messages, (), (failed,)
+    )
+    assert "its counter \u201cnot_translated\u201d rose from 0 to 1" in found.counter[0]
+    assert found.jaus[1] == (
+        "This one was not passed on, since the translation refuses it: 7 is not in the table."
+    )
+    assert found.jaus[2].endswith(f"{message[2]} at 0.600 s")
+    assert f"{topic}/_service_event is not in the recording" in found.ros[0]
+
+
+def test_of_a_call_that_failed_on_its_way_nothing_is_guessed(tmp_path):
+    messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 100})]
+    found = explained_traffic(
+        tmp_path / "calls.mcap", LAMPS, ("/front", "100.1.20"), "switch_robot", messages,
+        (), (("failed: timed_out", "1"),),
+    )  # fmt: skip
+    assert found.jaus[1] == (
+        "Which it was is not known: the recording does not have the requests and responses of the "
+        "ROS service lamp/switch as they came."
+    )
+
+
+def test_of_lists_the_elements_are_translated_again(tmp_path):
+    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
+    data = load_catalogue().encode(point)
+    element = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
+    messages = [
+        (at, CALLER, "100.1.20", "SetElement", {
+            "SetElementSeq": {
+                "RequestIDRec": {"RequestID": 1},
+                "ElementList": [{**element, "ElementData": {"format": 0, "hex": each.hex()}}],
+            },
+        })
+        for at, each in ((0.2, data), (0.5, data[:-1]))
+    ]  # fmt: skip
+    found = explained_traffic(
+        tmp_path / "lists.mcap", LISTS, ("/robot/nav2_robot", "100.1.20"), "waypoints", messages,
+        (), (("dropped: not_decodable", "1"),),
+    )  # fmt: skip
+    assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
+    assert found.jaus[2].endswith("SetElement at 0.500 s")
+    assert found.ros[0].startswith("Up to")
+    assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
+
+
+def test_where_an_override_decides_nothing_is_translated_again(tmp_path):
+    messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 7})]
+    override = ("override", "translate_switch_robot_request")
+    found = explained_traffic(
+        tmp_path / "calls.mcap", LAMPS, ("/front", "100.1.20"), "switch_robot", messages,
+        (override,), (override, ("failed: not_translated", "1")),
+    )  # fmt: skip
+    assert any("code of yours decides" in each and override[1] in each for each in found.state)
+    assert "Which it was is not known" in found.jaus[1]
 
 
 def test_before_the_first_drop_nothing_is_explained(opened):

@@ -35,7 +35,10 @@ def replay(tmp_path, frames, model, *options, name="found.mcap"):
 
 @pytest.fixture(scope="module")
 def joined(tmp_path_factory):
-    """Two vehicles that report velocity and pose by events; the second says no velocity."""
+    """Two vehicles that report velocity and pose by events; the second says no velocity.
+
+    The name of the join is none that a parameter in Python has.
+    """
     frames = [
         frame(event(velocity(2.0, 0.5, 0.25))),
         frame(event(pose(3.0, 4.0, math.pi / 2))),
@@ -44,7 +47,11 @@ def joined(tmp_path_factory):
         *([frame(QUERY_STATUS)] * 60),
         frame(pose(5.0, 0.0, 0.0), source=(100, 1, 2)),
     ]
-    return replay(tmp_path_factory.mktemp("joined"), frames, MAPS, "--with-jaus")
+    folder = tmp_path_factory.mktemp("joined")
+    model, text = folder / "odometry.ros2jaus", Path(MAPS).read_text(encoding="utf-8")
+    text = text.replace("report_join velocity", "report_join ownVelocity")
+    model.write_text(text.replace("velocity.", "ownVelocity."), encoding="utf-8")
+    return replay(folder, frames, str(model), "--with-jaus")
 
 
 @pytest.fixture(scope="module")

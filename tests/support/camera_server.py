@@ -30,33 +30,46 @@ class CameraServer:
     Attributes:
         asked: The paths, in their order.
         looking: How many streams are being sent.
+        files: Type and bytes of what else is served, by path; a video goes on, as that of a camera.
     """
 
     def __init__(self, server):
         self.port = server.server_address[1]
         self.host = f"127.0.0.1:{self.port}"
         self.asked, self.looking = [], 0
+        self.files = {
+            "/page": ("text/html", png(40)),
+            "/drawing": ("image/svg+xml", png(40)),
+            "/one": ("image/png", png(40)),
+        }
 
     def url(self, path):
         return f"http://{self.host}{path}"
+
+
+def give(handler, end, kind, body):
+    """Answers with some bytes; a video goes on until the end."""
+    goes_on = kind == "video/webm"
+    handler.send_response(200)
+    handler.send_header("Content-Type", kind)
+    if not goes_on:
+        handler.send_header("Content-Length", str(len(body)))
+    handler.end_headers()
+    handler.wfile.write(body)
+    if goes_on:
+        end.wait()
 
 
 def _answered(camera, end):
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self):
             camera.asked.append(self.path)
-            kinds = {"/page": "text/html", "/drawing": "image/svg+xml", "/one": "image/png"}
             if self.path == "/moved":
                 self.send_response(302)
                 self.send_header("Location", "/mjpeg")
                 self.end_headers()
-            elif self.path in kinds:
-                body = png(40)
-                self.send_response(200)
-                self.send_header("Content-Type", kinds[self.path])
-                self.send_header("Content-Length", str(len(body)))
-                self.end_headers()
-                self.wfile.write(body)
+            elif self.path in camera.files:
+                give(self, end, *camera.files[self.path])
             elif self.path.startswith("/mjpeg"):
                 self._stream()
             else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -80,6 +80,25 @@ def recorded_machines(component, service, machine, states) -> bytes:
     return stream.getvalue()
 
 
+def recorded_traffic(catalogue, node, address, messages, told) -> bytes:
+    """Returns the file of messages and of what a bridge tells of its connections.
+
+    Args:
+        messages: Time, source, destination, name and fields of each, in their order.
+        told: Statuses by times: name, text and values of each.
+    """
+    stream = io.BytesIO()
+    with McapFile(stream, has_jaus=True) as file:
+        writer = _Writer(file, catalogue)
+        events = [(each[0], partial(writer.jaus, *each[:4], **each[4])) for each in messages]
+        for time, statuses in told.items():
+            found = [(0, *each) for each in statuses]
+            events.append((time, partial(writer.statuses, time, found, node, address)))
+        for _, write in sorted(events, key=lambda each: each[0]):
+            write()
+    return stream.getvalue()
+
+
 def model_in(folder: Path) -> Path:
     """Writes the model of the bridge into a folder of its own; returns its file."""
     path = folder / "model.xmi"
@@ -112,9 +131,10 @@ def _events(writer, drive):
 
 
 class _Writer:
-    def __init__(self, file):
+    def __init__(self, file, catalogue=None):
         self.file = file
-        self.store, catalogue = _tools()
+        self.store, usual = _tools()
+        catalogue = catalogue or usual
         self.types = self.store.types
         self.writer = JausWriter(catalogue)
         self.catalogue = catalogue
@@ -172,7 +192,7 @@ class _Writer:
             at, [(2 if is_new else 0, "drive", reason, values), (0, "jaus state", "", ready)]
         )
 
-    def statuses(self, at, statuses):
+    def statuses(self, at, statuses, node="/loop_bridge", address=BRIDGE):
         array = "diagnostic_msgs/msg/DiagnosticArray"
         header = self.types["std_msgs/msg/Header"](
             stamp=self.types["builtin_interfaces/msg/Time"](sec=0, nanosec=0), frame_id=""
@@ -180,7 +200,7 @@ class _Writer:
         pair = self.types["diagnostic_msgs/msg/KeyValue"]
         status = self.types["diagnostic_msgs/msg/DiagnosticStatus"]
         told = [
-            status(level, f"/loop_bridge: {name}", text, BRIDGE, [pair(*each) for each in values])
+            status(level, f"{node}: {name}", text, address, [pair(*each) for each in values])
             for level, name, text, values in statuses
         ]
         self.ros(at, "/diagnostics", array, self.types[array](header, told))

@@ -47,15 +47,7 @@ if TYPE_CHECKING:
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
     """Returns what translations are generated for: connections, and elements of lists."""
-    return [*owner.bridgeConnections, *map(_of_elements, owner.actionConnections)]
-
-
-def _of_elements(action: bridge.RosActionConnection) -> bridge.Connection:
-    """Returns the connection that carries single elements of a list; it is no part of the model."""
-    made = bridge.Connection()
-    made.name, made.documentation = action.name, action.documentation
-    made.direction, made.map, made.outOfRange = action.direction, action.element, action.outOfRange
-    return made
+    return [*owner.bridgeConnections, *map(calls.of_elements, owner.actionConnections)]
 
 
 def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:

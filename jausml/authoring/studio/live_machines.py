@@ -61,7 +61,7 @@ def machine_boxes(
     """Returns how states are, by the ids of their boxes; those in which nobody was are left out."""
     running: dict[MachineView, list[tuple[str, MachineState]]] = defaultdict(list)
     for component in state.components.values():
-        for machine in component.machines:
+        for machine in component.present_machines:
             for view in views.get((machine.service, machine.machine), ()):
                 running[view].append((component.name or component.address, machine))
     boxes = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import threading
 from collections import OrderedDict
 from itertools import count, islice
@@ -12,7 +13,8 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.model.project import walk
 from jausml.live.recording.bags import MCAP
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.systems.playback import RecordedSystem, StoppedError, indexed
+from jausml.live.systems.playback import AT_ONCE, Indexing, RecordedSystem
+from jausml.live.workers.pool_processes import PoolError, PoolProcess
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -25,7 +27,7 @@ MOST_OPEN = 4
 
 
 class OpenedRecording:
-    """A recording that is read by a thread of its own, from its beginning to its end.
+    """A recording that a process of its own reads, from its beginning to its end.
 
     Attributes:
         share: How much of it is read, up to 1.
@@ -38,29 +40,30 @@ class OpenedRecording:
         self.share, self.fault = 0.0, ""
         self.system: RecordedSystem | None = None
         self._path, self._name = path, name
-        self._end = threading.Event()
+        self._process = PoolProcess(pickle.dumps((Indexing, str(path))))
         self._thread = threading.Thread(target=self._read, name="recording", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Reads no more."""
-        self._end.set()
+        self._process.close()
         self._thread.join()
         if self.system is not None:
             self.system.recording.close()
 
     def _read(self) -> None:
+        found: float | RecordedSystem = 0.0
         try:
-            self.system = indexed(str(self._path), self._note)
-        except StoppedError:
-            return
-        except (RecordingError, OSError) as error:
+            while isinstance(found, float):
+                self.share = found
+                found = self._process.ask(AT_ONCE)
+            found.recording.open()
+            self.system = found
+        except (RecordingError, OSError, PoolError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             self.fault = reason.replace(str(self._path), self._name)
-
-    def _note(self, share: float) -> bool:
-        self.share = share
-        return not self._end.is_set()
+        finally:
+            self._process.close()
 
 
 class Recordings:

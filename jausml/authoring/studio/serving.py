@@ -157,7 +157,11 @@ class Studio:
         stream = streams.take(ticket) if streams is not None and is_shown else None
         if streams is None or stream is None:
             return PlainTextResponse("there is no such stream\n", 404)
-        headers = {"Content-Type": stream.type, "Cache-Control": "no-store"}
+        headers = {
+            "Content-Type": stream.type,
+            "Cache-Control": "no-store",
+            "Accept-Ranges": "none",  # it is read once, from its beginning
+        }
         end = BackgroundTask(streams.close, ticket)  # also where the page has gone
         return StreamingResponse(stream.pieces(), headers=headers, background=end)
 

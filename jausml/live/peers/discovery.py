@@ -181,6 +181,13 @@ class Survey:
                 known = self.services(address)
         return known
 
+    def forget(self, address: JausAddress) -> None:
+        """Forgets what was heard of a component, in whose place another one may be now."""
+        with self._component.loop.lock:
+            subsystem = self._subsystems.get(address.subsystem)
+            if subsystem is not None:
+                subsystem.components.pop(address, None)
+
     def ask(self, destination: JausAddress) -> None:
         """Asks one component, or everybody of a wildcard, who it is and what it provides."""
         for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
@@ -204,7 +211,11 @@ class Survey:
             self._at(sender).is_silent = False
         elif report.query_type == Scope.COMPONENT:
             component = self._at(sender)
-            component.identification, component.type = report.identification, report.type_
+            before, after = component.identification, report.identification
+            if before and before != after:  # it is another one, with services of its own
+                component.services = ()
+                self.ask(sender)
+            component.identification, component.type = after, report.type_
             component.is_silent = False
 
     def _services(self, report: ReportServices, sender: JausAddress) -> None:

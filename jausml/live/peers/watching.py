@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.discovery import POLL
 from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
-from jausml.live.peers.query_client import NoAnswer, QueryClient, Refused
+from jausml.live.peers.query_client import M, NoAnswer, QueryClient, Refused
 from jausml.live.peers.rendering import printable
 from jausml.runtime import chain
 from jausml.runtime.messages import (
@@ -67,6 +67,16 @@ class WatchingClient(QueryClient):
             on_silence=lambda: self._component.counters.count("event_client.silent", silence),
         )
         return self._confirmed(target, subscription, report)
+
+    def follow(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[M],
+        take: Callable[[M, JausAddress], None],
+    ) -> EventSubscription:
+        """Subscribes to a report at every change, without waiting."""
+        return self._component.subscribe(target, query, report_class, take)
 
     def watch_encoded(
         self,

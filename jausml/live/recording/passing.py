@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.translating import TRANSLATION_WORKER
+from jausml.live.recording.translating import TRANSLATION_WORKER, plan_of_join
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
 from jausml_generators.bridge.views import bridge_views
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes import bridge
+    from jausml.live.workers.worker import Element
 
 _NAME = "recorded"
 _SECONDS = 60.0
@@ -83,33 +84,36 @@ _ALIKE = bytes([255, *bytes(255)])
 class RecordedTranslation:
     """The translation of one connection in a process of its own; close it at the end."""
 
-    def __init__(self, metamodels: Metamodels, connection: bridge.Connection) -> None:
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        connection: bridge.Connection,
+        *others: Element,
+    ) -> None:
         """Starts the process.
 
+        Args:
+            others: Those of the model whose policies and quantities count too.
+
         Raises:
-            RecordingError: The map of the connection has errors.
+            RecordingError: The map of the connection has errors, or there is none.
         """
         used, self.is_to_ros = connection.map, connection.direction.name == TO_ROS
         try:
-            made = bridge_of_maps(metamodels, _NAME, {_NAME: (used, self.is_to_ros)}, [connection])
+            made = bridge_of_maps(
+                metamodels, _NAME, {_NAME: (used, self.is_to_ros)}, [connection, *others]
+            )
             code, (view,) = bridge_code(made), bridge_views(made)
         except Exception as error:  # generators take models without errors
-            raise RecordingError(f"the map '{used.name}' has errors") from error
-        joins = view.connections[0].translated.joins
-        self._names = {"": "", **{str(each.join.name): each.name for each in joins}}
+            raise RecordingError(f"the map of '{connection.name}' has errors") from error
         plan = {
             "package": view.package,
             "base": view.base_name,
             "bridge": view.class_name,
             "connection": view.connections[0].name,
             "joins": [
-                {
-                    "name": each.name,
-                    "freshness": each.join.freshness,
-                    "drop": each.join.whenStale.name == "dropMessage",
-                    "senders": not self.is_to_ros,
-                }
-                for each in joins
+                {**plan_of_join(each), "senders": not self.is_to_ros}
+                for each in view.connections[0].translated.joins
             ],
         }
         self._worker = Worker(code, TRANSLATION_WORKER)
@@ -124,7 +128,7 @@ class RecordedTranslation:
     def made_of(self, messages: Sequence[Taken]) -> list[Made]:
         """Returns what becomes of the main messages among some, which are in their order."""
         asked = [
-            (route, self._names[each.join], each.subsystem, each.nanoseconds, each.data.hex())
+            (route, each.join, each.subsystem, each.nanoseconds, each.data.hex())
             for each in messages
             for route in (0, 1)
         ]

@@ -178,7 +178,8 @@ CALLS = "/_service_event"
 DIAGNOSTICS = "/diagnostics"
 """Where bridges tell how they are, with the accounts of connections and peers."""
 
-_ACTION = ("/_action/feedback", "/_action/status")
+ACTION_TOPICS = ("/_action/feedback", "/_action/status")
+"""What follows the name of an action in the topics on which others see what it does."""
 
 
 def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
@@ -204,7 +205,7 @@ def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
             yield _full(owner, call.service) + CALLS
     for action in owner.actionConnections:
         if action.action is not None:
-            yield from (_full(owner, action.action) + each for each in _ACTION)
+            yield from (_full(owner, action.action) + each for each in ACTION_TOPICS)
 
 
 def _full(owner: bridge.Bridge, name: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from contextlib import ExitStack, closing
+from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +16,6 @@ from jausml.live.recording.ros_values import RosReader
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
-    from typing import IO
 
     from mcap.reader import SeekingReader
     from mcap.records import Schema
@@ -33,7 +34,8 @@ class SeekableRecording:
     """An MCAP file of which messages are found by their times, in seconds since its beginning.
 
     What is read of a file without an index, or of one that is damaged, is copied into a temporary
-    file that has one. Its methods may be called by any thread.
+    file that has one. Its methods may be called by any thread. Another process may read it, and
+    send it here to be opened.
 
     Attributes:
         fault: What of the file cannot be read; empty for a whole one.
@@ -42,25 +44,34 @@ class SeekableRecording:
     """
 
     def __init__(self, path: str) -> None:
-        """Names a file; `open` comes next."""
+        """Names a file; `read` comes next, and then `open`."""
         self.fault, self.duration = "", 0.0
         self.topics: dict[str, int] = {}
         self._path = path
+        self._copy = ""
         self._lock = Lock()
         self._file: SeekingReader | None = None
         self._closing = ExitStack()
         self._begin = 0
         self._readers: dict[tuple[str, bytes], RosReader | str] = {}
 
-    def open(self) -> Iterator[tuple[float, float, Found]]:
+    def __getstate__(self) -> dict[str, Any]:
+        """Returns what is known of it; nothing is open where it arrives."""
+        known = ("fault", "duration", "topics", "_path", "_copy", "_begin")
+        return {name: getattr(self, name) for name in known}
+
+    def __setstate__(self, known: dict[str, Any]) -> None:
+        """Becomes one that was read elsewhere."""
+        SeekableRecording.__init__(self, known["_path"])
+        vars(self).update(known)
+
+    def read(self) -> Iterator[tuple[float, float, Found]]:
         """Reads all of the file; yields how much of it is read, up to 1, and time and message.
 
         Raises:
             RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
         """
         need_library()
-        from mcap.reader import SeekingReader  # noqa: PLC0415 - an extra
-
         recording = McapRecording(self._path)
         length, first = recording.length(), None
         for found in recording.messages():
@@ -73,12 +84,19 @@ class SeekableRecording:
         if recording.fault:
             reached = f"it was read up to {self.duration:.3f} s"
             self.fault = f"the file is damaged: {recording.fault}; {reached}"
-        is_whole = recording.has_index() and not recording.fault
+        if recording.fault or not recording.has_index():
+            descriptor, self._copy = tempfile.mkstemp(".mcap")
+            with os.fdopen(descriptor, "wb") as stream:
+                copied(McapRecording(self._path).messages(), stream, ros_only=False)
+
+    def open(self) -> None:
+        """Opens what was read, in which messages are found from then on."""
+        from mcap.reader import SeekingReader  # noqa: PLC0415 - an extra
+
         with ExitStack() as stack:
-            stream = (
-                stack.enter_context(open_input(self._path)) if is_whole else self._repaired(stack)
-            )
-            self._file = SeekingReader(stream)
+            if self._copy:
+                stack.callback(Path(self._copy).unlink, missing_ok=True)
+            self._file = SeekingReader(stack.enter_context(open_input(self._copy or self._path)))
             self._closing = stack.pop_all()
 
     def close(self) -> None:
@@ -152,10 +170,3 @@ class SeekableRecording:
 
     def _nanoseconds(self, since: float) -> int:
         return self._begin + round(since * _NANO)
-
-    def _repaired(self, stack: ExitStack) -> IO[bytes]:
-        """Returns a copy of all that can be read, which has an index."""
-        stream = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 - the stack closes it
-        copied(McapRecording(self._path).messages(), stream, ros_only=False)
-        stream.seek(0)
-        return stream

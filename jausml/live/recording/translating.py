@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from typing_extensions import Self
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.captured import JausMessage, JausWriter
     from jausml.live.recording.mcap_files import McapFile
     from jausml.live.traffic.frames import Datagram
+    from jausml_generators.bridge.translation.translating import TranslatedJoin
     from jausml_generators.bridge.views import BridgeView
 
 TRANSLATION_WORKER = Path(__file__).with_name("translation_worker.py")
@@ -119,7 +120,7 @@ class Translator:
         key = (message.code, message.source)
         if key not in self._takers:
             found = [
-                (index, each.name)
+                (index, str(each.translated.join.name))
                 for index, route in enumerate(self.routes)
                 for each in route.joins
                 if each.code == key[0] and _wants(each.senders or route.senders, key[1])
@@ -166,8 +167,21 @@ def _wants(senders: frozenset[str], source: str) -> bool:
 
 def _plan(route: Route) -> dict[str, Any]:
     names = ("package", "base", "bridge", "connection")
-    joins = [{**asdict(each), "senders": bool(each.senders)} for each in route.joins]
+    joins = [
+        {**plan_of_join(each.translated), "senders": bool(each.senders)} for each in route.joins
+    ]
     return {**{name: getattr(route, name) for name in names}, "joins": joins}
+
+
+def plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
+    """Returns a join for the worker: as bridges tell of it, and as the translation takes it."""
+    join = translated.join
+    return {
+        "name": str(join.name),
+        "parameter": translated.name,
+        "freshness": join.freshness,
+        "drop": join.whenStale.name == "dropMessage",
+    }
 
 
 Addresses = frozenset[str]
@@ -189,14 +203,11 @@ class RouteJoin:
 
     Attributes:
         senders: Whose reports are meant; those of the subsystem of the main message by default.
-        freshness: Seconds after which the latest report is stale.
     """
 
-    name: str
+    translated: TranslatedJoin
     code: int
     senders: Addresses
-    freshness: float
-    drop: bool
 
 
 @dataclass(frozen=True)
@@ -290,20 +301,17 @@ def _routes(view: BridgeView, sent: dict[bridge.Connection, Addresses]) -> Itera
             code=code(connection.map.message),
             senders=sent.get(connection) or _addresses(connection.peers),
             topics=tuple(topics.get(connection, ())),
-            joins=tuple(_joins(connection)),
+            joins=tuple(_joins(connection, made.translated.joins)),
         )
 
 
-def _joins(connection: bridge.Connection) -> Iterator[RouteJoin]:
+def _joins(
+    connection: bridge.Connection, translated: Sequence[TranslatedJoin]
+) -> Iterator[RouteJoin]:
+    parameters = {each.join: each for each in translated}
     for each in joined_reports(connection):
         named = each.source.peers if each.source is not None else ()
-        yield RouteJoin(
-            name=str(each.join.name),
-            code=code(each.join.message),
-            senders=_addresses(named),
-            freshness=each.join.freshness,
-            drop=each.join.whenStale.name == "dropMessage",
-        )
+        yield RouteJoin(parameters[each.join], code(each.join.message), _addresses(named))
 
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:

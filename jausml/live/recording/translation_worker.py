@@ -41,6 +41,7 @@ class LatestReports:
 
     def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
         self._plan, self._kind = plan, kind
+        self.parameter: str = plan["parameter"]
         self._latest: dict[int, tuple[int, bytes]] = {}
 
     def keep(self, subsystem: int, at: int, data: bytes) -> None:
@@ -73,7 +74,7 @@ class ConnectionTranslation:
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
         self.joins = {
-            each["name"]: LatestReports(each, kinds[each["name"]]) for each in plan["joins"]
+            each["name"]: LatestReports(each, kinds[each["parameter"]]) for each in plan["joins"]
         }
         decode = _decoder(kinds["source"])
         self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
@@ -83,7 +84,7 @@ class ConnectionTranslation:
         """Returns what becomes of a message."""
         self._clock.nanoseconds = at + self._ahead
         try:
-            joins = {name: each.fresh(subsystem, at) for name, each in self.joins.items()}
+            joins = {each.parameter: each.fresh(subsystem, at) for each in self.joins.values()}
             target = self._run(data, **joins)
         except Exception as error:
             return [type(error).__name__, str(error), reason_of(error)]

@@ -5,27 +5,28 @@ The time of a message decides only where that does not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections.reports import joined_reports
-from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
 from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.inspection import placed, reporters_of, topic_of
-from jausml.live.systems.state import TopicName, node_of
+from jausml.live.systems.ways import topics_of_joins
+from jausml.runtime.messages import SetElement
+from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
-    from jausml.live.systems.state import ConnectionState, DeclaredConnection
+    from jausml.live.systems.state import ConnectionState
+    from jausml.live.systems.ways import Ways
 
 NEAR = 0.005
 """Seconds by which times of the two sides may differ: each has a thread that reads."""
@@ -36,18 +37,12 @@ AROUND = 1.0
 MOST_COMPARED = 5_000
 """Messages of one side that are compared."""
 
+NOT_TRANSLATED = "not_translated"
+"""How a call is counted of which a half could not be translated, for whatever reason."""
+
 _OF_SEVERAL = "several messages became the same"
 _NOT_KNOWN = "what it becomes is not known here"
 _TOO_MANY = "too many messages came to compare them"
-
-
-@dataclass(frozen=True)
-class Ways:
-    """Where the messages of a connection stand in a recording."""
-
-    source: tuple[str, ...]
-    target: tuple[str, ...]
-    is_to_ros: bool
 
 
 @dataclass(frozen=True)
@@ -71,20 +66,6 @@ class _Source:
     is_passed: bool | None
 
 
-def ways_of(
-    system: RecordedSystem, connection: ConnectionState, declaration: DeclaredConnection
-) -> Ways:
-    """Returns the topics of both sides of a connection."""
-    ros = (topic_of(connection, declaration).name,) if declaration.topics else ()
-    senders = reporters_of(connection, declaration)
-    jaus = tuple(f"{JAUS_TOPICS}{each}/{declaration.message}" for each in senders)
-    if not jaus:  # from whoever sends it
-        topics = system.recording.topics
-        jaus = tuple(each for each in topics if each.endswith(f"/{declaration.message}"))
-    is_to_ros = declaration.direction == "to ROS"
-    return Ways(jaus, ros, is_to_ros) if is_to_ros else Ways(ros, jaus, is_to_ros)
-
-
 def dropped_message(
     system: RecordedSystem,
     model: Model,
@@ -97,15 +78,23 @@ def dropped_message(
     try:
         sources, given = _compared(system, model, connection, ways, since, time)
     except RecordingError as error:
+        if ways.missing:
+            return None  # a time alone would tell nothing
         sources = [_Source(at, UNKNOWN, None) for at in times(system, ways.source, since, time)]
         given, why = times(system, ways.target, since - NEAR, time + NEAR), str(error)
     else:
         why = _NOT_KNOWN if any(each.made is UNKNOWN for each in sources) else _OF_SEVERAL
     counters = {each.counter for each in risen}
-    refused = [each for each in sources if each.made.counter in counters]
+    refused = [
+        each
+        for each in sources
+        if each.made.counter in counters or (each.made.counter and NOT_TRANSLATED in counters)
+    ]
     if refused:  # a status on its way may come after the next message
         first = min(refused, key=lambda each: (not since < each.time <= time, each.time))
         return Dropped(first.time, reason=first.made.reason or first.made.counter)
+    if ways.missing:
+        return None
     lost = [
         each
         for each in sources
@@ -130,12 +119,18 @@ def _compared(
     time: float,
 ) -> tuple[list[_Source], list[float]]:
     """Returns what came around a time, and when on the other side what may be of those unsure."""
-    owner, modelled = _modelled(model, connection)
-    with RecordedTranslation(model.metamodels, modelled) as translation:
+    override = dict(connection.values).get("override")
+    if override:
+        raise RecordingError(f"{override} is an override, which is not run here")
+    if ways.carried is None or ways.like is None:
+        raise RecordingError("nothing that is recorded is translated")
+    with RecordedTranslation(model.metamodels, ways.carried, ways.like) as translation:
         taken = [
-            (at, _taken(system, found)) for at, found in _around(system, ways.source, since, time)
+            (at, each)
+            for at, found in _around(system, ways.source, since, time)
+            for each in _sources(system, ways, found)
         ]
-        joins = _joined(system, connection, owner, modelled, since, time)
+        joins = _joined(system, connection, ways.carried, since, time)
         messages = sorted([*joins, *(each for _, each in taken)], key=lambda each: each.nanoseconds)
         made = translation.made_of(messages)
         given = [
@@ -151,51 +146,20 @@ def _compared(
     return sources, [at for at, each in given if any(one.may_be(each.data) for one in unsure)]
 
 
-def _modelled(model: Model, connection: ConnectionState) -> tuple[bridge.Bridge, bridge.Connection]:
-    key = connection.declaration.key if connection.declaration is not None else ("", "")
-    for owner in model.instances(bridge.Bridge, library=False):
-        for each in owner.bridgeConnections if node_of(owner) == key[0] else ():
-            if each.name == key[1]:
-                return owner, each
-    raise RecordingError("calls and lists are not compared")
-
-
 def _joined(
     system: RecordedSystem,
     connection: ConnectionState,
-    owner: bridge.Bridge,
-    modelled: bridge.Connection,
+    carried: bridge.Connection,
     since: float,
     time: float,
 ) -> Iterator[Taken]:
     """Yields the messages of joins, each with the last one before."""
-    for topic, join in topics_of_joins(system, connection, owner, modelled):
+    for topic, join in topics_of_joins(system, connection, carried):
         begin = since - AROUND
         before = system.recording.last(topic, begin)
         found = list(system.recording.between(topic, begin, time + AROUND))
         for _, each in [*([before] if before is not None else []), *found]:
             yield _taken(system, each, join)
-
-
-def topics_of_joins(
-    system: RecordedSystem,
-    connection: ConnectionState,
-    owner: bridge.Bridge,
-    modelled: bridge.Connection,
-) -> Iterator[tuple[str, str]]:
-    """Yields the topics of joins, with the names of these."""
-    for end in endpoints([owner]):
-        join = getattr(end.element, "join", None)
-        if join is not None and end.element.eContainer() is modelled:
-            is_absolute = end.topic == getattr(end.element, end.feature)
-            topic = TopicName(end.topic, "", is_absolute)
-            yield placed(connection, node_of(owner), topic).name, str(join.name)
-    for report in joined_reports(modelled):
-        named = [str(each.address) for each in report.source.peers] if report.source else []
-        for name in system.recording.topics:
-            sender, _, message = name.removeprefix(JAUS_TOPICS).partition("/")
-            if message == report.join.message.name and (not named or sender in named):
-                yield name, str(report.join.name)
 
 
 def _around(
@@ -222,6 +186,22 @@ def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
     sender = channel.topic.removeprefix(JAUS_TOPICS).partition(".")[0]
     subsystem = int(sender) if sender.isdigit() else 0
     return Taken(message.log_time, subsystem, _data(system, found)[1], join)
+
+
+def _sources(system: RecordedSystem, ways: Ways, found: Found) -> Iterator[Taken]:
+    """Yields a message, or what the elements of a list hold that the connection carries."""
+    whole = _taken(system, found)
+    if not ways.has_elements or ways.carried is None:
+        yield whole
+        return
+    try:
+        elements = SetElement.decode(whole.data).element_list
+    except DecodeError as error:
+        raise RecordingError(f"a list cannot be read: {error}") from error
+    for each in elements:
+        data = bytes(each.element_data.data)
+        if int.from_bytes(data[:2], "little") == code(ways.carried.map.message):
+            yield replace(whole, data=data)
 
 
 def _given(system: RecordedSystem, found: Found, translation: RecordedTranslation) -> Given:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.dropped import dropped_message, times, ways_of
+from jausml.live.systems.dropped import dropped_message, times
 from jausml.live.systems.playback import NO_ROS
 from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.tables import shown_name, state_text
+from jausml.live.systems.ways import ways_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
+    from jausml.live.systems.ways import Ways
 
 MOST_LINES = 60
 """Lines of a message that are shown."""
@@ -160,6 +162,9 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
         if address:
             beside = _beside(state.components.get(address))
             yield f"To the bridge, its peer {address} was {text}; {beside}."
+    if "override" in values:
+        methods = values["override"]
+        yield f"What it passes on, code of yours decides, which is not run here: {methods}."
     yield from _stops(values)
     limited = values.get("values limited", "0")
     if limited != "0":
@@ -235,26 +240,26 @@ def _sides(
 
     Those of ROS come first.
     """
-    if model is None or connection is None or connection.declaration is None:
+    ways = None if model is None or connection is None else ways_of(system, model, connection)
+    if model is None or connection is None or ways is None:
         text = ("Which messages it takes and gives says the model, which has no such connection.",)
         return text, text
-    ways = ways_of(system, connection, connection.declaration)
     dropped = dropped_message(system, model, connection, ways, risen) if risen else None
     moment = at if dropped is None else dropped.time
-    taken = tuple(_source_lines(system, ways.source, risen, moment, dropped))
+    taken = tuple(_source_lines(system, ways, risen, moment, dropped))
     given = tuple(_message_at(system, ways.target, moment, "The last on this side: "))
     return (given, taken) if ways.is_to_ros else (taken, given)
 
 
 def _source_lines(
     system: RecordedSystem,
-    topics: Sequence[str],
+    ways: Ways,
     risen: Sequence[Mark],
     at: float,
     dropped: Dropped | None,
 ) -> Iterator[str]:
     if risen:
-        count = len(times(system, topics, risen[0].since, risen[0].time))
+        count = len(times(system, ways.source, risen[0].since, risen[0].time))
         yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
     if dropped is not None and dropped.guess:
         yield (
@@ -265,9 +270,11 @@ def _source_lines(
         yield f"This one was not passed on, since the translation refuses it: {dropped.reason}."
     elif dropped is not None:
         yield "This one was not passed on: what it becomes is not on the other side."
+    elif risen and ways.missing:
+        yield f"Which it was is not known: the recording does not have {ways.missing}."
     elif risen and count > 1:
         yield "Which of them was not passed on, the recording does not tell; this is the last."
-    yield from _message_at(system, topics, at, "")
+    yield from _message_at(system, ways.source, at, "")
 
 
 def _message_at(

@@ -39,6 +39,9 @@ _OF_A_BRIDGE = (
 )
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
 _OF_A_PEER = "account of "
+_FAILURES = ("dropped", "failed: ")
+"""How counts of messages begin that were not passed on, and those of calls."""
+
 _LOSSES = (
     "lost in queue",
     "lost on the way",
@@ -120,9 +123,9 @@ def cut(text: str) -> str:
 def _drops(values: Iterable[tuple[str, str]]) -> dict[str, int]:
     found = {}
     for key, value in values:
-        is_loss = key.startswith("dropped") or key in _LOSSES
+        is_loss = key.startswith(_FAILURES) or key in _LOSSES
         if is_loss and _COUNT.fullmatch(value) and int(value):
-            found[key.removeprefix("dropped: ")] = int(value)
+            found[key.removeprefix("dropped: ").removeprefix("failed: ")] = int(value)
     return found
 
 
@@ -279,6 +282,8 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
         if (value := getattr(answer, name)) is not None
     }
     told["told"] = now if is_live else former.told
+    if answer.machines is not None:
+        told["machines_told"] = now
     told["unanswered"] = 0 if is_live else unanswered
     latest = replace(former, **told)
     components = {**state.components, answer.address: _judged_component(state, latest)}

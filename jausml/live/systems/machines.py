@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -36,6 +36,14 @@ class MachineState:
     state: str
     seconds: float
     times: tuple[StateTime, ...] = ()
+
+    def later(self, seconds: float) -> MachineState:
+        """Returns it after it has stayed where it is for so long."""
+        times = (
+            replace(each, seconds=each.seconds + seconds) if each.state == self.state else each
+            for each in self.times
+        )
+        return replace(self, seconds=self.seconds + seconds, times=tuple(times))
 
     @property
     def total(self) -> float:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.folding import DiagnosticStatus
     from jausml.live.systems.state import DeclaredConnection, SystemState
+    from jausml.runtime import EventSubscription
     from jausml.runtime.base.address import JausAddress
 
 
@@ -79,6 +80,8 @@ class JausObserver:
         self._timed: set[JausAddress] = set()
         self._told: dict[JausAddress, ComponentAnswer] = {}
         self._untold: dict[JausAddress, int] = {}
+        self._followed: dict[JausAddress, EventSubscription] = {}
+        self._quiet: dict[JausAddress, int] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
@@ -95,6 +98,8 @@ class JausObserver:
         """Asks no more."""
         self._end.set()
         self._thread.join()
+        for each in list(self._followed):
+            self._unfollow(each)
 
     def _run(self) -> None:
         number = 0
@@ -113,6 +118,8 @@ class JausObserver:
         for address in self._next(number):
             if self._asked.pop(address, None) is not None:
                 self._failures[address] = self._failures.get(address, 0) + 1
+                if self._failures[address] == _UNANSWERED:
+                    self._unfollow(address)
                 self._timed.discard(address)
                 self._take(ComponentAnswer(str(address), source=AnswerSource.NOBODY))
             self._asked[address] = time.perf_counter()
@@ -121,15 +128,33 @@ class JausObserver:
             self._ask_machines(address)
 
     def _ask_machines(self, address: JausAddress) -> None:
-        """Asks where machines are: who provides the service, and nobody else."""
+        """Asks where machines are: who provides the service, and nobody else.
+
+        Who gives an event of them is asked seldom, in case that one of it was lost.
+        """
         found = self._told.get(address)
         services = found.services if found is not None else None
         if not any(each.startswith(f"{MACHINE_STATES}/") for each in services or ()):
+            self._unfollow(address)
             return
+        if address not in self._followed:
+            self._followed[address] = self._operator.follow(
+                address, QueryMachineStates(), ReportMachineStates, self._machines
+            )
+        self._quiet[address] = self._quiet.get(address, 0) + 1
+        is_told = self._followed[address].active and address not in self._untold
+        if is_told and self._quiet[address] < _SELDOM:
+            return
+        self._quiet[address] = 0
         self._untold[address] = self._untold.get(address, 0) + 1
         if self._untold[address] > _UNANSWERED:
             self._take(ComponentAnswer(str(address), machines=(), source=AnswerSource.DISCOVERY))
         self._operator.send(address, QueryMachineStates())
+
+    def _unfollow(self, address: JausAddress) -> None:
+        followed = self._followed.pop(address, None)
+        if followed is not None:
+            followed.cancel()
 
     def _next(self, number: int) -> list[JausAddress]:
         own = self._operator.own
@@ -186,8 +211,19 @@ class JausObserver:
 
     def _answered(self, sender: JausAddress, answer: ComponentAnswer) -> None:
         if sender != self._operator.own:
-            self._failures.pop(sender, None)
+            if self._failures.pop(sender, 0) >= _UNANSWERED:
+                self._forget(sender)
             self._take(answer)
+
+    def _forget(self, address: JausAddress) -> None:
+        """Forgets what one provides that was gone: it may be another one now, and is asked."""
+        self._told.pop(address, None)
+        self._operator.survey.forget(address)
+        self._operator.survey.ask(address)
+        answer = ComponentAnswer(
+            str(address), services=(), machines=(), source=AnswerSource.DISCOVERY
+        )
+        self._take(answer)
 
 
 def _found(component: KnownComponent) -> ComponentAnswer:
@@ -195,8 +231,7 @@ def _found(component: KnownComponent) -> ComponentAnswer:
         str(component.address),
         name=component.identification or None,
         type=type_name(component.type) or None,
-        services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services)
-        or None,
+        services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services),
         source=AnswerSource.DISCOVERY,
     )
 

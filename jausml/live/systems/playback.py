@@ -9,7 +9,9 @@ from __future__ import annotations
 import pickle
 import zlib
 from bisect import bisect_right
+from collections import deque
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.mcap_files import RecordingError
@@ -19,7 +21,7 @@ from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
 from jausml.live.systems.state import SystemState, components_of, declarations_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml.language.model import Model
     from jausml.live.systems.state import ComponentState, ConnectionState
@@ -148,28 +150,50 @@ class RecordedSystem:
                 self.unlisted += 1
 
 
-class StoppedError(Exception):
-    """Nobody waits for the index any more."""
+AT_ONCE = 1000
+"""Messages that are read between two looks at how much was read."""
 
 
-def indexed(path: str, progress: Callable[[float], bool] = lambda _: True) -> RecordedSystem:
-    """Returns a recording once all of it is read.
-
-    Args:
-        path: An MCAP file.
-        progress: Takes how much was read, up to 1, and says whether to go on.
+def indexed(path: str) -> RecordedSystem:
+    """Returns an MCAP file once all of it is read.
 
     Raises:
         RecordingError: Nothing of the file can be read.
-        StoppedError: `progress` wanted no more.
     """
+    read = Indexing(path)
+    while isinstance(found := read(AT_ONCE), float):
+        continue
+    found.recording.open()
+    return found
+
+
+class Indexing:
+    """Reads a recording piece by piece, in whatever process."""
+
+    def __init__(self, path: str) -> None:
+        """Has read nothing of an MCAP file yet."""
+        self._steps = _indexing(path)
+
+    def __call__(self, count: int) -> float | RecordedSystem:
+        """Reads so many messages more.
+
+        Returns:
+            How much was read, up to 1; once that is all the system, whose recording is to be
+            opened.
+
+        Raises:
+            RecordingError: Nothing of the file can be read.
+        """
+        return deque(islice(self._steps, count), maxlen=1).pop()
+
+
+def _indexing(path: str) -> Iterator[float | RecordedSystem]:
     recording = SeekableRecording(path)
     found = RecordedSystem(recording)
     listener = Listener(recording)
     state, block, before = SystemState(), list[Fact](), SystemState()
-    for share, time, message in recording.open():
-        if not progress(share):
-            raise StoppedError
+    for share, time, message in recording.read():
+        yield share
         for fact in listener.facts(time, message):
             latest = fold_fact(state, fact)
             found.note(changes(state, latest, fact))
@@ -187,7 +211,7 @@ def indexed(path: str, progress: Callable[[float], bool] = lambda _: True) -> Re
         "ROS": "" if listener.hears_ros else NO_ROS,
         "JAUS": "" if listener.hears_jaus else NO_JAUS,
     }
-    return found
+    yield found
 
 
 def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Mark]:

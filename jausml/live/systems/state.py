@@ -143,7 +143,8 @@ class ComponentState:
         authority: Authority code of who controls it, else its default; None when unknown.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
-        machines: The state machines of its own services, of one that tells them (MachineStates).
+        machines: The state machines of its own services, of one that tells them (MachineStates),
+            as they were when it told them last.
         round_trip: Seconds of its last answer, None before the first one.
     """
 
@@ -158,10 +159,17 @@ class ComponentState:
     control_timeout: int | None = None
     services: tuple[str, ...] = ()
     machines: tuple[MachineState, ...] = ()
+    machines_told: float = 0.0
     round_trip: float | None = None
     told: float | None = None
     unanswered: int = 0
     is_declared: bool = False
+
+    @property
+    def present_machines(self) -> tuple[MachineState, ...]:
+        """Its machines as they were when it was heard last: what it tells are changes alone."""
+        since = max(0.0, (self.told or 0.0) - self.machines_told)
+        return tuple(each.later(since) for each in self.machines)
 
     @property
     def is_gone(self) -> bool:
@@ -263,7 +271,7 @@ def _component(component: ComponentState, now: float) -> dict[str, Any]:
         "authority": component.authority,
         "control_timeout": component.control_timeout,
         "services": list(component.services),
-        "machines": machines_as_json(component.machines),
+        "machines": machines_as_json(component.present_machines),
         "round_trip_ms": None if trip is None else round(trip * 1e3, 3),
         "told": _since(component.told, now),
     }

@@ -180,7 +180,7 @@ def machine_rows(state: SystemState) -> list[list[str]]:
     return [
         [component.address, *_machine(machine)]
         for component in by_address(state)
-        for machine in component.machines
+        for machine in component.present_machines
     ]
 
 

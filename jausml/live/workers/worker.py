@@ -14,7 +14,7 @@ import threading
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import jausml
 from jausml.generation.artifact import text_digest
@@ -59,6 +59,9 @@ def bridge_code(model: Model) -> BridgeCode:
     return BridgeCode(files, digest)
 
 
+Element: TypeAlias = "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
+
+
 class Maker:
     """Makes elements of metamodels."""
 
@@ -84,7 +87,7 @@ def bridge_of_maps(
     metamodels: Metamodels,
     name: str,
     connections: Mapping[str, tuple[bridge.AttributeMap, bool]],
-    like: Iterable[bridge.Connection] = (),
+    like: Iterable[Element] = (),
 ) -> Model:
     """Makes a system with a bridge of connections by maps, whatever else their model holds.
 
@@ -112,7 +115,7 @@ def bridge_of_maps(
     return made_model(metamodels, whole, owner, *made)
 
 
-def _quantities(connection: bridge.Connection) -> Iterable[bridge.Quantity]:
+def _quantities(connection: Element) -> Iterable[bridge.Quantity]:
     owner = connection.eContainer()
     return owner.quantities if isinstance(owner, bridge.Bridge) else ()
 

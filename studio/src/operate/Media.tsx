@@ -118,10 +118,12 @@ function Stream({ told, host }: { told: Told; host: string }) {
       if (stream) end();
     };
   }, [isWanted, text, component, report, host]);
-  const over = () => {
-    setReason("it has ended, or the browser cannot read it");
+  const over = (why: string) => {
+    setReason(why);
     setIsWanted(false);
   };
+  const unread = "it has ended, or the browser cannot read it as it comes";
+  const noVideo = `${unread}: an MP4 needs its index at its beginning`;
   const source = shown && `/stream/${shown.stream}`;
   return (
     <>
@@ -138,9 +140,16 @@ function Stream({ told, host }: { told: Told; host: string }) {
       {source && (
         <figure className="picture">
           {shown.is_video ? (
-            <video src={source} autoPlay muted controls onError={over} onEnded={over} />
+            <video
+              src={source}
+              autoPlay
+              muted
+              controls
+              onError={() => over(noVideo)}
+              onEnded={() => over("it has ended")}
+            />
           ) : (
-            <img src={source} alt={`What ${host} shows`} onError={over} />
+            <img src={source} alt={`What ${host} shows`} onError={() => over(unread)} />
           )}
           <figcaption>
             {text}, as {component} tells it

@@ -94,7 +94,9 @@ def test_forms_pass_the_same_on_and_count_alike(world, setting, kind, form):
     counts = connection.statistics
     assert (counts.arrivals, counts.passed, counts.limited) == (7, 3, 1)
     assert counts.out_of_range == {("clamp", "minutes"): 1, ("not_clampable", "minutes"): 1}
-    assert told(world, setting, "drive")["translation"] == form
+    status = told(world, setting, "drive")
+    assert status["translation"] == form
+    assert status.get("override") == (None if kind is Generated else "translate_numbers")
 
 
 @pytest.mark.parametrize("kind", FORMS)

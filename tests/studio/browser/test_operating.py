@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import math
 import os
 import signal
@@ -446,6 +447,57 @@ def camera(port):
             urls = ("rtsp://192.0.2.7/front", served.url("/mjpeg"), "javascript:alert(1)")
             register(registrar, CAMERA, urls)
             yield served
+
+
+RECORDED = """async () => {
+    const kind = "video/webm;codecs=vp8";
+    if (!window.MediaRecorder || !MediaRecorder.isTypeSupported(kind)) return "";
+    const canvas = Object.assign(document.createElement("canvas"), { width: 64, height: 48 });
+    const pen = canvas.getContext("2d");
+    const parts = [];
+    const recorder = new MediaRecorder(canvas.captureStream(20), { mimeType: kind });
+    recorder.ondataavailable = (each) => parts.push(each.data);
+    const ended = new Promise((done) => { recorder.onstop = done; });
+    recorder.start();
+    for (let step = 0; step < 20; step += 1) {
+        pen.fillStyle = `hsl(${step * 18} 80% 50%)`;
+        pen.fillRect(0, 0, 64, 48);
+        await new Promise((done) => setTimeout(done, 50));
+    }
+    recorder.stop();
+    await ended;
+    const bytes = new Uint8Array(await new Blob(parts).arrayBuffer());
+    return btoa(String.fromCharCode(...bytes));
+}"""
+
+
+def test_a_video_plays_and_what_is_none_says_so(studio, camera, open_studio, port):
+    page = open_studio.page_of(studio.address)
+    made = base64.b64decode(page.evaluate(RECORDED))
+    if not made:
+        pytest.skip("this browser records no VP8")
+    camera.files["/front.webm"] = "video/webm", made
+    camera.files["/rear.mp4"] = "video/mp4", made[:100]
+    with Component(name="registrar of videos", port=port) as registrar:
+        register(registrar, CAMERA, [camera.url("/front.webm"), camera.url("/rear.mp4")])
+    page.get_by_role("button", name="Operate").click()
+    page.get_by_role("button", name=CAMERA).click()
+    page.get_by_label(f"Report of {CAMERA}").select_option("DigitalResourceEndpoint")
+    page.get_by_label("Hz").select_option("5")
+    page.get_by_role("button", name="Watch", exact=True).click()
+    told = page.get_by_role("list", name="Streams and files").get_by_role("listitem")
+    expect(told).to_have_count(5)
+    show = f"Show: the studio connects to {camera.host}"
+    front = told.filter(has_text="front.webm")
+    front.get_by_role("button", name=show).click()
+    video = front.locator("video")
+    until(lambda: video.evaluate("each => each.readyState >= 2 && each.currentTime > 0"))
+    assert video.evaluate("each => [each.videoWidth, each.videoHeight]") == [64, 48]
+    assert video.evaluate("each => each.error") is None
+    rear = told.filter(has_text="rear.mp4")
+    rear.get_by_role("button", name=show).click()
+    expect(rear).to_contain_text("or the browser cannot read it as it comes")
+    expect(rear).to_contain_text("an MP4 needs its index at its beginning")
 
 
 def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, tmp_path):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import time
+from pathlib import Path
+
 import pytest
 from recorded_systems import Drive, model_in, recorded
 from studio_client import RefusedError, serving
@@ -82,6 +86,21 @@ def test_few_are_open_at_once_and_a_changed_one_is_read_again(opened, folder, mo
     assert again.system.recording.duration < 6
     read(opened, "text.mcap")
     assert opened.opened("runs/run.mcap") is not again
+
+
+def test_another_process_reads_and_leaves_nothing(folder, opened):
+    """Pages are answered meanwhile: this process has less to do than the one that reads."""
+    path = folder / "cut.mcap"
+    path.write_bytes(recorded(Drive(seconds=60.0))[:-20])
+    before = [time.process_time(), sum(os.times()[2:4])]
+    one = read(opened, "cut.mcap")
+    own, others = time.process_time() - before[0], sum(os.times()[2:4]) - before[1]
+    assert own < others / 2
+    copy = Path(one.system.recording._copy)
+    assert one.system.recording.last("/cmd_vel", 30.0) is not None
+    assert one.system.recording.fault.startswith("the file is damaged")
+    opened.close()
+    assert not copy.exists()
 
 
 def test_the_page_is_told_of_a_moment_and_refused_what_is_none(built, tmp_path):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from scope_support import CAR, SHIPPED, scope_of
+from scope_support import CAR, MODELS, SHIPPED, scope_of
 from sweeps import sweep
 
 import jausml
@@ -18,6 +18,7 @@ from jausml.authoring.studio.views import trial_worker, trying
 from jausml.authoring.studio.views.trying import Trials, inputs
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml.live.workers.bootstrap import load_runtime
 
 if TYPE_CHECKING:
@@ -163,10 +164,19 @@ def test_elements_of_lists_and_joins_have_values(trials):
     given = {"JointPositionList[0].JointPosition.radian": "0.5"}
     found = run(trials, "joint_positions", given, to_ros=True, file=file)
     assert float(shown(found)["position"]) == pytest.approx(0.5, abs=1e-3)
-    file = "examples/waypoints/waypoints.ros2jaus"
-    given = {"latitude": "48", "longitude": "11", "imu.orientation.w": "1"}
-    found = run(trials, "global_pose", given, to_ros=False, file=file)
-    assert float(shown(found)["Latitude"]) == pytest.approx(48, abs=1e-6)
+
+
+@pytest.mark.parametrize("join", ["ownImu", "source"])
+def test_a_join_may_have_a_name_that_is_none_of_a_parameter(trials, tmp_path, join):
+    text = (MODELS / "library" / "mappings" / "global_pose_sensor.ros2jaus").read_text("utf-8")
+    file = tmp_path / "joined.ros2jaus"
+    file.write_text(text.replace("join imu ", f"join {join} ").replace("imu.", f"{join}."), "utf-8")
+    scope = Scope(read_models([file], notations=NOTATIONS).model, tmp_path)
+    given = {"latitude": "48", "longitude": "11"}
+    given |= {f"{join}.orientation.z": "1", f"{join}.orientation.w": "0"}
+    found = shown(trials.run(scope, map_of(scope, "global_pose"), given, to_ros=False))
+    assert float(found["Latitude"]) == pytest.approx(48, abs=1e-6)
+    assert float(found["Yaw"]) == pytest.approx(-1.5708, abs=1e-3)  # the attitude of the joined one
 
 
 @pytest.mark.parametrize(
@@ -185,8 +195,10 @@ class InThisProcess:
 
     is_alive = True
 
-    def __init__(self, code: BridgeCode, made_of: bridge.AttributeMap) -> None:
-        self.code, self.made_of = code, made_of
+    def __init__(
+        self, code: BridgeCode, parameters: dict[str, str], made_of: bridge.AttributeMap
+    ) -> None:
+        self.code, self.parameters, self.made_of = code, parameters, made_of
         self._folder = tempfile.TemporaryDirectory()
         workspace = Path(self._folder.name)
         for path, text in code.files.items():

@@ -168,7 +168,7 @@ _TAKEN_ATTRIBUTES = names_in(
 
 @dataclass(frozen=True)
 class TranslatedJoin:
-    """A joined message as a parameter."""
+    """A joined message as a parameter: in Python, `name` is not always what the model calls it."""
 
     join: bridge.Join | bridge.ReportJoin
     name: str

@@ -31,6 +31,7 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
+from jausml_generators.bridge.views import bridge_views
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -177,7 +178,8 @@ class Trials:
             request = _request(used, given, to_ros=to_ros)
             with self._lock:
                 process = self._process(scope, used, to_ros=to_ros)
-            answer = process.ask(request, self._seconds)
+            named = {process.parameters[name]: each for name, each in request.items()}
+            answer = process.ask(named, self._seconds)
             return _tried(used, answer, to_ros=to_ros)
         except (AnswerError, WorkerError) as error:
             return Tried(error=str(error))
@@ -195,7 +197,7 @@ class Trials:
         if known is not None and known.is_alive and known.made_of == made_of:
             self._processes.move_to_end(key)
             return known
-        code = _code(scope, used, users, to_ros=to_ros)
+        code, parameters = _code(scope, used, users, to_ros=to_ros)
         if known is not None and known.is_alive and known.code.digest == code.digest:
             known.made_of = made_of
             self._processes.move_to_end(key)
@@ -205,7 +207,7 @@ class Trials:
             known.close()
         while len(self._processes) >= _MOST_PROCESSES:
             self._processes.popitem(last=False)[1].close()
-        made = self._processes[key] = _Process(code, made_of)
+        made = self._processes[key] = _Process(code, parameters, made_of)
         return made
 
 
@@ -215,11 +217,17 @@ def _code(
     users: Sequence[bridge.Connection],
     *,
     to_ros: bool,
-) -> BridgeCode:
-    """Returns the generated code of a direction of a map, as the first who uses it has it."""
+) -> tuple[BridgeCode, dict[str, str]]:
+    """Returns the generated code of a direction of a map, as the first who uses it has it.
+
+    With it come the parameters of its method by the names of joins; that of the message has none.
+    """
     maps = {CONNECTION_NAME: (used, to_ros)}
     try:
-        return bridge_code(bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users))
+        made = bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users)
+        ((connection,),) = (view.connections for view in bridge_views(made))
+        joins = {str(each.join.name): each.name for each in connection.translated.joins}
+        return bridge_code(made), {"": "source", **joins}
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
         raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
@@ -228,9 +236,11 @@ def _code(
 class _Process(Worker):
     """A process with one translation."""
 
-    def __init__(self, code: BridgeCode, made_of: tuple[object, ...]) -> None:
+    def __init__(
+        self, code: BridgeCode, parameters: Mapping[str, str], made_of: tuple[object, ...]
+    ) -> None:
         super().__init__(code, _WORKER)
-        self.code = code
+        self.code, self.parameters = code, parameters
         self.made_of = made_of
 
 
@@ -242,13 +252,13 @@ def _check_ends(used: bridge.AttributeMap) -> None:
 def _request(
     used: bridge.AttributeMap, given: Mapping[str, str], *, to_ros: bool
 ) -> dict[str, Any]:
-    """Returns the messages that values make: the source, and those of joins that have values."""
+    """Returns the messages that values make: the main one, and those of joins that have values."""
     scope = outer_scope(used, to_ros=to_ros)
     joins = {str(each.name): each for each in (used.reportJoins if to_ros else used.joins)}
-    parts: dict[str, dict[str, str]] = {"source": {}}
+    parts: dict[str, dict[str, str]] = {"": {}}
     for path, text in given.items():
         first, _, rest = path.partition(".")
-        name, inner = (first, rest) if first in joins and rest else ("source", path)
+        name, inner = (first, rest) if first in joins and rest else ("", path)
         parts.setdefault(name, {}).update(_expanded(scope, path, inner, text))
     if not to_ros:
         return {name: {"values": values} for name, values in parts.items()}

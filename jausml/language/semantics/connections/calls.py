@@ -97,6 +97,14 @@ def as_connection(connection: bridge.RosServiceConnection, half: Half) -> bridge
     return made
 
 
+def of_elements(action: bridge.RosActionConnection) -> bridge.Connection:
+    """Returns the connection that carries single elements of a list; it is no part of the model."""
+    made = bridge.Connection()
+    made.name, made.documentation = action.name, action.documentation
+    made.direction, made.map, made.outOfRange = action.direction, action.element, action.outOfRange
+    return made
+
+
 EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
 LIST_MANAGER = "ListManager"
 RUN, MISSION_QUERY, MISSION_REPORT = "RunMission", "QueryMissionStatus", "ReportMissionStatus"

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from ...transports.packets.packet import Priority
 from ...wire.message import EncodeError
 from ..connections.connection import FILTERED, NOT_READY
-from ..connections.translations import Form, ros_decoder, ros_encoder, transcoder, uses_ros_classes
+from ..connections.translations import (
+    Form,
+    override_of,
+    ros_decoder,
+    ros_encoder,
+    transcoder,
+    uses_ros_classes,
+)
 from ..ends import parameters
 from ..reports.diagnostics import ConnectionStatus, Limiting, Statistics
 from ..reports.states import Facts, StateLog, StopReason, judge
@@ -59,18 +66,18 @@ class CallTranslation(Limiting):
         self.message = message
         self.type = type
         self.to_ros = to_ros
-        self._translate = translate
+        self.translate = translate
         self._transcode: Transcode
 
     def open(self, ends: Ends) -> None:
         """Finds out how both messages are read and written."""
         self.counters = ends.component.counters
         self._is_open = True
-        real = uses_ros_classes(self._translate)
+        real = uses_ros_classes(self.translate)
         decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
         encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
         self._transcode = transcoder(
-            self._translate, decode, encode, self.note_blocking, ends.loop.stopwatch
+            self.translate, decode, encode, self.note_blocking, ends.loop.stopwatch
         )
 
     def made(self, data: bytes) -> bytes:
@@ -332,6 +339,7 @@ class Calls(Generic[CallT, AskingT]):
         return (
             ("service", self.service.name),
             ("translation", self.form.value),
+            *override_of(*(each.translate for each in self._translations())),
             ("calls taken", str(counts.arrivals)),
             ("calls answered", str(counts.passed)),
             ("calls under way", str(len(self._under_way))),

@@ -22,7 +22,7 @@ from .ages import Backlog
 from .reporting import Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
-from .translations import Form, compiled_first, transcoder, with_joins
+from .translations import Form, compiled_first, override_of, transcoder, with_joins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -57,6 +57,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     """
 
     form: Form
+    override: list[tuple[str, str]]
 
     def __init__(
         self,
@@ -275,6 +276,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
 
     def _made_transcode(self) -> Transcode:
         self.form = self.classes()
+        self.override = override_of(self._translate)
         transcode = transcoder(
             self._translate,
             self.decoder(),

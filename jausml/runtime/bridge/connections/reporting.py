@@ -73,6 +73,7 @@ class Reported(Protocol):
     is_command: bool
     stopped: StopReason | None
     form: Form
+    override: list[tuple[str, str]]
 
     @property
     def counters(self) -> Counters:
@@ -193,6 +194,7 @@ class Reporter:
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
             ("translation", connection.form.value),
+            *connection.override,
             *((("passed on by the core", str(counts.alone)),) if counts.alone else ()),
             *((name, str(n)) for name, n in self.account()),
             ("rate (Hz)", f"{self._rate.hertz:.2f}"),

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from types import MethodType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ...services.dispatch import LONGEST_CALL
@@ -42,6 +43,17 @@ def ros_classes(method: MethodT) -> MethodT:
 def uses_ros_classes(translate: Callable[..., Any]) -> bool:
     """Whether a translation wants objects of the message classes of ROS."""
     return getattr(translate, "uses_ros_classes", False) is True
+
+
+def override_of(*translations: object) -> list[tuple[str, str]]:
+    """Names the methods among translations that a subclass has in the place of generated ones."""
+    names = [
+        each.__name__
+        for each in translations
+        if isinstance(each, MethodType)
+        and sum(each.__name__ in vars(kind) for kind in type(each.__self__).__mro__) > 1
+    ]
+    return [("override", ", ".join(names))] if names else []
 
 
 class Form(Enum):
