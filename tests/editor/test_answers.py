@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from for_each import for_each
 from hypothesis import given
@@ -274,7 +276,7 @@ def test_positions_in_units_of_the_editor():
 
 @given(st.text(st.characters(exclude_categories=["Cs"]), max_size=20), st.integers(1, 25))
 def test_positions_lead_back(text, column):
-    line = text.split("\n")[0].rstrip("\r")
+    line = re.split(r"\r?\n|\r", text)[0]
     column = min(column, len(line) + 1)
     for encoding in ("utf-8", "utf-16", "utf-32"):
         columns = Columns(text, encoding)

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from sweeps import sweep
 
 from jausml.language.text.reading import parsing
-from jausml.language.text.reading import pieces as module
 from jausml.language.text.reading.parsing import parse
 from jausml.language.text.reading.pieces import Pieces, parsed_text
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeVar
+from weakref import WeakKeyDictionary
 
 from jausml.authoring.editor.context import (
     class_of,
@@ -13,6 +15,7 @@ from jausml.authoring.editor.context import (
     table,
 )
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
+from jausml.language.text.reading.joining import Joined, Part
 from jausml.language.text.tree import (
     Assignment,
     Call,
@@ -28,7 +31,7 @@ from jausml.language.text.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.authoring.editor.context import Place
     from jausml.language.metamodel import ClassTable
@@ -71,38 +74,100 @@ class Reference:
         return self.name.text.partition(".")[0] if self.is_first_step else self.name.text
 
 
+@dataclass(frozen=True, slots=True)
+class _Inner:
+    """The names of a part of a list, without the items around it."""
+
+    names: Names
+    owners: tuple[Item, ...]
+
+
+_NameT = TypeVar("_NameT", Declaration, Reference)
+
+
 @dataclass(slots=True)
 class Names:
     """All names of a document, in order."""
 
-    declarations: list[Declaration] = field(default_factory=list)
-    references: list[Reference] = field(default_factory=list)
+    entries: list[Declaration | Reference | _Inner] = field(default_factory=list)
+
+    @property
+    def declarations(self) -> Iterator[Declaration]:
+        """The names that declare an element."""
+        return _chosen(self, Declaration)
+
+    @property
+    def references(self) -> Iterator[Reference]:
+        """The names that refer to an element."""
+        return _chosen(self, Reference)
+
+    def declared(self, wanted: ClassTable) -> Iterator[Declaration]:
+        """Returns the declarations of the elements of a class."""
+        return _chosen(self, Declaration, lambda each: each.table in wanted.subtypes)
 
     def declared_at(self, place: Place) -> Declaration | None:
         """Returns the declaration whose name is at a place."""
-        found = (each for each in self.declarations if is_within(each.name.span, place))
-        return next(found, None)
+        return next(_chosen(self, Declaration, lambda each: _is_at(each.name, place)), None)
 
     def reference_at(self, place: Place) -> Reference | None:
         """Returns the reference at a place."""
-        found = (each for each in self.references if is_within(each.name.span, place))
-        return next(found, None)
+        return next(_chosen(self, Reference, lambda each: _is_at(each.name, place)), None)
+
+
+def _chosen(
+    names: Names,
+    kind: type[_NameT],
+    is_wanted: Callable[[_NameT], bool] = lambda each: True,  # noqa: ARG005 - all
+    owners: tuple[Item, ...] = (),
+) -> Iterator[_NameT]:
+    """Yields names of a kind; `owners`: the items around all of them."""
+    each: Declaration | Reference | _Inner
+    for each in names.entries:
+        if isinstance(each, _Inner):
+            yield from _chosen(each.names, kind, is_wanted, (*owners, *each.owners))
+        elif isinstance(each, kind) and is_wanted(each):
+            yield replace(each, owners=(*owners, *each.owners)) if owners else each
+
+
+def _is_at(name: Name, place: Place) -> bool:
+    # First what is seen at once: there are many names.
+    return name.span.line <= place.line <= name.span.end_line and is_within(name.span, place)
 
 
 def names_of(document: SyntaxTree) -> Names:
-    """Returns the names of a document."""
+    """Returns the names of a document; those of parts that were looked at before are kept."""
     collector = _Collector()
     collector.items(document.items, None, None, ())
     return collector.names
 
 
-def find(reference: Reference, declarations: Iterable[Declaration]) -> Declaration | None:
+_Known = WeakKeyDictionary[Part, dict["ClassTable | None", tuple["Sequence[Item]", Names]]]
+
+
+@lru_cache(maxsize=1)
+def _known() -> _Known:
+    return WeakKeyDictionary()
+
+
+def _names_of_part(part: Part, by: int, owner: ClassTable | None) -> Names:
+    items = part.items(by)
+    known = _known().setdefault(part, {})
+    of_items, names = known.get(owner, (None, Names()))
+    if of_items is not items:
+        collector = _Collector()
+        collector.items(items, None, owner, ())
+        names = collector.names
+        known[owner] = (items, names)
+    return names
+
+
+def find(reference: Reference, names: Names) -> Declaration | None:
     """Returns the declaration that a reference means: the one that shares most owners with it."""
     steps = reference.text.replace("/", ".").split(".")
     fitting = [
         each
-        for each in declarations
-        if each.table in reference.wanted.subtypes
+        for each in names.declared(reference.wanted)
+        if each.name.text.endswith(steps[-1])
         and [step for name in each.path for step in name.split(".")][-len(steps) :] == steps
     ]
     return max(fitting, key=lambda each: _shared(each.owners, reference.owners), default=None)
@@ -130,6 +195,12 @@ class _Collector:
         owner: ClassTable | None,
         owners: tuple[Item, ...],
     ) -> None:
+        # In a map, names mean what stands elsewhere in it.
+        if isinstance(items, Joined) and owner is not table("bridge.AttributeMap"):
+            self.names.entries += [
+                _Inner(_names_of_part(part, by, owner), owners) for part, by in items.parts()
+            ]
+            return
         for item in items:
             if isinstance(item, Element):
                 self._element(item, class_of(item, owner), owners)
@@ -200,10 +271,10 @@ class _Collector:
         for path in paths:
             if path.text.partition(".")[0] in joins:
                 reference = Reference(path, table(wanted), owners, is_first_step=True)
-                self.names.references.append(reference)
+                self.names.entries.append(reference)
 
     def _declare(self, name: Name, own: ClassTable, item: Item, owners: tuple[Item, ...]) -> None:
-        self.names.declarations.append(Declaration(name, own, item, owners))
+        self.names.entries.append(Declaration(name, own, item, owners))
 
     def _refer(self, name: Name, wanted: ClassTable, owners: tuple[Item, ...]) -> None:
-        self.names.references.append(Reference(name, wanted, owners))
+        self.names.entries.append(Reference(name, wanted, owners))

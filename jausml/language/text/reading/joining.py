@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.text.tree import Item
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class Part:
     """What was read of a piece of a text.
 
@@ -69,6 +69,10 @@ class Joined(Items[Any]):
             found.start = (self.start[0] + by, self.start[1])
             found.end = (self.end[0] + by, self.end[1])
         return found
+
+    def parts(self) -> list[Placed]:
+        """Returns the parts, and by how many lines each is moved."""
+        return [(part, by + self._by) for part, by in self._parts]
 
     def near(self, line: int) -> list[Any]:
         """Returns the items of the part that has a line."""
@@ -121,6 +125,7 @@ class Joined(Items[Any]):
         return super().__repr__()
 
     def index(self, *about: Any) -> int:
+        """Returns where an item stands, as a list does."""
         self._here()
         return super().index(*about)
 
