@@ -13,6 +13,7 @@ from jausml.authoring.editor.context import (
     context_at,
     features_of,
     keywords,
+    start_of,
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
@@ -289,8 +290,8 @@ def _declared(
 def _is_visible(declaration: Declaration, context: Context) -> bool:
     """Tells whether a name can be meant by itself: tables and the like only in their map."""
     owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
-    around: Iterable[object] = [level.item for level in context.levels]
-    return not owned or all(any(each is item for item in around) for each in declaration.owners)
+    around = [start_of(each.item.span) for each in context.levels if each.item is not None]
+    return not owned or all(any(map(each.is_at, around)) for each in declaration.owners)
 
 
 _OFFERS = {

@@ -34,12 +34,11 @@ if TYPE_CHECKING:
     from lark import Token
 
     from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.names import Reference
+    from jausml.authoring.editor.names import Owner, Reference
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths import attributes
     from jausml.language.semantics.paths.scopes import PathPlace
-    from jausml.language.text.tree import Item
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
@@ -257,16 +256,15 @@ class Symbol:
 def outline(text: str) -> list[Symbol]:
     """Returns what a text declares, as trees."""
     roots: list[Symbol] = []
-    by_item: dict[int, Symbol] = {}
+    by_item: dict[tuple[int, int], Symbol] = {}
     for each in names_in(text).declarations:
-        kind = snake_case(each.table.name)
-        symbol = Symbol(each.name.text, kind, each.item.span, each.name.span)
-        by_item[id(each.item)] = symbol
+        symbol = Symbol(each.name.text, snake_case(each.table.name), each.span, each.name.span)
+        by_item[id(each.item), each.what.by] = symbol
         owner = _nearest(each.owners, by_item)
         (owner.children if owner is not None else roots).append(symbol)
     return roots
 
 
-def _nearest(owners: tuple[Item, ...], by_item: dict[int, Symbol]) -> Symbol | None:
-    found = (by_item[id(each)] for each in reversed(owners) if id(each) in by_item)
-    return next(found, None)
+def _nearest(owners: tuple[Owner, ...], by_item: dict[tuple[int, int], Symbol]) -> Symbol | None:
+    keys = ((id(each.item), each.by) for each in reversed(owners))
+    return next((by_item[each] for each in keys if each in by_item), None)

@@ -74,10 +74,11 @@ class Joined(Items[Any]):
         """Returns the parts, and by how many lines each is moved."""
         return [(part, by + self._by) for part, by in self._parts]
 
-    def near(self, line: int) -> list[Any]:
-        """Returns the items of the part that has a line."""
-        part, by = self._parts[max(bisect_right(self._parts, line - self._by, key=_line) - 1, 0)]
-        return part.items(by + self._by)
+    def part_at(self, line: int) -> Placed:
+        """Returns the part that has a line, the first or the last where none has it."""
+        behind = bisect_right(self._parts, line - self._by, key=_line)
+        part, by = self._parts[max(behind - 1, 0)]
+        return part, by + self._by
 
     def of(self, kind: type[Any]) -> list[Any]:
         """Returns the items of a class; the others are not looked at."""
@@ -165,7 +166,10 @@ def backwards(tokens: Iterable[Token], line: int) -> Iterator[Token]:
 
 def near(items: Sequence[Item], line: int) -> Sequence[Item]:
     """Returns the items of a list that a line may have: all where nothing tells."""
-    return items.near(line) if isinstance(items, Joined) else items
+    if not isinstance(items, Joined):
+        return items
+    part, by = items.part_at(line)
+    return part.items(by)
 
 
 def chosen(items: Sequence[Item], kind: type[ItemT]) -> list[ItemT]:
