@@ -83,7 +83,9 @@ class Columns:
         first, last = sorted(min(self.place(*each), behind) for each in (start, end))
         head = self._lines[first.line - 1][: first.column - 1]
         tail = self._lines[last.line - 1][last.column - 1 :]
-        changed = with_line_feeds(f"{head}{new}{tail}").split("\n")
+        # With its line end, for the line may have the first half of one.
+        line_end = "\n" if last.line < len(self._lines) else ""
+        changed = with_line_feeds(f"{head}{new}{tail}{line_end}").removesuffix(line_end).split("\n")
         return Columns(
             (*self._lines[: first.line - 1], *changed, *self._lines[last.line :]), self._encoding
         )

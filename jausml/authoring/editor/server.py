@@ -192,7 +192,7 @@ class _Handlers:
     async def _check(self) -> None:
         """Checks all open texts, for they may import each other; beside the main loop.
 
-        What is typed without a pause is not even parsed: that takes as long as a pause.
+        What is typed without a pause is not looked at: most of it is half a word.
         """
         await asyncio.sleep(PAUSE)
         for path in list(self._bench.texts):
