@@ -106,6 +106,7 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *told(page_others.codecs(sections), "codecs"),
         *told(page_others.toolchain(sections), "toolchain"),
         *told(page_others.studio(sections), "studio"),
+        *told(page_others.letters(sections), "letters"),
         *page_others.soak(data.get("soak")),
         *_failed(data["failed"]),
     ]

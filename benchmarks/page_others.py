@@ -124,6 +124,20 @@ def studio(sections: Mapping[str, Any]) -> Iterator[str]:
     yield table(("", "elements", "median, ms", "worst, ms", "processor time, ms"), rows)
 
 
+def letters(sections: Mapping[str, Any]) -> Iterator[str]:
+    """Yields the part on what is typed in an editor."""
+    found = sections.get("letters")
+    if not found:
+        return
+    yield "## Letters in an editor\n"
+    yield (
+        "The processor time of the language server, in milliseconds, until the syntax of a text is "
+        "known in the middle of which something was typed, and for what is asked there then.\n"
+    )
+    kinds = list(next(iter(found.values())))
+    yield table(("", *kinds), [(name, *map(each.get, kinds)) for name, each in found.items()])
+
+
 def soak(found: Mapping[str, Any] | None) -> Iterator[str]:
     """Yields the part on a bridge that ran for long.
 

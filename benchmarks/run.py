@@ -77,6 +77,7 @@ SECTIONS = (
     Section("codecs", "message_codecs"),
     Section("toolchain", "toolchain", limit=600),
     Section("studio", "studio"),
+    Section("letters", "letters"),
 )
 NAMES = tuple(each.name for each in SECTIONS)
 

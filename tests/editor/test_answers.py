@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from for_each import for_each
 from hypothesis import given
@@ -274,11 +276,60 @@ def test_positions_in_units_of_the_editor():
 
 @given(st.text(st.characters(exclude_categories=["Cs"]), max_size=20), st.integers(1, 25))
 def test_positions_lead_back(text, column):
-    line = text.split("\n")[0].rstrip("\r")
+    line = re.split(r"\r?\n|\r", text)[0]
     column = min(column, len(line) + 1)
     for encoding in ("utf-8", "utf-16", "utf-32"):
         columns = Columns(text, encoding)
         assert columns.place(*columns.units(1, column)) == Place(1, column)
+
+
+LETTERS = st.lists(st.sampled_from(["a", "ä", "🚜", "\n", "\r\n", "{", " "]), max_size=12).map(
+    "".join
+)
+
+
+def told_at(text, offset, encoding):
+    """Line and units of a place, as an editor tells them."""
+    line = text[:offset].count("\n")
+    before = text[:offset].rpartition("\n")[2]
+    return line, len(before.encode(f"{encoding}-le")) // {"utf-16": 2, "utf-32": 4}[encoding]
+
+
+@given(LETTERS, st.lists(st.tuples(st.integers(0, 12), st.integers(0, 12), LETTERS), max_size=4))
+def test_what_is_typed_gives_the_text_that_the_editor_has(text, changes):
+    for encoding in ("utf-16", "utf-32"):
+        shown, columns = text, Columns(text, encoding)
+        for first, last, new in changes:
+            start, end = sorted(min(each, len(shown)) for each in (first, last))
+            # No place is within the end of a line.
+            start, end = (each - (shown[each - 1 : each + 1] == "\r\n") for each in (start, end))
+            where = [told_at(shown, each, encoding) for each in (start, end)]
+            columns = columns.edited(*where, new)
+            shown = shown[:start] + new + shown[end:]
+            assert columns.text == shown
+            assert columns.end() == Columns(shown, encoding).end()
+
+
+def test_what_is_typed_behind_the_end_is_at_the_end():
+    columns = Columns("a\nb")
+    assert columns.edited((7, 3), (9, 0), "c").text == "a\nbc"
+    assert columns.edited((0, 9), (0, 9), "c").text == "ac\nb"
+    assert columns.edited((1, 0), (0, 1), "").text == "ab"
+
+
+def test_names_in_parts_are_found_where_they_have_moved_to(bench, at):
+    parts = [f"  component c{n} {{\n    address: 1.1.{n}\n  }}\n" for n in range(1, 60)]
+    bridge = "  bridge b {\n    connection c {\n      peers: c5¦\n    }\n  }\n"
+    for above in ("", "\n", "\n\n\n", "\n"):
+        text = f"system s {{\n{above}{''.join(parts)}{bridge}}}\n"
+        path, place = at(text)
+        assert "c59" in [each.label for each in complete(bench, path, place).completions]
+        where = define(bench, path, place)
+        declared = 2 + len(above) + 4 * 3
+        assert where.span.line == declared
+        (system,) = outline(bench.text(path))
+        assert system.children[4].span.line == declared
+        assert [each.name for each in system.children[-1].children] == ["c"]
 
 
 def test_answers_anywhere_in_a_text_whole_or_broken(bench, at):

@@ -243,3 +243,26 @@ def change(client, uri, version, text):
 def laid_out(client, uri):
     document = {"uri": uri}
     return client.ask("textDocument/formatting", textDocument=document, options=OPTIONS)
+
+
+def test_what_is_typed_comes_as_changes(client, folder):
+    uri = (folder / "typed.ros2jaus").as_uri()
+    text = 'component a {\n  documentation: "🚜"\n}\n'
+    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": text}
+    client.tell("textDocument/didOpen", textDocument=document)
+    assert client.capabilities["capabilities"]["textDocumentSync"]["change"] == 2
+    start, end = {"line": 1, "character": 18}, {"line": 1, "character": 20}
+    changes = [
+        {"range": {"start": start, "end": end}, "text": "two"},
+        {
+            "range": {"start": {"line": 2, "character": 0}, "end": {"line": 2, "character": 0}},
+            "text": "  address: 1.2.3\n",
+        },
+    ]
+    client.tell(
+        "textDocument/didChange", textDocument={"uri": uri, "version": 2}, contentChanges=changes
+    )
+    edits = client.ask("textDocument/formatting", textDocument={"uri": uri}, options=OPTIONS)
+    (laid_out,) = [each["newText"] for each in edits]
+    assert laid_out == 'component a { documentation: "two"  address: 1.2.3 }\n'
+    client.tell("textDocument/didClose", textDocument={"uri": uri})

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from sweeps import sweep
 
 from jausml.language.text.reading import parsing
-from jausml.language.text.reading import pieces as module
 from jausml.language.text.reading.parsing import parse
 from jausml.language.text.reading.pieces import Pieces, parsed_text
 
@@ -116,7 +115,8 @@ def test_after_each_edit_the_tree_is_that_of_the_whole(states):
         whole = parse(text)
         rough = pieces.parsed(text)
         assert bool(rough.faults) >= bool(whole.faults)
-        if not rough.faults:
+        assert rough.faults or rough.is_apart
+        if rough.is_apart:
             assert told(rough) == told(whole)
         assert told(parsed_text(text)) == told(whole)
 
@@ -189,14 +189,43 @@ def test_brackets_too_deep_are_those_of_the_whole():
     assert told(Pieces().parsed(text)) == told(parse(text))
 
 
-def test_of_many_states_few_are_kept(monkeypatch):
-    monkeypatch.setattr(module, "_MOST_KEPT", 20_000)
+@pytest.mark.parametrize("wrong", ["rate", "rate: :", "rate: ( 5", "x -> y", "'5"])
+def test_an_error_within_brackets_has_no_other_piece_parsed(wrong):
+    text = grown(4, 8)
+    pieces = Pieces()
+    pieces.parsed(text)
+    broken = text.replace("rate: 5", wrong, 1)
+    assert len(parsed_by(pieces, broken)) <= 3
+    found = pieces.parsed(broken)
+    assert found.faults
+    if "(" not in wrong:
+        assert told(found) == told(parse(broken))
+        assert found.is_apart
+
+
+@pytest.mark.parametrize("put_in", ["{", "}", "/*", "(", '"'])
+def test_what_is_open_has_little_parsed_and_nothing_once_it_is_closed(put_in):
+    text = grown(20, 8)
+    pieces = Pieces()
+    pieces.parsed(text)
+    at = text.index("rate: 5", len(text) // 2)
+    for typed in (put_in, f"{put_in} ", f"{put_in} a"):
+        opened = f"{text[:at]}{typed}{text[at:]}"
+        assert sum(parsed_by(pieces, opened)) < 0.1 * len(text)
+        assert told(parsed_text(opened)) == told(parse(opened))
+    assert sum(parsed_by(pieces, f"{text[:at]} {text[at:]}")) < 0.1 * len(text)
+
+
+def test_of_many_states_few_are_kept():
     pieces, text = Pieces(), grown(2, 8)
     for number in range(50):
         state = text.replace("rate: 5", f"rate: {number}")
         assert told(pieces.parsed(state)) == told(parse(state))
-        held = [part for _, _, part in pieces._known]
-        assert sum(map(len, held)) == pieces._characters <= 20_000
+    (kept,) = pieces._kept
+    assert (kept.last, kept.closed) == (kept.last, kept.last)
+    for number in range(50):
+        pieces.parsed(f"component c{number} {{\n}}\n" * number * 9)
+    assert len(pieces._kept) <= 8
 
 
 def test_threads_share_the_pieces():

@@ -37,6 +37,7 @@ SECTIONS = (
     "codecs",
     "toolchain",
     "studio",
+    "letters",
 )
 
 

@@ -13,6 +13,7 @@ from jausml.authoring.editor.context import (
     context_at,
     features_of,
     keywords,
+    start_of,
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
@@ -24,6 +25,7 @@ from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
+from jausml.language.text.reading.joining import chosen
 from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.tree import (
     Assignment,
@@ -112,7 +114,7 @@ def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:
         offered.setdefault((each.label, each.module), each)
-    imports = [each for each in bench.tree(path).items if isinstance(each, Import)]
+    imports = chosen(bench.tree(path).items, Import)
     end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
     return CompletionList(context.start, context.end, tuple(offered.values()), end)
 
@@ -279,8 +281,8 @@ def _declared(
 ) -> Iterator[Completion]:
     """Yields the names of a class that the text and its imports declare."""
     for file in (path, *bench.imports(path)):
-        for each in names_in(bench.text(file)).declarations:
-            if each.table in wanted.subtypes and _is_visible(each, context):
+        for each in names_in(bench.text(file)).declared(wanted):
+            if _is_visible(each, context):
                 detail = f"{snake_case(each.table.name)} in {show(file.name)}"
                 yield Completion(written_path(each.name.text), CompletionKind.NAME, detail)
 
@@ -288,8 +290,8 @@ def _declared(
 def _is_visible(declaration: Declaration, context: Context) -> bool:
     """Tells whether a name can be meant by itself: tables and the like only in their map."""
     owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
-    around: Iterable[object] = [level.item for level in context.levels]
-    return not owned or all(any(each is item for item in around) for each in declaration.owners)
+    around = [start_of(each.item.span) for each in context.levels if each.item is not None]
+    return not owned or all(any(map(each.is_at, around)) for each in declaration.owners)
 
 
 _OFFERS = {
@@ -348,12 +350,8 @@ def maps(bench: Workbench, path: Path, context: Context) -> Iterator[Candidate]:
 
 
 def _imported(bench: Workbench, path: Path) -> set[str]:
-    items = bench.tree(path).items
-    return {
-        each.target.text
-        for each in items
-        if isinstance(each, Import) and isinstance(each.target, Name)
-    }
+    items = chosen(bench.tree(path).items, Import)
+    return {each.target.text for each in items if isinstance(each.target, Name)}
 
 
 def _messages_around(bench: Workbench, path: Path, context: Context) -> set[str]:

@@ -9,10 +9,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
+from jausml.language.text.reading.joining import backwards, near
+from jausml.language.text.reading.scanning import with_line_feeds
 from jausml.language.text.reading.shaping import Items
 from jausml.language.text.tree import (
     Assignment,
@@ -55,14 +58,37 @@ class Place:
 
 
 class Columns:
-    """Translates between the columns of a text and those of an editor.
+    """A text as an editor counts in it, and what it becomes by what is typed.
 
-    `encoding`: units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.
+    `text`: the text; a carriage return that ends a line alone becomes a line feed. `encoding`:
+    units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.
     """
 
-    def __init__(self, text: str, encoding: str = UTF_16) -> None:
-        self._lines = text.split("\n")
+    def __init__(self, text: str | Iterable[str], encoding: str = UTF_16) -> None:
+        self._lines = with_line_feeds(text).split("\n") if isinstance(text, str) else list(text)
+        self._encoding = encoding
         self._width = _WIDTHS[encoding]
+
+    @cached_property
+    def text(self) -> str:
+        """The whole text."""
+        return "\n".join(self._lines)
+
+    def edited(self, start: tuple[int, int], end: tuple[int, int], new: str) -> Columns:
+        """Returns what the text becomes with a new stretch in place of another.
+
+        `start`, `end`: line and units as the editor counts them.
+        """
+        behind = Place(len(self._lines), len(self._lines[-1]) + 1)
+        first, last = sorted(min(self.place(*each), behind) for each in (start, end))
+        head = self._lines[first.line - 1][: first.column - 1]
+        tail = self._lines[last.line - 1][last.column - 1 :]
+        # With its line end, for the line may have the first half of one.
+        line_end = "\n" if last.line < len(self._lines) else ""
+        changed = with_line_feeds(f"{head}{new}{tail}{line_end}").removesuffix(line_end).split("\n")
+        return Columns(
+            (*self._lines[: first.line - 1], *changed, *self._lines[last.line :]), self._encoding
+        )
 
     def place(self, line: int, units: int) -> Place:
         """Returns the place that an editor means; one behind the end is the end.
@@ -262,7 +288,7 @@ class Context:
 
 def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     """Returns where a place is."""
-    line = text.split("\n")[place.line - 1] if place.line <= text.count("\n") + 1 else ""
+    line = _line_of(text, place.line)
     before = line[: place.column - 1]
     found = _WORD_AT_END.search(before)
     word = found.group() if found is not None else ""
@@ -270,12 +296,19 @@ def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     start = Place(place.line, place.column - len(word))
     end = Place(place.line, rest.end() + 1 if rest is not None else place.column)
     levels = tuple(_levels(parsed.document, start))
-    tokens = [each for each in parsed.tokens if _position(each) <= start]
-    quoted = next((each for each in tokens if _is_text_around(each, place)), None)
-    limit = start if quoted is None else _position(quoted)
-    statement = _statement([each for each in tokens if _position(each) < limit], levels[-1], start)
+    tokens = (each for each in backwards(parsed.tokens, start.line) if _position(each) <= start)
+    last = next(tokens, None)
+    quoted = last if last is not None and _is_text_around(last, place) else None
+    behind = [] if last is None or last is quoted or _position(last) == start else [last]
+    statement = _statement(chain(behind, tokens), levels[-1], start)
     part, about = _part(levels[-1], statement)
     return Context(levels, part, word, start, end, about, quoted is not None)
+
+
+def _line_of(text: str, line: int) -> str:
+    """Returns a line of a text, counted from 1; an empty one behind the end."""
+    lines = text.split("\n", line)
+    return lines[line - 1] if len(lines) >= line else ""
 
 
 def _position(token: Token) -> Place:
@@ -293,7 +326,7 @@ def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
     level = Level(None, None, document.items)
     while True:
         yield level
-        inner = [each for each in _inner_levels(level) if _holds(each.items, place)]
+        inner = [each for each in _inner_levels(level, place) if _holds(each.items, place)]
         if not inner:
             return
         # A list whose bracket is missing reaches to the end of the text: the last one counts.
@@ -306,9 +339,9 @@ def _holds(items: Sequence[Item], place: Place) -> bool:
     return Place(*items.start) < place <= Place(*items.end)
 
 
-def _inner_levels(level: Level) -> Iterable[Level]:
-    """Yields the lists of the items of a list."""
-    for item in level.items:
+def _inner_levels(level: Level, place: Place) -> Iterable[Level]:
+    """Yields the lists of those items of a list that may be around a place."""
+    for item in near(level.items, place.line):
         if isinstance(item, Feature):
             known = feature_named(item, level.item, level.table)
             for value in item.values:
@@ -320,12 +353,12 @@ def _inner_levels(level: Level) -> Iterable[Level]:
                 yield Level(item, own, items)
 
 
-def _statement(tokens: Sequence[Token], level: Level, start: Place) -> list[Token]:
-    """Returns the tokens of the unfinished item before a place."""
+def _statement(tokens: Iterable[Token], level: Level, start: Place) -> list[Token]:
+    """Returns the tokens of the unfinished item before a place; `tokens`: the last one first."""
     begin = _begin(level, start)
     line = start.line
     statement: list[Token] = []
-    for token in reversed(tokens):
+    for token in tokens:
         # A new line begins a new item unless the one before cannot end there.
         if _position(token) < begin or (token.line != line and token.type not in _GOES_ON):
             break
@@ -338,7 +371,7 @@ def _begin(level: Level, start: Place) -> Place:
     """Returns the end of the last whole item before a place, or the beginning of the list."""
     opening = level.items.start if isinstance(level.items, Items) else None
     begin = Place(opening[0], opening[1] + 1) if opening is not None else Place(1, 1)
-    ends = (end_of(item.span) for item in level.items)
+    ends = (end_of(item.span) for item in near(level.items, start.line))
     return max([begin, *(end for end in ends if end < start)])
 
 

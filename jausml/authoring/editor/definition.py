@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import takewhile
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.context import Part, Place, context_at, is_within
@@ -12,6 +13,7 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.text.reading.joining import backwards, chosen
 from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import (
@@ -32,12 +34,11 @@ if TYPE_CHECKING:
     from lark import Token
 
     from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.names import Reference
+    from jausml.authoring.editor.names import Owner, Reference
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths import attributes
     from jausml.language.semantics.paths.scopes import PathPlace
-    from jausml.language.text.tree import Item
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
@@ -173,8 +174,11 @@ class Definition:
 
 def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
-    found = [each for each in roughly_parsed(text).tokens if is_within(span_of(each), place)]
-    return next((each for each in found if each.type not in _PUNCTUATION), None)
+    tokens = takewhile(
+        lambda each: each.end_line == place.line, backwards(roughly_parsed(text).tokens, place.line)
+    )
+    found = [each for each in tokens if is_within(span_of(each), place)]
+    return next((each for each in reversed(found) if each.type not in _PUNCTUATION), None)
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
@@ -211,15 +215,15 @@ def declaration_at(bench: Workbench, path: Path, place: Place) -> tuple[Path, De
 def meant(bench: Workbench, path: Path, reference: Reference) -> tuple[Path, Declaration] | None:
     """Returns the declaration in texts that a reference means, with its file."""
     for file in (path, *bench.imports(path)):
-        declaration = find(reference, names_in(bench.text(file)).declarations)
+        declaration = find(reference, names_in(bench.text(file)))
         if declaration is not None:
             return file, declaration
     return None
 
 
 def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
-    for item in roughly_parsed(bench.text(path)).document.items:
-        if isinstance(item, Import) and is_within(item.target.span, place):
+    for item in chosen(bench.tree(path).items, Import):
+        if is_within(item.target.span, place):
             file = imported_file(item, path)
             return Definition(file, Span()) if file is not None and file.is_file() else None
     return None
@@ -252,16 +256,15 @@ class Symbol:
 def outline(text: str) -> list[Symbol]:
     """Returns what a text declares, as trees."""
     roots: list[Symbol] = []
-    by_item: dict[int, Symbol] = {}
+    by_item: dict[tuple[int, int], Symbol] = {}
     for each in names_in(text).declarations:
-        kind = snake_case(each.table.name)
-        symbol = Symbol(each.name.text, kind, each.item.span, each.name.span)
-        by_item[id(each.item)] = symbol
+        symbol = Symbol(each.name.text, snake_case(each.table.name), each.span, each.name.span)
+        by_item[id(each.item), each.what.by] = symbol
         owner = _nearest(each.owners, by_item)
         (owner.children if owner is not None else roots).append(symbol)
     return roots
 
 
-def _nearest(owners: tuple[Item, ...], by_item: dict[int, Symbol]) -> Symbol | None:
-    found = (by_item[id(each)] for each in reversed(owners) if id(each) in by_item)
-    return next(found, None)
+def _nearest(owners: tuple[Owner, ...], by_item: dict[tuple[int, int], Symbol]) -> Symbol | None:
+    keys = ((id(each.item), each.by) for each in reversed(owners))
+    return next((by_item[each] for each in keys if each in by_item), None)

@@ -8,12 +8,14 @@ import sys
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import unquote
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol
 from pygls.uris import from_fs_path, to_fs_path
+from pygls.workspace import TextDocument
 
 from jausml import __version__
 from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
@@ -85,7 +87,7 @@ def make_server(root: Path | None = None) -> LanguageServer:
     server = LanguageServer(
         "jausml",
         __version__,
-        text_document_sync_kind=types.TextDocumentSyncKind.Full,
+        text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
         protocol_cls=_Protocol,
     )
     handlers = _Handlers(server, Workbench(root=root))
@@ -122,6 +124,28 @@ class _Protocol(LanguageServerProtocol):
             raise
 
 
+class _Document(TextDocument):
+    """An open text: pygls would go through all its lines for each letter."""
+
+    def __init__(self, item: types.TextDocumentItem, encoding: str) -> None:
+        super().__init__(item.uri, version=item.version, language_id=item.language_id)
+        self._encoding = encoding
+        self.columns = Columns(item.text, encoding)
+
+    @property
+    def source(self) -> str:
+        return self.columns.text
+
+    def apply_change(self, change: types.TextDocumentContentChangeEvent) -> None:
+        if isinstance(change, types.TextDocumentContentChangePartial):
+            start, end = change.range.start, change.range.end
+            self.columns = self.columns.edited(
+                (start.line, start.character), (end.line, end.character), change.text
+            )
+        else:
+            self.columns = Columns(change.text, self._encoding)
+
+
 class _Handlers:
     """Translates what editors ask, and what they are answered."""
 
@@ -136,9 +160,11 @@ class _Handlers:
     # What the editor does
 
     def did_open(self, params: types.DidOpenTextDocumentParams) -> None:
-        document = params.text_document
-        self._uris[_path(document.uri)] = document.uri
-        self._take(document.uri, document.version, document.text)
+        item = params.text_document
+        document = _Document(item, self._encoding())
+        self._server.workspace.text_documents[unquote(item.uri)] = document
+        self._uris[_path(item.uri)] = item.uri
+        self._take(item.uri, item.version, document.source)
 
     def did_change(self, params: types.DidChangeTextDocumentParams) -> None:
         uri = params.text_document.uri
@@ -166,7 +192,7 @@ class _Handlers:
     async def _check(self) -> None:
         """Checks all open texts, for they may import each other; beside the main loop.
 
-        What is typed without a pause is not even parsed: that takes as long as a pause.
+        What is typed without a pause is not looked at: most of it is half a word.
         """
         await asyncio.sleep(PAUSE)
         for path in list(self._bench.texts):
@@ -317,9 +343,15 @@ class _Handlers:
         return path, self._columns(path).place(position.line, position.character)
 
     def _columns(self, path: Path) -> Columns:
+        uri = self._uris.get(path)
+        held = self._server.workspace.text_documents.get(unquote(uri)) if uri is not None else None
+        if isinstance(held, _Document):
+            return held.columns
+        return Columns(self._bench.text(path), self._encoding())
+
+    def _encoding(self) -> str:
         encoding = self._server.workspace.position_encoding or types.PositionEncodingKind.Utf16
-        shown = encoding.value if isinstance(encoding, types.PositionEncodingKind) else encoding
-        return Columns(self._bench.text(path), shown)
+        return encoding.value if isinstance(encoding, types.PositionEncodingKind) else encoding
 
     def _uri(self, path: Path) -> str:
         return self._uris.get(path) or from_fs_path(str(path)) or ""

@@ -6,7 +6,6 @@ import os
 import re
 import threading
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -21,6 +20,7 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.project import Index, Models, library, own_instances, stored_files
 from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.language.text.reading.imports import resolve
+from jausml.language.text.reading.joining import chosen
 from jausml.language.text.reading.pieces import parsed_text, roughly_parsed
 from jausml.language.text.tree import Import, Span, Text
 from jausml.language.text.writing.spelling import quoted
@@ -41,9 +41,8 @@ ElementT = TypeVar("ElementT", bound="EObject")
 _WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 
-@lru_cache(maxsize=32)
 def names_in(text: str) -> Names:
-    """Returns the names in a text; those of a text just seen are kept."""
+    """Returns the names in a text."""
     return names_of(roughly_parsed(text).document)
 
 
@@ -174,8 +173,8 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        items = self.tree(path).items
-        found = (imported_file(each, path) for each in items if isinstance(each, Import))
+        items = chosen(self.tree(path).items, Import)
+        found = (imported_file(each, path) for each in items)
         return [each for each in found if each is not None]
 
     def related(self, path: Path) -> list[Path]:

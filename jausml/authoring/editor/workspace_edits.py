@@ -15,6 +15,7 @@ from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editor.context import is_within, start_of
 from jausml.authoring.editor.definition import declaration_at
+from jausml.authoring.editor.names import Owner
 from jausml.authoring.editor.workbench import checked, names_in
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
@@ -193,7 +194,7 @@ def _declared(model: Model, declaration: Declaration) -> EObject | None:
         node = pending.pop()
         pending += node.children
         source = written.source_of(node)
-        is_there = source is not None and start_of(source.span) == start_of(declaration.item.span)
+        is_there = source is not None and start_of(source.span) == start_of(declaration.span)
         if is_there and model.metamodels.class_of(node.obj) in declaration.table.subtypes:
             return cast("EObject", node.obj)
     return None
@@ -201,8 +202,9 @@ def _declared(model: Model, declaration: Declaration) -> EObject | None:
 
 def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: str) -> None:
     for other in names_in(bench.text(home)).declarations:
-        is_beside = list(map(id, other.owners)) == list(map(id, declaration.owners))
-        is_beside = is_beside and other.table is declaration.table
-        if is_beside and other.name.text == name and other is not declaration:
+        is_beside = len(other.owners) == len(declaration.owners)
+        is_beside &= all(map(Owner.is_same, other.owners, declaration.owners))
+        is_beside &= other.table is declaration.table and not other.what.is_same(declaration.what)
+        if is_beside and other.name.text == name:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")

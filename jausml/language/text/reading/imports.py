@@ -49,6 +49,7 @@ def resolve(item: Import) -> ImportedDocument | Fault:
     return Fault("JML704", message, hint, line, column)
 
 
+@cache
 def library_files() -> Mapping[str, str]:
     """Returns the files of the library (relative, forward slashes) by their names in imports."""
     return {module_of(path): place_in_library(path) for path in library_paths()}

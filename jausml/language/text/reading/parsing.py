@@ -42,11 +42,16 @@ _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BR
 
 @dataclass(slots=True)
 class Parsed:
-    """The outcome of parsing a text."""
+    """The outcome of parsing a text, or a part of one.
+
+    Attributes:
+        is_apart: Whether what stands around it would change nothing, nor it what it does to that.
+    """
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
     tokens: Iterable[Token] = ()
+    is_apart: bool = True
 
 
 def parse(text: str) -> Parsed:
@@ -74,7 +79,16 @@ def parse_part(
     attach(document, scanned.comments, 0 if is_first else line - 1)
     faults = scanned.faults + run.faults
     faults.sort(key=lambda fault: (fault.span.line, fault.span.column))
-    return Parsed(document, faults, scanned.tokens)
+    is_apart = not faults or (run.is_apart and _ends_with_item(document, scanned.tokens))
+    return Parsed(document, faults, scanned.tokens, is_apart)
+
+
+def _ends_with_item(document: SyntaxTree, tokens: list[Token]) -> bool:
+    """Tells whether the last item is there: else its comments belong to the one behind it."""
+    if not document.items or not tokens:
+        return False
+    last, token = document.items[-1].span, span_of(tokens[-1])
+    return (last.end_line, last.end_column) == (token.end_line, token.end_column)
 
 
 class _Run:
@@ -82,6 +96,8 @@ class _Run:
 
     def __init__(self, tokens: list[Token]) -> None:
         self.faults: list[SyntaxFault] = []
+        self.is_apart = True
+        self._brackets_around = 0
         self._tokens = tokens
         self._machine = Machine()
         self._accepts = self._machine.accepts
@@ -112,6 +128,7 @@ class _Run:
         """Reads all tokens as items of a block."""
         self._machine.take(self._token("WORD"))
         self._machine.take(self._token("LBRACE"))
+        self._brackets_around = 1
         document = self.document(is_block=True)
         around = document.items[0] if document.items else None
         return SyntaxTree(list(around.items) if isinstance(around, Element) else [])
@@ -119,6 +136,7 @@ class _Run:
     def _end(self, position: int, *, is_block: bool) -> SyntaxTree:
         """Ends the document, with the brackets that are missing."""
         if position < len(self._tokens):
+            self.is_apart = False
             is_deep = len(self.faults) < MOST_FAULTS
             deep = f"brackets are nested more than {DEEPEST} deep"
             message = deep if is_deep else "so much is wrong above that the rest is not read"
@@ -135,6 +153,7 @@ class _Run:
 
     def _report(self, position: int) -> None:
         """Reports that the token at a position cannot stand there."""
+        self.is_apart &= 0 < position < len(self._tokens)
         accepted = self._machine.accepted()
         message = describe(accepted, self._tokens, position)
         hint = suggestion(accepted, self._tokens, position)
@@ -221,6 +240,7 @@ class _Run:
             elif not skipped and self._begins_line(position) and self._begins_item(token):
                 break
             position += 1
+        self.is_apart &= position < len(self._tokens)
         return position
 
     def _begins_arguments(self, position: int) -> bool:
@@ -241,6 +261,7 @@ class _Run:
     def _is_closing(self, token: Token) -> bool:
         """Tells whether a closing bracket can come, after those within it have been closed."""
         opener = _OPENERS[token.type]
+        self.is_apart &= len(self._open_brackets()) > self._brackets_around
         if self._is_misspelt(token):
             self._close()
             return False

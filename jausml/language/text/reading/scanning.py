@@ -67,7 +67,7 @@ class Scan:
 
 def with_line_feeds(text: str) -> str:
     """Returns a text with a line feed for each carriage return that ends a line alone."""
-    return _LONE_RETURN.sub("\n", text)
+    return _LONE_RETURN.sub("\n", text) if "\r" in text else text
 
 
 def scan(text: str, first_line: int = 1) -> Scan:
