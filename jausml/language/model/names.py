@@ -167,7 +167,7 @@ class NameFinder:
             found = [
                 each
                 for target in self._referred(scope)
-                if wanted in _held_by(self._model.metamodels, self._class_of(target))
+                if wanted in held_by(self._model.metamodels, self._class_of(target))
                 for each in target.eAllContents()
                 if self._is_a(each, wanted) and _matches(each, text)
             ]
@@ -303,7 +303,7 @@ def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
 
 
 @cache
-def _held_by(metamodels: Metamodels, table: ClassTable) -> frozenset[ClassTable]:
+def held_by(metamodels: Metamodels, table: ClassTable) -> frozenset[ClassTable]:
     """Returns the classes of what an element of a class may own, at any depth, and their bases."""
     found: set[ClassTable] = set()
     pending = [table]
