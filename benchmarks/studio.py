@@ -2,7 +2,7 @@
 
 By the clock, for that is what somebody waits for: from sending the edit until the problems of what
 it led to are here. In between the change is planned, checked by reading its result, and written;
-and all rules run.
+and all rules run. The page then asks what has changed in its picture; processor time tells of both.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from websockets.sync.client import ClientConnection, connect
 
 from jausml.language.model import read_models
 from jausml.language.model.uris import LIBRARY_URI
+from jausml.language.text.notation import NOTATIONS, SUFFIX
+from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,7 +40,6 @@ SIZES = (100, 1_000, 10_000)
 _ELEMENTS_EACH = 8
 _EDITS = 15
 _LONGEST = 120.0
-_FILE = "edited.xmi"
 _PROGRAM = """
 import sys
 from pathlib import Path
@@ -59,12 +60,16 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 
     Returns:
         For each model its `elements` without those of the library, the `median` and the `worst`
-        time from edit to verdict, and the median `processor` time of the server, in milliseconds.
+        time from edit to verdict, and the median `processor` times of the server for that and for
+        the `picture`, in milliseconds.
     """
-    found = {EXAMPLE: _measured(_example(), scale, folder / "example")}
+    found = {EXAMPLE: _measured(_example(), scale, folder / "example" / "edited.xmi")}
     for size in scale.cases(SIZES, 2):
-        text = growth.connections(max(size // _ELEMENTS_EACH, 1), own_maps=True, own_frames=True)
-        found[f"{size:,} elements"] = _measured(text, scale, folder / str(size))
+        xmi = growth.connections(max(size // _ELEMENTS_EACH, 1), own_maps=True, own_frames=True)
+        name, place = f"{size:,} elements", folder / str(size)
+        found[name] = _measured(xmi, scale, place / "edited.xmi")
+        text = _as_text(place / "edited.xmi")
+        found[f"{name}, text"] = _measured(text, scale, place / "text" / f"edited{SUFFIX}")
     for name, figures in found.items():
         print(f"  {name}: {figures}", flush=True)
     return found
@@ -75,25 +80,36 @@ def _example() -> str:
     return text.replace("../library/", LIBRARY_URI)
 
 
-def _measured(text: str, scale: Scale, folder: Path) -> dict[str, float]:
-    folder.mkdir()
-    path = folder / _FILE
+def _as_text(path: Path) -> str:
+    """Returns what a file says, in the other notation."""
+    model = read_models([path]).model
+    return to_text(model.roots[:1], model, path.with_suffix(SUFFIX))
+
+
+def _measured(text: str, scale: Scale, path: Path) -> dict[str, float]:
+    path.parent.mkdir()
     path.write_text(text, encoding="utf-8")
-    elements = sum(1 for _ in read_models([path]).model.elements(library=False))
+    model = read_models([path], notations=NOTATIONS).model
+    elements = sum(1 for _ in model.elements(library=False))
     with _page(path) as page:
         page.look()
         page.edit(0)  # loads what edits need
-        times, processor = [], []
+        page.picture()
+        times, processor, pictures = [], [], []
         for number in range(1, scale.count(_EDITS, 2) + 1):
             busy, started = page.processor_ms(), time.perf_counter()
             page.edit(number)
             times.append(1e3 * (time.perf_counter() - started))
-            processor.append(page.processor_ms() - busy)
+            judged = page.processor_ms()
+            processor.append(judged - busy)
+            page.picture()
+            pictures.append(page.processor_ms() - judged)
     return {
         "elements": elements,
         "median": rounded(statistics.median(times)),
         "worst": rounded(max(times)),
         "processor": rounded(statistics.median(processor)),
+        "picture": rounded(statistics.median(pictures)),
     }
 
 
@@ -109,7 +125,7 @@ def _page(path: Path) -> Iterator[_Page]:
         address = urlsplit(process.stdout.readline().split()[-1])
         origin = f"http://{address.netloc}"
         with connect(f"ws://{address.netloc}/socket", origin=origin, max_size=None) as socket:
-            page_ = _Page(socket, process.pid)
+            page_ = _Page(socket, process.pid, path.name)
             page_.ask("hello", token=address.fragment.removeprefix("token="))
             yield page_
     finally:
@@ -120,17 +136,20 @@ def _page(path: Path) -> Iterator[_Page]:
 class _Page:
     """Just enough of a page to edit and to be told."""
 
-    def __init__(self, socket: ClientConnection, process: int) -> None:
+    def __init__(self, socket: ClientConnection, process: int, file: str) -> None:
         self._socket = socket
         self._process = process
+        self._file = file
+        self._picture = 0
         self._asked = 0
         self._judged = -1
         self._element = ""
 
     def look(self) -> None:
         """Looks at the system, as pages do, and chooses its first bridge."""
-        self.ask("problems", file=_FILE)
-        form = self.ask("form", element=f"{_FILE}#/")
+        self.ask("problems", file=self._file)
+        self.picture()
+        form = self.ask("form", element=f"{self._file}#/")
         owned = next(each for each in form["children"] if each["feature"] == "bridges")
         self._element = owned["elements"][0]["element"]
 
@@ -142,6 +161,11 @@ class _Page:
         while (found := self._next()).get("id") != self._asked:
             pass
         return found["result"]
+
+    def picture(self) -> None:
+        """Asks what has changed in the picture of the system."""
+        wanted = {"file": self._file, "view": "system", "opened": [], "base": self._picture}
+        self._picture = self.ask("view", **wanted)["picture"]
 
     def edit(self, number: int) -> None:
         """Gives the bridge another documentation, and waits for the verdict."""

@@ -10,7 +10,7 @@ import pytest
 from sweeps import sweep
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import library_root, read_models, uris
+from jausml.language.model import Model, library_root, names, read_models, uris
 from jausml.language.model.comparison import compare
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.reading.library_cache import LibraryCache
@@ -177,3 +177,37 @@ def other_library(folder, monkeypatch):
     shutil.copytree(library_root(), library)
     monkeypatch.setattr(uris, "library_root", lambda: library)
     return library
+
+
+def test_the_next_reading_walks_nothing_of_the_library(tmp_path, monkeypatch):
+    """Neither for names, nor for the elements of a class, nor to keep what it has."""
+    path, cache, walked = tmp_path / "a.ros2jaus", LibraryCache(), []
+    elements_of = Model.elements_of
+
+    def walk(self, document):
+        walked.append(document)
+        return elements_of(self, document)
+
+    monkeypatch.setattr(Model, "elements_of", walk)
+    found = []
+    for address in ("10.1.1", "10.1.2"):
+        walked.clear()
+        path.write_text(f"component one {{ address: {address} provides: VelocityStateSensor }}")
+        result = read(path, cache)
+        assert not result.diagnostics
+        found.append([each.name for each in result.model.instances(jaus.MessageDef)])
+        shared = [each for each in walked if each.is_shared]
+        assert bool(shared) == (address == "10.1.1")
+    assert found[0] == found[1] != []
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.name)
+def test_what_an_element_owns_is_of_a_class_that_it_may_own(path):
+    model = read(path).model
+    class_of = model.metamodels.class_of
+    for element in model.elements():
+        held = names.held_by(model.metamodels, class_of(element))
+        for owned in model.owned(element):
+            table = class_of(owned)
+            assert {table, *table.supertypes} <= held
+            assert names.held_by(model.metamodels, table) <= held

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.model.diagnostics import Location
 from jausml.language.model.xmi.parsing import attribute_positions
@@ -10,7 +10,7 @@ from jausml.language.model.xmi.parsing import attribute_positions
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model.notation import Notation, Written
     from jausml.language.model.xmi.parsing import Node
 
@@ -23,7 +23,9 @@ class Document:
     Attributes:
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
         lacks_imports: True when a document that it imports could not be read.
-        is_shared: True when other models may have its elements too.
+        is_shared: True when other models may have its elements too, which nobody changes.
+        by_name: Of one that is shared, its elements by the last steps of their names.
+        by_class: Of one that is shared, its elements by class, with their positions.
     """
 
     def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
@@ -41,6 +43,8 @@ class Document:
         self.imports: list[Document] = []
         self.lacks_imports = False
         self.is_shared = False
+        self.by_name: dict[str, list[EObject]] | None = None
+        self.by_class: dict[EClass, list[tuple[int, Any]]] | None = None
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
         self._root_positions: dict[EObject, int] | None = None
         self._positions: dict[Node, dict[tuple[str, str], tuple[int, int]]] = {}

@@ -103,6 +103,9 @@ class Mirror(Model):
 
     def elements_of(self, document: Document) -> Iterator[EObject]:
         """Yields the elements of one document, in order."""
+        if document.is_shared:
+            yield from super().elements_of(document)
+            return
         pending = self._roots_of(document)[::-1]
         while pending:
             element = pending.pop()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
+ByClass = dict["EClass", list[tuple[int, Any]]]
 
 UNKNOWN_PATH = "<model>"
 """The path of elements that no document holds."""
@@ -51,7 +52,7 @@ class Model:
         self.metamodels = metamodels
         self._origin: dict[EObject, tuple[Document, Node]] = {}
         self._ids: dict[EObject, str] = {}
-        self._by_class: dict[EClass, list[tuple[int, Any]]] | None = None
+        self._by_class: list[tuple[Document, ByClass]] | None = None
         self._made: dict[Any, Any] = {}
 
     def adopt(self, document: Document, node: Node) -> None:
@@ -137,13 +138,25 @@ class Model:
         wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
         by_class = self._by_class
         if by_class is None:
-            by_class = {}
-            for position, obj in enumerate(self.elements()):
-                by_class.setdefault(obj.eClass, []).append((position, obj))
+            by_class = [(each, self._classes_of(each)) for each in self.documents]
             self._by_class = by_class  # whole: another thread may ask meanwhile
-        lists = [each for eclass, each in by_class.items() if eclass in wanted]
-        found = [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
-        return found if library else [obj for obj in found if not self.is_library(obj)]
+        found: list[ElementT] = []
+        for document, classes in by_class:
+            if library or not document.is_library:
+                lists = [classes[each] for each in classes.keys() & wanted]
+                found += [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
+        return found
+
+    def _classes_of(self, document: Document) -> ByClass:
+        """Returns the elements of a document by class, with their positions."""
+        if document.by_class is not None:
+            return document.by_class
+        found: ByClass = {}
+        for position, obj in enumerate(self.elements_of(document)):
+            found.setdefault(obj.eClass, []).append((position, obj))
+        if document.is_shared:
+            document.by_class = found
+        return found
 
     def made(self, make: Callable[[Model], MadeT]) -> MadeT:
         """Returns what a function makes of the model, made once until something is read."""

@@ -146,11 +146,13 @@ class NameFinder:
     def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
         text = _normal(name)
         index = self._index(document)
-        candidates = [each for each in index.get(_last_step(text), ()) if _matches(each, text)]
+        candidates = index.get(_last_step(text), [])
+        if "." in text:  # the index knows the last step alone
+            candidates = [each for each in candidates if _matches(each, text)]
         whole = _whole_of(text)
         if whole:
             owners = [each for each in index.get(_last_step(whole), ()) if _matches(each, whole)]
-            candidates += _parts(owners, _last_step(text))
+            candidates = [*candidates, *_parts(owners, _last_step(text))]
         return [each for each in candidates if self._is_a(each, wanted)]
 
     def _in_what_owners_refer_to(
@@ -165,6 +167,7 @@ class NameFinder:
             found = [
                 each
                 for target in self._referred(scope)
+                if wanted in held_by(self._model.metamodels, self._class_of(target))
                 for each in target.eAllContents()
                 if self._is_a(each, wanted) and _matches(each, text)
             ]
@@ -181,6 +184,8 @@ class NameFinder:
     @staticmethod
     def _innermost(candidates: list[EObject], owner: EObject | None) -> list[EObject]:
         others = [each for each in candidates if each is not owner]
+        if len(others) <= 1:
+            return others
         around = {id(each): set(map(id, _lineage(each))) for each in others}
         for scope in _lineage(owner):
             inside = [each for each in others if id(scope) in around[id(each)]]
@@ -189,16 +194,26 @@ class NameFinder:
         return others
 
     def _is_a(self, element: EObject, wanted: ClassTable) -> bool:
-        return self._model.metamodels.class_of(element) in wanted.subtypes
+        return self._class_of(element) in wanted.subtypes
+
+    def _class_of(self, element: EObject) -> ClassTable:
+        return self._model.metamodels.class_of(element)
 
     def _index(self, document: Document) -> dict[str, list[EObject]]:
         index = self._indices.get(document)
         if index is None:
-            index = self._indices[document] = {}
-            for element in self._model.elements_of(document):
-                name = name_of(element)
-                if name:
-                    index.setdefault(_last_step(_normal(name)), []).append(element)
+            index = document.by_name or self._indexed(document)
+            self._indices[document] = index
+            if document.is_shared:
+                document.by_name = index
+        return index
+
+    def _indexed(self, document: Document) -> dict[str, list[EObject]]:
+        index: dict[str, list[EObject]] = {}
+        for element in self._model.elements_of(document):
+            name = name_of(element)
+            if name:
+                index.setdefault(_last_step(_normal(name)), []).append(element)
         return index
 
 
@@ -285,6 +300,21 @@ def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
         and feature.target is not None
         and (feature.target in wanted.supertypes or wanted in feature.target.supertypes)
     )
+
+
+@cache
+def held_by(metamodels: Metamodels, table: ClassTable) -> frozenset[ClassTable]:
+    """Returns the classes of what an element of a class may own, at any depth, and their bases."""
+    found: set[ClassTable] = set()
+    pending = [table]
+    while pending:
+        for feature in pending.pop().contained:
+            target = feature.target
+            # A feature of any class may hold all of them.
+            new = set(metamodels.classes.values() if target is None else target.subtypes) - found
+            found |= new
+            pending += new
+    return frozenset(base for each in found for base in (each, *each.supertypes))
 
 
 @cache

@@ -15,7 +15,7 @@ import re
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 from urllib.parse import quote, unquote
 
@@ -147,11 +147,16 @@ def file_of(document: Document, root: Path) -> str:
         root: The folder that files are relative to, symbolic links followed. A file that lies
             elsewhere is named by its whole path.
     """
-    if document.is_library:
-        return LIBRARY + document.path.relative_to(_library()).as_posix()
-    if document.path.is_relative_to(root):
-        return document.path.relative_to(root).as_posix()
-    return document.path.as_posix()
+    return _file_of(document.path, root, is_library=document.is_library)
+
+
+@lru_cache(1024)
+def _file_of(path: Path, root: Path, *, is_library: bool) -> str:
+    if is_library:
+        return LIBRARY + path.relative_to(_library()).as_posix()
+    if path.is_relative_to(root):
+        return path.relative_to(root).as_posix()
+    return path.as_posix()
 
 
 def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:

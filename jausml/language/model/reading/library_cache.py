@@ -70,9 +70,9 @@ class LibraryCache:
         shared = [each for each in model.documents if each.is_shared]
         if all(_is_sound(each, opened, faulty) for each in shared):
             for each in shared:
-                uris = tuple(opened.get(each, ()))
-                kept = CachedDocument(each, uris, model.origins_of(each))
-                self._documents.setdefault((each.path, each.display), kept)
+                if (key := (each.path, each.display)) not in self._documents:
+                    uris = tuple(opened.get(each, ()))
+                    self._documents[key] = CachedDocument(each, uris, model.origins_of(each))
 
 
 def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:
