@@ -29,7 +29,7 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const isClosed = node.kind === CLOSED;
   const isNear = useStore((flow) => flow.transform[2] >= FAR);
   // What a closed frame tells is as large far away as near: the style sheet asks for the zoom.
-  const zoom = useStore((flow) => (isClosed ? Math.min(flow.transform[2], 1).toFixed(4) : "1"));
+  const zoom = useStore((flow) => (isClosed ? Math.min(flow.transform[2], 1).toFixed(4) : ""));
   const [own = "", ...rows] = states.split(BETWEEN);
   const [wasNear, setWasNear] = useState(false);
   const hasEnds = (states: string | undefined) => wasNear || Boolean(states?.includes("legal"));
@@ -49,7 +49,7 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
         .filter(Boolean)
         .join(", ")}
       data-part={key}
-      style={{ width: node.width, height: node.height, "--zoom": zoom } as CSSProperties}
+      style={isClosed ? closedStyle(node, zoom) : { width: node.width, height: node.height }}
       onPointerEnter={() => setWasNear(true)}
     >
       {others && <div className="chosen-by">◆ {others}</div>}
@@ -87,6 +87,12 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
     </div>
   );
 });
+
+/** By numbers: containers that the style sheet asks for their size are laid out one by one. */
+function closedStyle({ width, height }: GraphNode, zoom: string): CSSProperties {
+  const told = { "--zoom": zoom, "--width": `${width}px`, "--height": `${height}px` };
+  return { width, height, ...told } as CSSProperties;
+}
 
 interface RowProps {
   node: string;
