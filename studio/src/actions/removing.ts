@@ -23,20 +23,23 @@ export async function remove(elements: Ref[], what: string): Promise<void> {
   if (isDone) await edit(commands, label, base);
 }
 
+/** A row that says that a component provides or uses a service, which stands elsewhere. */
+const IS_USE = /!(provides|uses)!/;
+
 /** Removes what is selected. */
 export async function removeSelected(): Promise<void> {
   const { elements, what } = selected();
-  if (elements.length) return remove(elements, what);
   const key = active(state());
   const part = key ? partOf(key) : null;
+  if (part?.of === "port" && IS_USE.test(part.id)) return unlink(part.id);
+  if (elements.length) return remove(elements, what);
   if (part?.of === "edge") return unlink(part.id);
   say("Nothing is selected that could be removed.");
 }
 
-/** Takes a line away that is no element, such as one that shows a reference. */
+/** Takes a line or row away that is no element, such as one that shows a reference. */
 async function unlink(line: string): Promise<void> {
-  const { file, view } = state();
-  const answer = await tried(ask("unlink", { file, view, line }));
+  const answer = await tried(ask("unlink", { file: state().file, line }));
   const [option] = answer?.options ?? [];
   if (option) await edit(option.commands, option.label, answer?.revision);
   else if (answer) say(answer.refusal);

@@ -1,5 +1,5 @@
 import { Handle, type NodeProps, Position, useStore } from "@xyflow/react";
-import { memo } from "react";
+import { type CSSProperties, memo, useState } from "react";
 import { beginRename, choosers, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
@@ -7,6 +7,7 @@ import { CLOSED, nodeKey, type PartKey, portKey } from "../selection";
 import { active, isPresent, type Studio, update, useStudio } from "../store";
 import { type BoxNode, handleId } from "./flow";
 import { domId, liveClass, liveText, Mark, severityOf, told } from "./marks";
+import { useTurn } from "./turns";
 
 /** Zoom below which no row can be read, and none is drawn. */
 const FAR = 0.28;
@@ -22,9 +23,18 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
     choosers(studio, [node.element, ...node.ports.map((port) => port.element)]),
   );
   const severity = severityOf(node.findings);
-  const isFar = useStore((flow) => flow.transform[2] < FAR) && node.kind !== CLOSED;
+  const renaming = useStudio(({ renaming }) =>
+    renaming && [key, ...rowKeys(node)].includes(renaming.key) ? renaming : null,
+  );
+  const isClosed = node.kind === CLOSED;
+  const isNear = useStore((flow) => flow.transform[2] >= FAR);
+  // What a closed frame tells is as large far away as near: the style sheet asks for the zoom.
+  const zoom = useStore((flow) => (isClosed ? Math.min(flow.transform[2], 1).toFixed(4) : ""));
   const [own = "", ...rows] = states.split(BETWEEN);
-  const isBare = isFar && !rows.some((each) => each.includes("active"));
+  const [wasNear, setWasNear] = useState(false);
+  const hasEnds = (states: string | undefined) => wasNear || Boolean(states?.includes("legal"));
+  const isDetailed = useTurn(isNear, node.ports.length);
+  const hasRows = isDetailed || rows.some((each) => each.includes("active"));
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
@@ -39,67 +49,87 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
         .filter(Boolean)
         .join(", ")}
       data-part={key}
+      style={isClosed ? closedStyle(node, zoom) : { width: node.width, height: node.height }}
+      onPointerEnter={() => setWasNear(true)}
     >
       {others && <div className="chosen-by">◆ {others}</div>}
       <div className="head" style={{ height: node.head }}>
-        <Name partKey={key} text={node.title} className="title" />
+        <Name partKey={key} text={node.title} className="title" renaming={renaming} />
         <Mark findings={node.findings} />
         {node.subtitle.map((line) => (
           <div key={line} className="subtitle" title={line}>
             {line}
           </div>
         ))}
-        {live && node.kind === CLOSED && <div className="live-inside">{liveText(live)}</div>}
+        {live && isClosed && <div className="live-inside">{liveText(live)}</div>}
       </div>
-      {live && node.kind !== CLOSED && (
+      {live && !isClosed && (
         <div className="live-text" title={liveText(live)}>
           {liveText(live)}
         </div>
       )}
-      {!isBare &&
+      {hasRows &&
         node.ports.map((port, at) => (
-          <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
+          <Row
+            key={port.id}
+            node={node.id}
+            port={port}
+            states={rows[at] ?? ""}
+            renaming={renaming?.key === portKey(node.id, port.id) ? renaming : null}
+          />
         ))}
-      <Ends port="" y={node.head / 2} isWhole />
+      {hasEnds(own) && <Ends port="" y={node.head / 2} isWhole />}
+      {hasRows &&
+        node.ports.map(
+          (port, at) =>
+            hasEnds(rows[at]) && <Ends key={port.id} port={port.id} y={port.y + port.height / 2} />,
+        )}
     </div>
   );
 });
+
+/** By numbers: containers that the style sheet asks for their size are laid out one by one. */
+function closedStyle({ width, height }: GraphNode, zoom: string): CSSProperties {
+  const told = { "--zoom": zoom, "--width": `${width}px`, "--height": `${height}px` };
+  return { width, height, ...told } as CSSProperties;
+}
 
 interface RowProps {
   node: string;
   port: GraphPort;
   states: string;
+  renaming: Studio["renaming"];
 }
 
-const Row = memo(function Row({ node, port, states }: RowProps) {
+const Row = memo(function Row({ node, port, states, renaming }: RowProps) {
   const key = portKey(node, port.id);
   return (
-    <>
-      {/* biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts */}
-      <div
-        id={domId(key)}
-        className={`row ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
-        style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
-        role="group"
-        aria-label={[port.label, port.note, port.mark, told(port.findings)]
-          .filter(Boolean)
-          .join(", ")}
-        data-part={key}
-        title={port.details.map(([name, text]) => `${name}: ${text}`).join("\n") || undefined}
-      >
-        <Name partKey={key} text={port.label} className="label" />
-        {port.note && <span className="note">{port.note}</span>}
-        <span className="end">
-          {port.mark && <span className="word">{port.mark}</span>}
-          <Mark findings={port.findings} />
-        </span>
-      </div>
-      <Ends port={port.id} y={port.y + port.height / 2} />
-    </>
+    // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
+    <div
+      id={domId(key)}
+      className={`row ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
+      style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
+      role="group"
+      aria-label={[port.label, port.note, port.mark, told(port.findings)]
+        .filter(Boolean)
+        .join(", ")}
+      data-part={key}
+      title={port.details.map(([name, text]) => `${name}: ${text}`).join("\n") || undefined}
+    >
+      <Name partKey={key} text={port.label} className="label" renaming={renaming} />
+      {port.note && <span className="note">{port.note}</span>}
+      <span className="end">
+        {port.mark && <span className="word">{port.mark}</span>}
+        <Mark findings={port.findings} />
+      </span>
+    </div>
   );
 });
 
-/** Where lines leave and arrive; a pointer draws new ones from here. */
+/**
+ * Where a pointer draws lines from, once it has been at the box: each end listens to the whole
+ * diagram. Where lines leave and arrive is told by the numbers of `flow.ts`.
+ */
 function Ends({ port, y, isWhole = false }: { port: string; y: number; isWhole?: boolean }) {
   return (
     <>
@@ -115,11 +145,15 @@ function Ends({ port, y, isWhole = false }: { port: string; y: number; isWhole?:
   );
 }
 
-function Name({ partKey, text, className }: { partKey: PartKey; text: string; className: string }) {
-  const renaming = useStudio((studio) =>
-    studio.renaming?.key === partKey ? studio.renaming : null,
-  );
-  if (renaming) {
+interface NameProps {
+  partKey: PartKey;
+  text: string;
+  className: string;
+  renaming: Studio["renaming"];
+}
+
+function Name({ partKey, text, className, renaming }: NameProps) {
+  if (renaming?.key === partKey) {
     return (
       <NameInput
         name={renaming.name}
@@ -148,11 +182,13 @@ function labelOf(node: GraphNode): string {
     .join(", ");
 }
 
+const rowKeys = (node: GraphNode) => node.ports.map((port) => portKey(node.id, port.id));
+
 const BETWEEN = "\u001f";
 
 /** Classes of a box and of each of its rows as one text, so that a box is drawn anew only if one changes. */
 function statesOf(studio: Studio, node: GraphNode): string {
-  const keys = [nodeKey(node.id), ...node.ports.map((port) => portKey(node.id, port.id))];
+  const keys = [nodeKey(node.id), ...rowKeys(node)];
   const { selection, bright, legal, under } = studio;
   if (!selection.length && !bright && !legal && !under) return "";
   const here = active(studio);

@@ -167,7 +167,6 @@ function Diagram({ graph }: { graph: Graph }) {
             </marker>
           </defs>
         </svg>
-        <Zoom />
         {graph.nodes.length > FEW_BOXES && (
           <MiniMap pannable zoomable ariaLabel="Map of the diagram" nodeClassName={classInMap} />
         )}
@@ -183,14 +182,6 @@ const classInMap = (node: FlowNode): string =>
 /** A zoom at which the whole can be seen, also in a small window. */
 function leastZoom(graph: Graph): number {
   return Math.min(0.05, 150 / Math.max(graph.width, graph.height, 1));
-}
-
-/** Tells the style sheet the zoom, by which titles of closed frames are as large far away as near. */
-function Zoom() {
-  const zoom = useStore((flow) => flow.transform[2]);
-  const element = useStore((flow) => flow.domNode);
-  useEffect(() => element?.style.setProperty("--zoom", zoom.toFixed(4)), [element, zoom]);
-  return null;
 }
 
 /** Places of boxes while they are moved; a new graph has them itself. */

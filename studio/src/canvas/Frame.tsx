@@ -28,6 +28,7 @@ export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode
       role="group"
       aria-label={`${group.kind} ${group.title}`}
       data-part={key}
+      style={{ width: group.width, height: group.height }}
     >
       <span className="title">{group.title}</span>
       {live && (

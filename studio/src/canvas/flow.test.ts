@@ -32,8 +32,10 @@ test("boxes have the sizes and places of the server, frames lie below them", () 
     },
   ];
   const [frame, ocu, bridge] = withStates(toNodes(graph), NONE, new Set([nodeKey("bridge")]));
-  expect(frame).toMatchObject({ type: "frame", position: { x: 1, y: 2 }, width: 3, zIndex: -1 });
-  expect(ocu).toMatchObject({ id: "ocu", position: { x: 0, y: 0 }, width: 120, height: 66 });
+  expect(frame).toMatchObject({ type: "frame", position: { x: 1, y: 2 }, zIndex: -1 });
+  expect(frame?.measured).toEqual({ width: 3, height: 4 });
+  expect(ocu).toMatchObject({ id: "ocu", position: { x: 0, y: 0 } });
+  expect(ocu?.measured).toEqual({ width: 120, height: 66 });
   expect(ocu?.selected).toBeFalsy();
   expect(bridge?.selected).toBe(true);
 });

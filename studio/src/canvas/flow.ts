@@ -16,6 +16,12 @@ export const NOTHING_MOVED: Moved = new Map();
 /** Width and height of the ends of lines, which a pointer can take. */
 export const HANDLE = 12;
 
+/**
+ * The size of what holds a part, as React Flow knows its size: it measures whatever has one in the
+ * page, with all its ends, which makes the browser lay out the page again for each part.
+ */
+const UNMEASURED = { width: 0, height: 0 };
+
 const SIDES = { l: Position.Left, r: Position.Right, t: Position.Top, b: Position.Bottom };
 type Side = keyof typeof SIDES;
 
@@ -24,12 +30,29 @@ export const portOfHandle = (handle: string | null | undefined): string => handl
 
 /** The boxes and frames of a graph, none of them moved or selected. */
 export function toNodes(graph: Graph): FlowNode[] {
-  const frames: FlowNode[] = graph.groups.map((group) => ({
+  return [...graph.groups.map(toFrame), ...graph.nodes.map(toNode)];
+}
+
+// What is the same in the next picture is not drawn anew.
+const frames = new WeakMap<GraphGroup, FrameNode>();
+const boxes = new WeakMap<GraphNode, BoxNode>();
+const lines = new WeakMap<GraphEdge, FlowEdge>();
+
+const toFrame = (group: GraphGroup): FrameNode => kept(frames, group, makeFrame);
+const toNode = (node: GraphNode): BoxNode => kept(boxes, node, makeNode);
+
+function kept<K extends WeakKey, V>(known: WeakMap<K, V>, key: K, make: (key: K) => V): V {
+  const made = known.get(key) ?? make(key);
+  known.set(key, made);
+  return made;
+}
+
+function makeFrame(group: GraphGroup): FrameNode {
+  return {
     id: frameId(group.id),
     type: "frame",
     position: { x: group.x, y: group.y },
-    width: group.width,
-    height: group.height,
+    style: UNMEASURED,
     measured: { width: group.width, height: group.height },
     data: { group },
     // By its title: what is in a frame, and the ground under it, take the pointer for themselves.
@@ -37,17 +60,7 @@ export function toNodes(graph: Graph): FlowNode[] {
     selectable: false,
     connectable: false,
     zIndex: -1,
-  }));
-  return [...frames, ...graph.nodes.map(toNode)];
-}
-
-const made = new WeakMap<GraphNode, BoxNode>();
-
-/** A box that is the same in the next picture is not drawn anew. */
-function toNode(node: GraphNode): BoxNode {
-  const known = made.get(node) ?? makeNode(node);
-  made.set(node, known);
-  return known;
+  };
 }
 
 function makeNode(node: GraphNode): BoxNode {
@@ -56,8 +69,7 @@ function makeNode(node: GraphNode): BoxNode {
     id: node.id,
     type: "box",
     position: { x: node.x, y: node.y },
-    width: node.width,
-    height: node.height,
+    style: UNMEASURED,
     measured: { width: node.width, height: node.height },
     handles: handlesOf(node),
     data: { node },
@@ -123,8 +135,21 @@ export function toEdges(graph: Graph, moved: Moved = NOTHING_MOVED): FlowEdge[] 
   return graph.edges.flatMap((edge) => {
     const source = nodes.get(edge.source.node);
     const target = nodes.get(edge.target.node);
-    return source && target ? [toEdge(graph, edge, source, target, moved)] : [];
+    return source && target ? [known(toEdge(graph, edge, source, target, moved), edge)] : [];
   });
+}
+
+/** The line of the picture before, where all is as it was. */
+function known(line: FlowEdge, edge: GraphEdge): FlowEdge {
+  const before = lines.get(edge);
+  const isSame =
+    before?.sourceHandle === line.sourceHandle &&
+    before?.targetHandle === line.targetHandle &&
+    before?.data?.isRouted === line.data?.isRouted &&
+    before?.data?.isAcross === line.data?.isAcross;
+  if (before && isSame) return before;
+  lines.set(edge, line);
+  return line;
 }
 
 function toEdge(

@@ -53,7 +53,7 @@ export interface Methods {
   /** What lets boxes run on a host, given by the id of its frame; empty for outside of all. */
   host: [{ file: string; nodes: string[]; host: string }, ConnectOption];
   /** How a line is taken away that is no element. */
-  unlink: [{ file: string; view: string; line: string }, ConnectResult];
+  unlink: [{ file: string; line: string }, ConnectResult];
   problems: [{ file: string }, Problems];
   source: [{ element: Ref }, Source];
   text: [{ file: string }, FileText];

@@ -147,11 +147,8 @@ def _states(scope: Scope, view: str, start: str) -> Iterator[dict[str, str]]:
         yield _end(each.id, each.title, again)
 
 
-def _unlink(context: StudioContext, file: str, view: str, line: str) -> Options:
-    scope = context.scope_of(file)
-    if isinstance(element_shown(scope, view), jaus.Service):
-        return cut(scope, line)
-    return Options(refusal="this line follows from what it joins: delete one of its ends")
+def _unlink(context: StudioContext, file: str, line: str) -> Options:
+    return cut(context.scope_of(file), line)
 
 
 def _host(context: StudioContext, file: str, nodes: tuple[str, ...], host: str = "") -> object:

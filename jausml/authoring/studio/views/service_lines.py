@@ -27,6 +27,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
     machine_with,
 )
 from jausml.language.semantics.jaus.services import lineage, query_name
+from jausml.views.diagrams.views.connections import PROVIDES, USES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,7 +90,11 @@ def heritage(scope: Scope, box: str) -> Iterator[Choice]:
 
 
 def cut(scope: Scope, line: str) -> Options:
-    """Returns what takes a line of the view of a service away that is no element."""
+    """Returns what takes a line or row away that is no element: that one inherits, or uses."""
+    for way in (PROVIDES, USES):
+        owner, mark, name = line.partition(f"!{way}!")
+        if mark:
+            return _dropped(scope, owner, way, name)
     if not line.endswith(_INHERITS):
         return Options(refusal="this line follows from what it joins: delete one of its ends")
     heir = _found(scope, line.removesuffix(_INHERITS))
@@ -97,6 +102,18 @@ def cut(scope: Scope, line: str) -> Options:
         raise AnswerError("there is no such line any more")
     label = f"{name_of(heir)} no longer inherits {name_of(heir.inherits)}"
     command = Set(scope.ref(heir), "inherits")
+    return Options((Option(label, "", "", (command,), is_best=True),))
+
+
+def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
+    """A component that provides or uses a service no more; the service itself stays."""
+    own = _found(scope, owner)
+    services = list(getattr(own, way, ()))
+    kept = [each for each in services if name_of(each) != name]
+    if len(kept) == len(services):
+        raise AnswerError("there is no such row any more")
+    label = f"{name_of(own)} no longer {way} {name}; the service stays"
+    command = Set(scope.ref(own), way, tuple(map(scope.ref, kept)))
     return Options((Option(label, "", "", (command,), is_best=True),))
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.views.diagrams.layout.sheet import samples
@@ -53,6 +54,10 @@ class Area(NamedTuple):
             max(self.right, other.right),
             max(self.bottom, other.bottom),
         )
+
+    def wider(self, gap: float) -> Area:
+        """Returns it with room around it."""
+        return Area(self.left - gap, self.top - gap, self.right + gap, self.bottom + gap)
 
 
 def area_of(box: Box, corner: Point) -> Area:
@@ -299,14 +304,21 @@ def surrounding(
             between = () if route is not None else _bent(line, boxes, corners)
             more.setdefault(frame, []).extend(covered(line, route) if route else between)
     areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
+    cells: defaultdict[tuple[int, int], set[str]] = defaultdict(set)
+    for name, area in areas.items():
+        for cell in _cells(area):
+            cells[cell].add(name)
     frames = {each.id: each for each in sheet.frames}
     for frame, found in more.items():
-        outside = [area for name, area in areas.items() if frame not in chains[name]]
+        reach = reduce(Area.around, (_framed(frames[frame], each) for each in found), grown[frame])
+        reach = reach.wider(_APART)
+        near = set().union(*(cells[each] for each in _cells(reach) if each in cells))
+        outside = [areas[name] for name in near if frame not in chains[name]]
         around = set(chain(frame, parents))
         outside += [
             area
             for name, area in grown.items()
-            if name not in around and frame not in chain(name, parents)
+            if area.overlaps(reach) and name not in around and frame not in chain(name, parents)
         ]
         more[frame] = [
             each

@@ -40,7 +40,7 @@ def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
     page.ask("edit", commands=option["commands"], label=option["label"])
     edges = page.ask("view", **SERVICE)["graph"]["edges"]
     line = next(each["id"] for each in edges if each["kind"] == "inherits")
-    [option] = page.ask("unlink", **SERVICE, line=line)["options"]
+    [option] = page.ask("unlink", file=FILE, line=line)["options"]
     page.ask("edit", commands=option["commands"], label=option["label"])
     assert {each["kind"] for each in page.ask("view", **SERVICE)["graph"]["edges"]} <= {
         "owns",
@@ -49,7 +49,7 @@ def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
 
 
 def test_a_line_that_follows_from_its_ends_is_not_taken_away(page: Page) -> None:
-    asked = {"file": "catvehicle.xmi", "view": "system", "line": "any"}
+    asked = {"file": "catvehicle.xmi", "line": "any"}
     assert "follows" in page.ask("unlink", **asked)["refusal"]
 
 

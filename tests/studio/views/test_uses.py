@@ -1,0 +1,51 @@
+"""Rows that tell which services a component provides and uses: they go, the services stay."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.authoring.editing.project import Project
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.studio.views.service_lines import cut
+from jausml.language.metamodel.classes import jaus
+from jausml.views.diagrams.views import graph_of
+
+FILE = "robot.ros2jaus"
+TEXT = """\
+import jaus.mobility
+
+system robot {
+    component arm {
+        address: 100.1.1
+        provides: VelocityStateSensor, AccelerationStateSensor
+        uses: GlobalPoseSensor
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "way"), [("AccelerationStateSensor", "provides"), ("GlobalPoseSensor", "uses")]
+)
+def test_a_row_of_a_use_goes_and_its_service_stays(name, way, tmp_path):
+    (tmp_path / FILE).write_text(TEXT, encoding="utf-8")
+    project = Project(tmp_path / FILE)
+
+    def scope():
+        return Scope(project.model(FILE).model, project.root)
+
+    def rows():
+        nodes = graph_of(scope().model, "system", root=project.root).nodes
+        return {port.label: port.id for node in nodes for port in node.ports}
+
+    row = rows()[name]
+    [option] = cut(scope(), row).options
+    assert option.label == f"arm no longer {way} {name}; the service stays"
+    project.do(option.commands, option.label)
+    others = {"VelocityStateSensor", "AccelerationStateSensor", "GlobalPoseSensor"} - {name}
+    assert set(rows()) == others
+    assert name not in project.text(FILE).decode()
+    services = {each.name for each in scope().model.instances(jaus.Service)}
+    assert name in services
+    with pytest.raises(AnswerError):
+        cut(scope(), row)
