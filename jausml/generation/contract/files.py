@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from jausml.generation.contract.interface import module_of
+from jausml.generation.contract.scopes import last_name
 from jausml.generation.contract.symbols import Module
-from jausml.generation.contract.syntax import last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

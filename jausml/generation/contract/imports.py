@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.contract.files import Edit, name_edit, removal
-from jausml.generation.contract.scopes import Scope, own_nodes
+from jausml.generation.contract.scopes import Scope, absolute, own_nodes
 from jausml.generation.contract.symbols import Module
-from jausml.generation.contract.syntax import absolute
 from jausml.language.model.values import nearest
 
 if TYPE_CHECKING:

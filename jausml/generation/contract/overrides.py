@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.contract.files import Edit, attribute_edit, name_edit
 from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.contract.syntax import flat, last_name
+from jausml.generation.contract.scopes import flat, last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

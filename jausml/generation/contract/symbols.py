@@ -8,13 +8,15 @@ import enum
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.scopes import Binding, Bound, names_of
-from jausml.generation.contract.syntax import (
+from jausml.generation.contract.scopes import (
+    Binding,
+    Bound,
     SourceProblem,
     absolute,
     flat,
     is_decorated_by,
     last_name,
+    names_of,
     tree_of,
 )
 

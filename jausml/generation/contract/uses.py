@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.contract.files import Edit, attribute_edit, name_edit
 from jausml.generation.contract.finding import Finding, FindingKind
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
-from jausml.generation.contract.scopes import Place, Walk
+from jausml.generation.contract.scopes import Place, Walk, is_decorated_by
 from jausml.generation.contract.symbols import (
     Class,
     Function,
@@ -18,7 +18,6 @@ from jausml.generation.contract.symbols import (
     is_enumeration,
     is_slotted,
 )
-from jausml.generation.contract.syntax import is_decorated_by
 from jausml.generation.contract.types import Method, Names, Object, Type
 
 if TYPE_CHECKING:
