@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import path_problem
-from jausml.generation.contract.files import File
-from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.finding import File, Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.overrides import compare_class

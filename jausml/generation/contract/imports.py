@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, name_edit, removal
+from jausml.generation.contract.finding import Edit, name_edit, removal
 from jausml.generation.contract.scopes import Scope, absolute, own_nodes
 from jausml.generation.contract.symbols import Module
 from jausml.language.model.values import nearest
@@ -14,7 +14,7 @@ from jausml.language.model.values import nearest
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from jausml.generation.contract.files import File
+    from jausml.generation.contract.finding import File
     from jausml.generation.contract.types import Names, Types
 
 

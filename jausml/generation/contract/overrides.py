@@ -7,15 +7,14 @@ import difflib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, attribute_edit, name_edit
-from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.finding import Edit, Finding, FindingKind, attribute_edit, name_edit
 from jausml.generation.contract.scopes import flat, last_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.generation.artifact import MethodContract, SkeletonContract
-    from jausml.generation.contract.files import File
+    from jausml.generation.contract.finding import File
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

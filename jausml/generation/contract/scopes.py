@@ -1,4 +1,4 @@
-"""Syntax trees of Python: small questions, which names a file binds where, and the scope of each use."""
+"""Syntax trees of Python: questions to them, which names a file binds where, scopes of uses."""
 
 from __future__ import annotations
 

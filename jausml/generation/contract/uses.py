@@ -6,8 +6,7 @@ import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, attribute_edit, name_edit
-from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.finding import Edit, Finding, FindingKind, attribute_edit, name_edit
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
 from jausml.generation.contract.scopes import Place, Walk, is_decorated_by
 from jausml.generation.contract.symbols import (
@@ -23,7 +22,7 @@ from jausml.generation.contract.types import Method, Names, Object, Type
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.generation.contract.files import File
+    from jausml.generation.contract.finding import File
 
 
 @dataclass(frozen=True)
