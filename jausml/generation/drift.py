@@ -9,8 +9,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from jausml.generation.artifact import Artifact, Kind
-from jausml.generation.checks import path_problem
+from jausml.generation.artifact import Artifact, Kind, path_problem
 from jausml.generation.contract.finding import File, Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface

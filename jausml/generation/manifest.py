@@ -16,9 +16,9 @@ from jausml.generation.artifact import (
     Kind,
     has_valid_header,
     normalize_newlines,
+    path_problem,
     text_digest,
 )
-from jausml.generation.checks import path_problem
 from jausml.language.model.inputs import open_input, read_input
 
 if TYPE_CHECKING:

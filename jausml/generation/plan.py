@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Artifact, Kind, has_valid_header, text_digest
-from jausml.generation.checks import find_problems
+from jausml.generation.artifact import Artifact, Kind, find_problems, has_valid_header, text_digest
 from jausml.generation.manifest import (
     MANIFEST_PATH,
     PENDING_PATH,

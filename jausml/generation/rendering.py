@@ -17,10 +17,17 @@ from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
 from jausml.generation import literals
-from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract, add_header
-from jausml.generation.checks import CANNOT_PARSE, syntax_problem
+from jausml.generation.artifact import (
+    CANNOT_PARSE,
+    Artifact,
+    Kind,
+    MethodContract,
+    SkeletonContract,
+    add_header,
+    syntax_problem,
+)
 from jausml.generation.errors import InternalError, TooLargeError
-from jausml.generation.languages.python import Modules
+from jausml.generation.python import Modules
 from jausml.generation.target import FileTask, TextTask
 from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.model.model import without_collector

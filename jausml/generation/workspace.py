@@ -14,7 +14,7 @@ from jausml.generation.errors import GenerationError, OwnershipError, SelectionE
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
-from jausml.generation.system import name_of, source_of, system_of
+from jausml.generation.target import name_of, source_of, system_of
 from jausml.generation.writer import apply, locked
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 

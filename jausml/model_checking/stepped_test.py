@@ -6,9 +6,9 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import NoSystemError
-from jausml.generation.languages.python.layout import layout
 from jausml.generation.literals import clean, python_string
-from jausml.generation.system import source_of, system_of
+from jausml.generation.python.layout import layout
+from jausml.generation.target import source_of, system_of
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
 from jausml.model_checking.stepping import SteppingError, walked
 from jausml.model_checking.virtual_test import CLIENTS, core_message

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import NoSystemError
 from jausml.generation.native import compiler
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge
 from jausml.live.workers.worker import WorkerError
 from jausml.model_checking.checking import BOUND_MET, check_system, without_allowed

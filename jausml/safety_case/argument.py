@@ -10,7 +10,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
-from jausml.generation.system import name_of
+from jausml.generation.target import name_of
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.model import digests
 from jausml.language.semantics.subject import Subject, remembering

@@ -13,7 +13,7 @@ from lxml import etree
 
 from jausml.generation.artifact import text_digest
 from jausml.generation.rendering import render
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model.inputs import read_input
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.python.names import snake_case

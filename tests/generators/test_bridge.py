@@ -12,7 +12,7 @@ import pytest
 from workspaces import python_path
 
 from jausml.generation import InternalError, Kind, render
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.samples import sample_of

@@ -10,7 +10,7 @@ import compositions
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.validation.engine import check_project
 from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, json, text

@@ -15,7 +15,7 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import UdpReader

@@ -220,7 +220,7 @@ def model_check(
     import time
 
     from jausml.generation.errors import NoSystemError
-    from jausml.generation.system import system_of
+    from jausml.generation.target import system_of
     from jausml.model_checking.checking import check_system, without_allowed
     from jausml.model_checking.formats import RENDERERS, summary
 

@@ -158,7 +158,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
 def _system(path: str, reading: Reading) -> System:
     """Returns the system of a valid model; what was found goes to stderr."""
     from jausml.generation.errors import NoSystemError
-    from jausml.generation.system import system_of
+    from jausml.generation.target import system_of
 
     model = valid_model(path, reading)
     try:

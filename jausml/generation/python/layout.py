@@ -9,7 +9,8 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from jausml.generation.languages.python.tokens import (
+from jausml.generation.literals import LINE_WIDTH
+from jausml.generation.python.tokens import (
     Bracket,
     Part,
     Token,
@@ -21,7 +22,6 @@ from jausml.generation.languages.python.tokens import (
     read,
     split_at,
 )
-from jausml.generation.literals import LINE_WIDTH
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from io import StringIO
 from typing import TYPE_CHECKING
 
-from jausml.generation.checks import CANNOT_PARSE
-from jausml.generation.languages.python.layout import lay_out_statement, layout
+from jausml.generation.artifact import CANNOT_PARSE
+from jausml.generation.python.layout import lay_out_statement, layout
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
