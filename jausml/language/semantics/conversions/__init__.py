@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.conversions import (
-    authored,
-    grids,
-    numbers,
-    orientations,
-    pictures,
-    times,
-)
+from jausml.language.semantics.conversions import authored, numbers, octets, orientations, times
 from jausml.language.semantics.conversions.conversion import (
     ANY,
     VALUE,
@@ -43,7 +36,7 @@ __all__ = [
     "conversions_between",
 ]
 
-_MODULES = (numbers, orientations, times, grids, pictures, authored)
+_MODULES = (numbers, orientations, times, octets, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
     each.name: each()
     for module in _MODULES
