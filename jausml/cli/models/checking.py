@@ -156,7 +156,7 @@ def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, i
 
 
 FORMATS = ("text", "json", "sarif")
-"""`jausml.model_checking.formats`."""
+"""`jausml.model_checking.checking`."""
 
 _STATES = 1_000_000
 _BUDGET = 60.0
@@ -221,8 +221,7 @@ def model_check(
 
     from jausml.generation.errors import NoSystemError
     from jausml.generation.target import system_of
-    from jausml.model_checking.checking import check_system, without_allowed
-    from jausml.model_checking.formats import RENDERERS, summary
+    from jausml.model_checking.checking import RENDERERS, check_system, summary, without_allowed
 
     read = valid_model(model, reading)
     try:
@@ -245,7 +244,7 @@ def _write_examples(
     outcomes: Sequence[Outcome], model: Model, folder: Path, *, force: bool
 ) -> None:
     """Writes the files of each counter-example that has steps."""
-    from jausml.model_checking.formats import course_of
+    from jausml.model_checking.checking import course_of
     from jausml.model_checking.virtual_test import virtual_test
     from jausml.views.diagrams.writers import sequence
 
