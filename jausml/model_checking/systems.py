@@ -23,8 +23,7 @@ from jausml.language.semantics.jaus.services import (
     service_versions,
     with_inherited,
 )
-from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
 from jausml.model_checking.service_machine import MachineProduct
 

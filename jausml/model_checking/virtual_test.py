@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import resolve_topic
-from jausml.model_checking.commanding import PUBLISHER, RADIO, CommandingProduct
-from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.bridge_products import (
+    PUBLISHER,
+    RADIO,
+    CommandingProduct,
+    ObeyingProduct,
+)
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
 from jausml.model_checking.search import LATE_STOP, LIVELOCK
 from jausml_generators.bridge.views import bridge_views
