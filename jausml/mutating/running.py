@@ -20,7 +20,6 @@ from jausml.language.validation.engine import check
 from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.changes import Site
-from jausml.mutating.findings import Products, Proofs
 from jausml.mutating.operators import OPERATORS
 from jausml.mutating.outcomes import (
     CHECK,
@@ -33,6 +32,8 @@ from jausml.mutating.outcomes import (
     VALIDATE,
     WARNING,
     Outcome,
+    Products,
+    Proofs,
 )
 
 if TYPE_CHECKING:
