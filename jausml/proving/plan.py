@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.language.semantics.paths.scopes import PathScope
-    from jausml.proving.compiled_form import CompiledForm
+    from jausml.proving.compiled_form import CompiledForm, ProofCode
     from jausml.proving.layout import Layout, Number
-    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.round_trips import Input, RoundTrip
 
 SEED = 5684

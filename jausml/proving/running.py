@@ -18,9 +18,16 @@ from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError
-from jausml.proving.compiled_form import CompiledForm, ProgramError, PythonForm, Tally, compiled
+from jausml.proving.compiled_form import (
+    NAME,
+    CompiledForm,
+    ProgramError,
+    PythonForm,
+    Tally,
+    compiled,
+    proof_code,
+)
 from jausml.proving.plan import directed, plan
-from jausml.proving.proof_bridge import NAME, proof_code
 from jausml.proving.results import MapResult, map_result
 from jausml.proving.round_trips import field_assignments, inputs, round_trips
 from jausml.proving.summary import EXAMPLES, Swept, summed_up
@@ -29,8 +36,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.model import Model
+    from jausml.proving.compiled_form import ProofCode
     from jausml.proving.plan import Field
-    from jausml.proving.proof_bridge import ProofCode
     from jausml.proving.round_trips import RoundTrip
 
 
