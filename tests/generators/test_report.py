@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from jausml.generation.target import system_of
 from jausml.language.validation.engine import check_project
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, json, text
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.project import Reading
-    from jausml.views.analysis.assumptions import Assumptions
+    from jausml.views.analysis.sizes import Assumptions
     from jausml.views.diagrams.graph import Graph
 
 SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")
@@ -139,7 +139,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.views.analysis.assumptions import (
+        from jausml.views.analysis.sizes import (
             DEFAULT_LENGTH,
             DEFAULT_RATE,
             Assumptions,
@@ -169,7 +169,7 @@ def _system(path: str, reading: Reading) -> System:
 
 def _check_names(assumptions: Assumptions, system: System) -> None:
     """Refuses assumptions about connections that a system does not have."""
-    from jausml.views.analysis.assumptions import names_of
+    from jausml.views.analysis.sizes import names_of
 
     known = {
         name

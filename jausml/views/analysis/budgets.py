@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
-from jausml.views.analysis.assumptions import runtime_constants
+from jausml.views.analysis.sizes import runtime_constants
 from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
 
 if TYPE_CHECKING:

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
-    from jausml.views.analysis.assumptions import Assumptions
-    from jausml.views.analysis.sizes import Size
+    from jausml.views.analysis.sizes import Assumptions, Size
     from jausml.views.analysis.streams import Stream, Traffic
 
 

@@ -9,7 +9,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.services import find_query
-from jausml.views.analysis.assumptions import runtime_constants
+from jausml.views.analysis.sizes import runtime_constants
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,9 +6,9 @@ import json
 from dataclasses import asdict, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.analysis.assumptions import runtime_constants
 from jausml.views.analysis.budgets import Budget
 from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Flow, Load
+from jausml.views.analysis.sizes import runtime_constants
 from jausml.views.analysis.streams import Wire
 
 if TYPE_CHECKING:
