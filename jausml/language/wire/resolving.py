@@ -27,16 +27,19 @@ from jausml.language.wire.kinds import (
     VariableNumber,
     Variant,
 )
-from jausml.language.wire.legal import LayoutError, LimitError, legal_integers, legal_reals
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,
     UNSIGNED,
     Integer,
     IntegerType,
+    LayoutError,
+    LimitError,
     Number,
     Real,
     Scaled,
+    legal_integers,
+    legal_reals,
 )
 
 if TYPE_CHECKING:
