@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
+from jausml.authoring.projects.creating import EXAMPLE, STARTING_POINTS, starting_point
 from jausml.cli.authoring.topics import (
     chosen_crossings,
     show_chosen,
