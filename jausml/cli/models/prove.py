@@ -118,8 +118,8 @@ def _proved(
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:
-    from jausml.proving.pages import pages
     from jausml.proving.results import by_map
+    from jausml.proving.summary import pages
 
     made_folder(folder)
     for name, page in pages(results, by_map(judged)):
