@@ -14,7 +14,7 @@ from jausml.cli.shared.names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
 from jausml.language.importers.jsidl.building import JSIDL_RULES
-from jausml.language.importers.ros.building import ROS_RULES
+from jausml.language.importers.ros.definitions import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.paths.ros_paths import ros_name

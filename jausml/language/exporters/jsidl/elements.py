@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias, cast
 from xml.etree import ElementTree
 
-from jausml.language.importers.jsidl.attributes import NUMERIC_TYPES, folded, largest
+from jausml.language.importers.jsidl.vocabulary import NUMERIC_TYPES, folded, largest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import snake_case
 

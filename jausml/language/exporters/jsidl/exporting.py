@@ -12,7 +12,7 @@ from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
 from jausml.language.exporters.jsidl.elements import FieldWriter, document, element, text_element
 from jausml.language.importers.jsidl import Source, import_sources
-from jausml.language.importers.jsidl.attributes import folded
+from jausml.language.importers.jsidl.vocabulary import folded
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity

@@ -12,8 +12,8 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
-from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.building import DEEPEST
+from jausml.language.importers.jsidl.vocabulary import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest

@@ -8,7 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jausml.language.importers.jsidl.attributes import (
+from jausml.language.importers.jsidl.building import DEEPEST, Builder
+from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
+from jausml.language.importers.jsidl.vocabulary import (
+    CONTAINERS,
+    FIELDS,
     INT,
     LONG,
     Values,
@@ -17,9 +21,6 @@ from jausml.language.importers.jsidl.attributes import (
     joined,
     largest,
 )
-from jausml.language.importers.jsidl.building import DEEPEST, Builder
-from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
-from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show

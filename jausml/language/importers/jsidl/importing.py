@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.attributes import Values
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
     JSIDL_RULES,
@@ -32,7 +31,7 @@ from jausml.language.importers.jsidl.services import (
     index,
     services_by_urn,
 )
-from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
+from jausml.language.importers.jsidl.vocabulary import Values, check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity

@@ -5,9 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
-from jausml.language.importers.jsidl.vocabulary import CONTAINERS
+from jausml.language.importers.jsidl.vocabulary import (
+    CONTAINERS,
+    Values,
+    documentation,
+    folded,
+    joined,
+)
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show

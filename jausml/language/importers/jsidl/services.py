@@ -7,8 +7,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 
-from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
 from jausml.language.importers.jsidl.scopes import matches, pick_version
+from jausml.language.importers.jsidl.vocabulary import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.reading.problems import NodePlace

@@ -7,8 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.ros.building import ROS_RULES, Builder, Use
-from jausml.language.importers.ros.sources import InterfaceFile, PackageSource, installed_source
+from jausml.language.importers.ros.definitions import (
+    ROS_RULES,
+    Builder,
+    InterfaceFile,
+    PackageSource,
+    Use,
+    installed_source,
+)
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.metamodel import load_metamodels
