@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.new_elements import OpenPoint
 
 _KINDS = {
-    "bridge": ("authoring.new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
-    "connection": ("authoring.new_bridges:connection", "Further topics for a bridge."),
+    "bridge": ("authoring.new_parts:bridge", "A bridge of topics, or of what runs in ROS."),
+    "connection": ("authoring.new_parts:connection", "Further topics for a bridge."),
     "service-connection": ("authoring.new_calls:service_connection", "A ROS service for a bridge."),
     "action-connection": ("authoring.new_calls:action_connection", "A ROS action for a bridge."),
     "component": ("authoring.new_parts:component", "A JAUS component."),
