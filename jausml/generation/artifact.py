@@ -23,7 +23,6 @@ from jausml.generation.literals import LINE_WIDTH, printable
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-
 DEFAULT_PREFIXES = ("on_", "report_", "translate_")
 
 

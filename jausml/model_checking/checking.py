@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from jausml.model_checking.search import Graph, Step, Violation
     from jausml.model_checking.systems import Subject
 
-
 BOUND_MET = "JML935"
 
 

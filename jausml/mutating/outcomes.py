@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.language.validation.rule import Report
 
-
 _STATES = 100_000
 _BUDGET = 10.0
 """Seconds; what is not searched by then is no finding here."""

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from jausml.proving.layout import Number
     from jausml.proving.round_trips import RoundTrip
 
-
 NAME = "proof"
 TO_ROS_NAME, TO_JAUS_NAME = "to_ros", "to_jaus"
 _CORE = f"{NAME}/{native.SOURCE.parent.as_posix()}/"

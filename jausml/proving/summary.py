@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from jausml.proving.results import MapResult
     from jausml.proving.round_trips import RoundTrip
 
-
 _COMPARED = 300
 """How many values go through both forms, besides those that Python alone treats."""
 

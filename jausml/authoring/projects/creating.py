@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from jausml.language.importers.jsidl import ImportResult
     from jausml.language.metamodel.classes import jaus
 
-
 Kind = Literal["plain", "profile", "example"]
 
 EMPTY, EXAMPLE = "empty", "example"

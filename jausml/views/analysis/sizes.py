@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge, jaus
 
-
 Value = TypeVar("Value", int, float)
 
 DEFAULT_RATE = 10.0

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     Documented: TypeAlias = jaus.NamedElement | jaus.Value | jaus.Transition | jaus.Action
 
-
 NAMESPACE = "urn:jaus:jsidl:1.1"
 
 TYPE_NAMES: Mapping[str, str] = MappingProxyType(

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from jausml.language.model.reading.problems import Findings
     from jausml.language.model.xmi.parsing import Node
 
-
 NAMESPACES = ("urn:jaus:jsidl:1.0", "urn:jaus:jsidl:1.1")
 PLUS = "urn:jaus:jsidl:plus"
 ROOTS = ("service_def", "service_set", "declared_type_set", "declared_const_set")

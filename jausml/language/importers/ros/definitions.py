@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.semantics.ros_types import InterfaceType
 
-
 SUFFIXES = tuple(f".{kind}" for kind in PARTS)
 """Endings of the names of definition files."""
 

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.ros_types import InterfaceType
 
-
 MOST_BYTES = 1024 * 1024
 """A definition file that is larger is none."""
 
