@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
-from jausml.cli.shared.known import known, library_file
 from jausml.cli.shared.models import is_in_project, model_option, project_files
-from jausml.cli.shared.names import completing, rule_names
+from jausml.cli.shared.names import completing, known, library_file, rule_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
