@@ -13,17 +13,15 @@ import os
 import signal
 import sys
 import traceback
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from jausml import __version__
 from jausml.cli.shared.options import COMPLETION, LazyGroup
 from jausml.cli.shared.terminal import Verbosity, colour_allowed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 VERBS = {
     "init": ("authoring.init", "Make a project of models."),

@@ -12,16 +12,13 @@ import tokenize
 import warnings
 import xml.parsers.expat
 from collections import defaultdict
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
 
 from jausml import __version__
 from jausml.generation.literals import LINE_WIDTH, printable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 DEFAULT_PREFIXES = ("on_", "report_", "translate_")
 

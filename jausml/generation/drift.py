@@ -7,7 +7,8 @@ run are, and those that stay on the disk beside them.
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 from jausml.generation.artifact import Artifact, Kind, path_problem
 from jausml.generation.contract.finding import File, Finding, FindingKind
@@ -18,14 +19,8 @@ from jausml.generation.contract.scopes import SourceProblem, absolute, tree_of
 from jausml.generation.contract.symbols import Class, Module
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
-from jausml.generation.manifest import find_python, inspect
+from jausml.generation.manifest import Manifest, find_python, inspect
 from jausml.language.model.inputs import read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.generation.manifest import Manifest
 
 
 def drift(

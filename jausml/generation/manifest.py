@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 import stat
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml import __version__
 from jausml.generation.artifact import (
@@ -20,9 +21,6 @@ from jausml.generation.artifact import (
     text_digest,
 )
 from jausml.language.model.inputs import open_input, read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 MANIFEST_PATH = ".jausml/manifest.json"
 PENDING_PATH = ".jausml/pending.json"

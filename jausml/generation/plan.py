@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from jausml.generation.artifact import Artifact, Kind, find_problems, has_valid_header, text_digest
 from jausml.generation.manifest import (
@@ -19,10 +21,6 @@ from jausml.generation.manifest import (
     new_entry,
     temporary,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-    from pathlib import Path
 
 
 class ActionKind(Enum):

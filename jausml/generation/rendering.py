@@ -6,10 +6,12 @@ The only importer of multigen. Nothing here touches the output folder.
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError
+from types import CodeType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import jinja2
@@ -28,19 +30,13 @@ from jausml.generation.artifact import (
 )
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.python import Modules
-from jausml.generation.target import FileTask, TextTask
+from jausml.generation.target import FileTask, Target, Task, TextTask, View
 from jausml.language.model.cache import digest, keep, kept, tool
-from jausml.language.model.model import without_collector
+from jausml.language.model.model import Model, without_collector
 from jausml.language.semantics.subject import remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from types import CodeType
-
     from jinja2.bccache import Bucket
-
-    from jausml.generation.target import Target, Task, View
-    from jausml.language.model.model import Model
 
 ModelT = TypeVar("ModelT")
 

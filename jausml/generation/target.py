@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from jausml.generation.artifact import Kind, SkeletonContract
 from jausml.generation.errors import GenerationError, NoSystemError
+from jausml.generation.python import Imports
 from jausml.language.metamodel.classes import bridge, system
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-
-    from jausml.generation.python import Imports
-    from jausml.language.model.model import Model
+from jausml.language.model.model import Model
 
 
 class View(Protocol):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.model_checking.runtime_machines import (
     FINAL,
@@ -13,16 +14,12 @@ from jausml.model_checking.runtime_machines import (
     CommandConnection,
     ConnectionState,
     Core,
+    CoreServices,
     core_steps,
     emergency_steps,
     halts,
 )
 from jausml.model_checking.search import TIME, Step
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.model_checking.runtime_machines import CoreServices
 
 
 class Obeying(NamedTuple):

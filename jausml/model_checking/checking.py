@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.model import Diagnostic
+from jausml.language.model import Diagnostic, Model
 from jausml.language.model.model import digests
 from jausml.language.validation.allowances import settled
 from jausml.language.validation.formats import sarif
-from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report, SetAside
 from jausml.language.validation.rules import PRODUCT_RULES
-from jausml.model_checking.search import Bounds, explore, violations
-from jausml.model_checking.systems import subjects_of
+from jausml.model_checking.search import Bounds, Graph, Step, Violation, explore, violations
+from jausml.model_checking.systems import Subject, subjects_of
 from jausml.views.diagrams.writers.sequence import Course, Line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
     from jausml.language.metamodel.classes import system
-    from jausml.language.model import Model
-    from jausml.language.validation.rule import SetAside
-    from jausml.model_checking.search import Graph, Step, Violation
-    from jausml.model_checking.systems import Subject
 
 BOUND_MET = "JML935"
 

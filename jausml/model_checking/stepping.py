@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - parameters of requests are typed at run time
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from jausml.generation.errors import NoSystemError
 from jausml.generation.literals import clean, python_string
 from jausml.generation.python.layout import layout
 from jausml.generation.target import source_of, system_of
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import Model
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT, core_steps
 from jausml.model_checking.search import TIME
-from jausml.model_checking.service_machine import MachineProduct
-from jausml.model_checking.systems import machine_subjects, service_subjects
+from jausml.model_checking.service_machine import Behaving, MachineProduct
+from jausml.model_checking.systems import Subject, machine_subjects, service_subjects
 from jausml.model_checking.virtual_test import CLIENTS, core_message
 from jausml_generators.common.components import plain_components
 from jausml_generators.jaus_component.views import ComponentView
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.model import Model
-    from jausml.model_checking.service_machine import Behaving
-    from jausml.model_checking.systems import Subject
 
 Kind = Literal["message", "event", "core", "time"]
 

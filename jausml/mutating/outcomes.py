@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml import __version__
 from jausml.generation.errors import NoSystemError
 from jausml.generation.native import compiler
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge
+from jausml.language.model import Model
+from jausml.language.validation.rule import Report
 from jausml.live.workers.worker import WorkerError
 from jausml.model_checking.checking import BOUND_MET, check_system, without_allowed
 from jausml.mutating.operators import OPERATORS
@@ -21,12 +24,6 @@ from jausml.proving.results import PROOF_RULES, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 from jausml.views.pages import page_head
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.language.model import Model
-    from jausml.language.validation.rule import Report
 
 _STATES = 100_000
 _BUDGET = 10.0

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import platform
 import subprocess
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import native
 from jausml.generation.rendering import render
-from jausml.live.workers.worker import Worker, bridge_code, bridge_of_maps
-from jausml.proving.layout import FLOAT, NOW, SIGNED, UNSIGNED
+from jausml.language.model import Model
+from jausml.live.workers.worker import BridgeCode, Worker, bridge_code, bridge_of_maps
+from jausml.proving.layout import FLOAT, NOW, SIGNED, UNSIGNED, Number
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.cpp.proof import PROOF, proof_program
@@ -19,13 +21,8 @@ from jausml_generators.cpp.types import support
 from jausml_generators.messages.target import TARGET as MESSAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
     from typing_extensions import Self
 
-    from jausml.language.model import Model
-    from jausml.live.workers.worker import BridgeCode
-    from jausml.proving.layout import Number
     from jausml.proving.round_trips import RoundTrip
 
 NAME = "proof"

@@ -5,24 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
 
-from jausml.proving.layout import FLOAT, JAUS
-from jausml.proving.plan import some
-from jausml.proving.results import Extreme, FieldResult, Mixed, Reached, told, unit_of
-from jausml.proving.round_trips import assignment_of, is_alone
+from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
+from jausml.proving.layout import FLOAT, JAUS, Number
+from jausml.proving.plan import Field, some
+from jausml.proving.results import Extreme, FieldResult, MapResult, Mixed, Reached, told, unit_of
+from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone
 from jausml.views.pages import hashed, page_head
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
-    from jausml.proving.layout import Number
-    from jausml.proving.plan import Field
-    from jausml.proving.results import MapResult
-    from jausml.proving.round_trips import RoundTrip
 
 _COMPARED = 300
 """How many values go through both forms, besides those that Python alone treats."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.resources import files
@@ -13,10 +14,11 @@ from typing import TYPE_CHECKING, Literal
 import jinja2
 
 from jausml import __version__
-from jausml.authoring.editing.commands import Add
+from jausml.authoring.editing.commands import Add, Command
 from jausml.authoring.projects.adding import add, add_bridge
 from jausml.authoring.projects.places import (
     METAMODELS,
+    Opened,
     ProjectError,
     as_xmi,
     empty_text,
@@ -27,19 +29,15 @@ from jausml.authoring.projects.places import (
     with_schema_location,
 )
 from jausml.authoring.proposals.new_elements import free_address
+from jausml.authoring.proposals.topics import Crossing, TopicEnd
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.semantics.names import DEVICES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.projects.places import Opened
-    from jausml.authoring.proposals.topics import Crossing, TopicEnd
     from jausml.language.importers.jsidl import ImportResult
-    from jausml.language.metamodel.classes import jaus
 
 Kind = Literal["plain", "profile", "example"]
 

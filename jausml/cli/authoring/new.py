@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +13,6 @@ from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import LazyGroup, format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Opened, Place
     from jausml.authoring.proposals.new_elements import OpenPoint

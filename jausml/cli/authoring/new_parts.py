@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -24,8 +25,6 @@ from jausml.cli.authoring.topics import (
 )
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from jausml.authoring.editing.commands import Add, Child, Command
     from jausml.authoring.projects.places import Opened
 

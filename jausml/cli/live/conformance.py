@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -31,8 +32,6 @@ from jausml.cli.shared.options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
     from jausml.live.peers.conformance.run import CheckFilter, CheckGroup

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -20,15 +21,9 @@ from jausml.language.model.library import library_paths, module_of
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rules import PRODUCT_RULES, catalogue
-from jausml.live.messages import UnknownServiceError
+from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
 from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.live.messages import Catalogue, MessageEntry
-
 
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 

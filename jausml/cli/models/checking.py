@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +30,6 @@ from jausml.cli.shared.options import REPORT_FORMATS, FiniteRange, format_option
 from jausml.cli.shared.terminal import painted_findings, verbosity
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.language.model import Model
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,6 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
     from jausml.generation import Artifact, NoSystemError, Plan, Result, Selection, Target
     from jausml.language.model.answers import Question
     from jausml.language.model.model import Model

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,8 +22,6 @@ from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, s
 from jausml.cli.shared.terminal import gathered
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.language.model import Model
     from jausml.language.model.project import Reading
     from jausml.language.project import OneDocument

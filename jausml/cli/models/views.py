@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeVar
 
@@ -22,8 +23,6 @@ from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.project import Reading
     from jausml.views.analysis.sizes import Assumptions

@@ -12,6 +12,7 @@ of the user until one of its models changes.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Collection, Iterable, Sequence
 from hashlib import blake2b
 from importlib.resources import files
 from pathlib import Path
@@ -22,8 +23,6 @@ import click
 from jausml import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
-
     from jausml.live.messages import Catalogue, ServiceEntry
 
     Completing = Callable[[click.Context, click.Parameter, str], list[str]]

@@ -6,12 +6,13 @@ import ast
 import io
 import re
 import tokenize
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from itertools import groupby
+from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from jausml.generation.contract.interface import module_of
 from jausml.generation.contract.scopes import last_name
@@ -19,10 +20,6 @@ from jausml.generation.contract.symbols import Module
 from jausml.generation.writer import replace_file
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.inputs import read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
 
 class FindingKind(Enum):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import builtins
 import enum
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.generation.contract.scopes import (
     Binding,
@@ -19,9 +19,6 @@ from jausml.generation.contract.scopes import (
     names_of,
     tree_of,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
 
 _KNOWN_BASES = {
     ("abc", "ABC"): object,

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.generation.contract.finding import Edit, Finding, FindingKind, attribute_edit, name_edit
+from jausml.generation.contract.finding import (
+    Edit,
+    File,
+    Finding,
+    FindingKind,
+    attribute_edit,
+    name_edit,
+)
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
 from jausml.generation.contract.scopes import Place, Walk, is_decorated_by
 from jausml.generation.contract.symbols import (
@@ -18,11 +25,6 @@ from jausml.generation.contract.symbols import (
     is_slotted,
 )
 from jausml.generation.contract.types import Method, Names, Object, Type
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.generation.contract.finding import File
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ laid out here. Quotes, spaces within a line and blank lines stay as they are.
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
 
 from jausml.generation.literals import LINE_WIDTH
 from jausml.generation.python.tokens import (
@@ -22,9 +22,6 @@ from jausml.generation.python.tokens import (
     read,
     split_at,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 _STEP = " " * 4
 _KEYWORDS = {"if", "elif", "while", "return", "assert", "raise", "yield", "await", "del", "except"}

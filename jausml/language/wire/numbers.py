@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import jaus
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 class LayoutError(ValueError):

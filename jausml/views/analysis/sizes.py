@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import functools
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -11,12 +12,10 @@ from typing import TYPE_CHECKING, TypeVar
 import jausml
 from jausml.language import wire
 from jausml.language.cdr import PRIMITIVES
-from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes import jaus, ros
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Mapping
-
-    from jausml.language.metamodel.classes import bridge, jaus
+    from jausml.language.metamodel.classes import bridge
 
 Value = TypeVar("Value", int, float)
 

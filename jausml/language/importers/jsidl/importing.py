@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
@@ -42,9 +42,6 @@ from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
 from jausml.language.project import library
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.scopes import MissingError, NumberError
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.importers.jsidl.scopes import MissingError, NumberError, Scope, Scopes
+from jausml.language.model.documents import Document
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import nearest, show, suggest
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from fractions import Fraction
-
-    from jausml.language.importers.jsidl.scopes import Scope, Scopes
-    from jausml.language.model.documents import Document
-    from jausml.language.model.reading.problems import Findings
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.xmi.parsing import Node
 
 NAMESPACES = ("urn:jaus:jsidl:1.0", "urn:jaus:jsidl:1.1")
 PLUS = "urn:jaus:jsidl:plus"

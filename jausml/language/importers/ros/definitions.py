@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
+from jausml.language.interfaces import Definition, FieldDefinition, Section
 from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.diagnostics import RuleInfo, Severity
+from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
+from jausml.language.model.model import Model
 from jausml.language.model.xmi.parsing import Node, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.interfaces import Definition, FieldDefinition, Section
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
     from jausml.language.semantics.ros_types import InterfaceType
 
 SUFFIXES = tuple(f".{kind}" for kind in PARTS)

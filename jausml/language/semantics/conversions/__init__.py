@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions import authored, numbers, octets, orientations, times
@@ -17,8 +18,6 @@ from jausml.language.semantics.conversions.conversion import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from jausml.language.metamodel.classes import bridge
 
 __all__ = [

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from jausml.language.semantics.conversions.conversion import Conversion, NoValueError, UnitEffect
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS, OCTETS, TEXT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 _UNKNOWN_OCCUPANCY, _UNKNOWN_COST = -1, 255
 
