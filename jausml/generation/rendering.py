@@ -259,6 +259,27 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     return artifacts
 
 
+class OnceRendered:
+    """Renders a model once, and has then what was made.
+
+    Args:
+        reading: As for `render_again`; empty where nothing may be what was rendered before.
+    """
+
+    def __init__(self, reading: str) -> None:
+        self._reading = reading
+        self._made: list[Artifact] | None = None
+
+    def __call__(self, model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
+        """Returns the files of targets."""
+        if self._made is None:
+            reading = self._reading
+            self._made = (
+                render_again(model, targets, reading) if reading else render(model, targets)
+            )
+        return self._made
+
+
 def are_own(targets: Iterable[Target[Any]]) -> bool:
     """Tells whether all targets are those of jausml, so that `tool` knows what they make."""
     return {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets} <= _CODE
