@@ -23,6 +23,7 @@ OWN_DATA = {
     "language/model/names.py",
     "authoring/projects/creating.py",
     "authoring/projects/places.py",
+    "authoring/projects/starting.py",
     "authoring/studio/handlers/showing.py",
     "language/text/reading/machine.py",
     "generators/jausml_generators/cpp/types.py",

@@ -1,24 +1,21 @@
-"""New projects: what a model begins with, what Eclipse needs, what CI runs, renewed copies."""
+"""New projects: a model, what Eclipse needs beside it, what CI runs, and renewed copies."""
 
 from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import jinja2
 
 from jausml import __version__
-from jausml.authoring.editing.commands import Add, Command
+from jausml.authoring.editing.commands import Add
 from jausml.authoring.projects.adding import add, add_bridge
 from jausml.authoring.projects.places import (
     METAMODELS,
-    Opened,
     ProjectError,
     as_xmi,
     empty_text,
@@ -28,100 +25,21 @@ from jausml.authoring.projects.places import (
     text_of,
     with_schema_location,
 )
+from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
 from jausml.authoring.proposals.new_elements import free_address
-from jausml.authoring.proposals.topics import Crossing, TopicEnd
-from jausml.language.metamodel.classes import jaus
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.semantics.names import DEVICES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.places import Opened
+    from jausml.authoring.proposals.topics import Crossing, TopicEnd
     from jausml.language.importers.jsidl import ImportResult
-
-Kind = Literal["plain", "profile", "example"]
-
-EMPTY, EXAMPLE = "empty", "example"
-
-
-@dataclass(frozen=True)
-class StartingPoint:
-    """A model to begin with; `about` says in half a sentence what it has."""
-
-    name: str
-    kind: Kind
-    about: str
-
-    @property
-    def is_text_only(self) -> bool:
-        """Whether no XMI says the same: ready maps are text, and so are comments."""
-        return self.kind != "plain"
-
-
-STARTING_POINTS: tuple[StartingPoint, ...] = (
-    StartingPoint(EXAMPLE, "plain", "a working sensor and bridge"),
-    StartingPoint(EMPTY, "plain", "nothing"),
-    StartingPoint("igvc", "profile", "a robot for the JAUS challenge, as `jausml judge` judges it"),
-    StartingPoint("iop-ugv", "profile", "a ground vehicle of IOP, as far as that is public"),
-    StartingPoint(
-        "iop-payload", "profile", "a camera on a pan-tilt unit of IOP, as far as that is public"
-    ),
-    StartingPoint("iop-manipulator", "profile", "an arm of IOP, as far as that is public"),
-    StartingPoint(
-        "iop-operator", "profile", "an operator control unit of IOP, as far as that is public"
-    ),
-    StartingPoint(
-        "catvehicle", "example", "a car with drive by wire, controllers in ROS, and their bridge"
-    ),
-    StartingPoint("fleet", "example", "a robot of which there are several, from one model"),
-    StartingPoint(
-        "nav2", "example", "a robot with Nav2 that an operator sends along a list of waypoints"
-    ),
-    StartingPoint("simulator", "example", "a car in a simulator that is driven over JAUS"),
-    StartingPoint(
-        "waypoint_list", "example", "a robot on two wheels that an operator sends along a list"
-    ),
-    StartingPoint(
-        "waypoints", "example", "a vehicle with satellite navigation that is sent to waypoints"
-    ),
-    StartingPoint("winch", "example", "a winch with a service of its own, and its operator"),
-)
-
-_SYSTEM = re.compile(r"^system .+ \{$", re.MULTILINE)
-
-
-def starting_point(name: str) -> StartingPoint | None:
-    """Returns the starting point of a name, None where there is none."""
-    return next((each for each in STARTING_POINTS if each.name == name), None)
-
-
-def text_to_begin_with(point: StartingPoint, name: str) -> str:
-    """Returns the text of a starting point that is text only, for a system of a name.
-
-    Decisions that the point leaves to a person are in it as open ones.
-    """
-    path = _source(point)
-    is_text = path.is_file()
-    text = path.read_text(encoding="utf-8") if is_text else _united(path.with_suffix(".xmi"))
-    # Where a text has no such line, its file gives the system its name.
-    return _SYSTEM.sub(f"system {name} {{", text, count=1)
-
-
-def _source(point: StartingPoint) -> Path:
-    if point.kind == "profile":
-        folder = Path(str(files("jausml.authoring.projects"))) / "templates"
-        return folder / f"{point.name}.ros2jaus.j2"
-    return Path(str(files("jausml.models"))) / "examples" / point.name / f"{point.name}.ros2jaus"
-
-
-def _united(path: Path) -> str:
-    """Returns an example in XMI, with what it has in other files, as one text."""
-    from jausml.language.model.reading.reader import read_models  # noqa: PLC0415 - heavy
-    from jausml.language.text.writing.unparsing import to_text  # noqa: PLC0415
-
-    model = read_models([path]).model
-    roots = [root for each in model.documents if not each.is_library for root in each.roots]
-    return to_text(roots, model, path.with_suffix(".ros2jaus"))
+    from jausml.language.metamodel.classes import jaus
 
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")

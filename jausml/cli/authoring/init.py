@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from jausml.authoring.projects.creating import EXAMPLE, STARTING_POINTS, Wish, starting_point
-from jausml.authoring.proposals.topics import Crossing
+from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
 from jausml.cli.authoring.topics import (
     chosen_crossings,
     show_chosen,
@@ -23,6 +21,10 @@ from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files
 from jausml.cli.shared.terminal import painted_findings
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.authoring.projects.creating import Wish
+    from jausml.authoring.proposals.topics import Crossing
     from jausml.language.importers.jsidl import ImportResult
 
 _TOPICS, _JSIDL = "topics", "jsidl"
