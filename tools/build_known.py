@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from jausml.cli.lookup import listed
-from jausml.cli.shared.known import FOLDER, NAMES
+from jausml.cli.shared.names import FOLDER, KNOWN
 from jausml.language.model import library_root
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def lists() -> Mapping[str, Sequence[Mapping[str, Any]]]:
         listed.fields(()),
         maps,
     )
-    return dict(zip(NAMES, made, strict=True))
+    return dict(zip(KNOWN, made, strict=True))
 
 
 def main() -> int:

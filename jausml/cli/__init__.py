@@ -13,17 +13,15 @@ import os
 import signal
 import sys
 import traceback
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from jausml import __version__
 from jausml.cli.shared.options import COMPLETION, LazyGroup
 from jausml.cli.shared.terminal import Verbosity, colour_allowed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 VERBS = {
     "init": ("authoring.init", "Make a project of models."),
@@ -33,7 +31,7 @@ VERBS = {
     "generate": ("models.generate", "Generate a workspace from the system in a model."),
     "build": ("live.run:build", "Compile the translations of a generated workspace."),
     "run": ("live.run", "Start the processes of a generated workspace."),
-    "mutate": ("models.mutate", "Break a model to see what notices it."),
+    "mutate": ("models.prove:mutate", "Break a model to see what notices it."),
     "report": ("models.views:report", "Report the load and the worst-case times of a system."),
     "model-check": (
         "models.checking:model_check",
@@ -60,7 +58,7 @@ VERBS = {
     "top": ("live.top", "Watch a running system."),
     "conformance": ("live.conformance", "Check the conformance of a running component."),
     "judge": ("live.conformance:judge", "Let a running component take the tasks of a competition."),
-    "peer": ("live.peer", "Start a rover as other makes have it, to try a robot with."),
+    "peer": ("live.conformance:peer", "Start a rover as other makes have it, to try a robot with."),
     "doctor": ("live.doctor", "Show what this machine lacks, and how to fix it."),
     "rules": ("lookup.list:rules", "List the rules."),
     "explain": ("lookup.list:explain", "Explain a rule."),

@@ -22,7 +22,7 @@ from jausml.generation.errors import (
 )
 from jausml.generation.manifest import MANIFEST_PATH, Manifest, read_manifest
 from jausml.generation.plan import ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.rendering import are_own, render, render_again
+from jausml.generation.rendering import OnceRendered, are_own, render, render_again
 from jausml.generation.target import (
     FileTask,
     Target,
@@ -48,6 +48,7 @@ __all__ = [
     "Manifest",
     "MethodContract",
     "NoSystemError",
+    "OnceRendered",
     "OwnershipError",
     "Plan",
     "RefusedError",

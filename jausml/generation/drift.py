@@ -7,27 +7,20 @@ run are, and those that stay on the disk beside them.
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
-from jausml.generation.artifact import Artifact, Kind
-from jausml.generation.checks import path_problem
-from jausml.generation.contract.files import File
-from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.artifact import Artifact, Kind, path_problem
+from jausml.generation.contract.finding import File, Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.overrides import compare_class
+from jausml.generation.contract.scopes import SourceProblem, absolute, tree_of
 from jausml.generation.contract.symbols import Class, Module
-from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
-from jausml.generation.manifest import find_python, inspect
+from jausml.generation.manifest import Manifest, find_python, inspect
 from jausml.language.model.inputs import read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.generation.manifest import Manifest
 
 
 def drift(

@@ -10,14 +10,10 @@ import keyword
 import math
 import re
 import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
     LuaValue = bool | int | float | str | Sequence["LuaValue"] | Mapping[int | str, "LuaValue"]
 
 LINE_WIDTH = 100

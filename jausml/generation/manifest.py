@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 import stat
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml import __version__
 from jausml.generation.artifact import (
@@ -16,13 +17,10 @@ from jausml.generation.artifact import (
     Kind,
     has_valid_header,
     normalize_newlines,
+    path_problem,
     text_digest,
 )
-from jausml.generation.checks import path_problem
 from jausml.language.model.inputs import open_input, read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 MANIFEST_PATH = ".jausml/manifest.json"
 PENDING_PATH = ".jausml/pending.json"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from jausml.generation.artifact import Artifact, Kind, has_valid_header, text_digest
-from jausml.generation.checks import find_problems
+from jausml.generation.artifact import Artifact, Kind, find_problems, has_valid_header, text_digest
 from jausml.generation.manifest import (
     MANIFEST_PATH,
     PENDING_PATH,
@@ -20,10 +21,6 @@ from jausml.generation.manifest import (
     new_entry,
     temporary,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-    from pathlib import Path
 
 
 class ActionKind(Enum):

@@ -6,10 +6,12 @@ The only importer of multigen. Nothing here touches the output folder.
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError
+from types import CodeType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import jinja2
@@ -17,23 +19,24 @@ from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
 from jausml.generation import literals
-from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract, add_header
-from jausml.generation.checks import CANNOT_PARSE, syntax_problem
+from jausml.generation.artifact import (
+    CANNOT_PARSE,
+    Artifact,
+    Kind,
+    MethodContract,
+    SkeletonContract,
+    add_header,
+    syntax_problem,
+)
 from jausml.generation.errors import InternalError, TooLargeError
-from jausml.generation.languages.python import Modules
-from jausml.generation.target import FileTask, TextTask
+from jausml.generation.python import Modules
+from jausml.generation.target import FileTask, Target, Task, TextTask, View
 from jausml.language.model.cache import digest, keep, kept, tool
-from jausml.language.model.model import without_collector
+from jausml.language.model.model import Model, without_collector
 from jausml.language.semantics.subject import remembering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from types import CodeType
-
     from jinja2.bccache import Bucket
-
-    from jausml.generation.target import Target, Task, View
-    from jausml.language.model.model import Model
 
 ModelT = TypeVar("ModelT")
 
@@ -254,6 +257,27 @@ def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> 
     artifacts = render(model, targets)
     keep(name, state, [asdict(each) | {"kind": each.kind.value} for each in artifacts])
     return artifacts
+
+
+class OnceRendered:
+    """Renders a model once, and has then what was made.
+
+    Args:
+        reading: As for `render_again`; empty where nothing may be what was rendered before.
+    """
+
+    def __init__(self, reading: str) -> None:
+        self._reading = reading
+        self._made: list[Artifact] | None = None
+
+    def __call__(self, model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
+        """Returns the files of targets."""
+        if self._made is None:
+            reading = self._reading
+            self._made = (
+                render_again(model, targets, reading) if reading else render(model, targets)
+            )
+        return self._made
 
 
 def are_own(targets: Iterable[Target[Any]]) -> bool:

@@ -1,19 +1,18 @@
-"""Targets: what each declares of itself, the tasks that it wants done, and how they are found."""
+"""Targets: what each declares of itself, the tasks it wants done, and the system they are for."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
+from pathlib import Path, PurePath
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from jausml.generation.artifact import Kind, SkeletonContract
-from jausml.generation.errors import GenerationError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-
-    from jausml.generation.languages.python import Imports
+from jausml.generation.errors import GenerationError, NoSystemError
+from jausml.generation.python import Imports
+from jausml.language.metamodel.classes import bridge, system
+from jausml.language.model.model import Model
 
 
 class View(Protocol):
@@ -169,3 +168,37 @@ def _load(entry: EntryPoint) -> Target[Any]:
     if target.name != entry.name:
         raise GenerationError(f"target '{entry.name}' ({entry.value}) calls itself '{target.name}'")
     return target
+
+
+def system_of(model: Model) -> system.System:
+    """Returns the system of the file that is generated from.
+
+    Systems of other files have their own workspaces; here they are only referred to.
+
+    Raises:
+        NoSystemError: There is none, or more than one: a workspace is made of one system.
+    """
+    document = model.documents[0]
+    systems = [root for root in document.roots if isinstance(root, system.System)]
+    if len(systems) != 1:
+        maps = [str(each.name) for each in model.instances(bridge.AttributeMap, library=False)]
+        raise NoSystemError(document.display, [str(each.name) for each in systems], maps)
+    return systems[0]
+
+
+def name_of(model: Model) -> str:
+    """Returns the name by which a workspace knows a model, wherever its file lies.
+
+    It is that of its system; without one, e.g. with mere interface packages, that of its file.
+    """
+    document = model.documents[0]
+    systems = [root for root in document.roots if isinstance(root, system.System)]
+    return str(systems[0].name) if len(systems) == 1 else PurePath(document.display).stem
+
+
+def source_of(model: Model) -> str:
+    """Returns the name of the file that is generated from, without a path.
+
+    The output is the same wherever the model lies.
+    """
+    return PurePath(model.documents[0].display).name

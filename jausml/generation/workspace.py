@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.contract.finding import CODE_RULES, STALE, Fix, fix_files
+from jausml.generation.artifact import Artifact
+from jausml.generation.contract.finding import CODE_RULES, STALE, Finding, Fix, fix_files
 from jausml.generation.contract.interface import Interface, former_names
 from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
-from jausml.generation.system import name_of, source_of, system_of
+from jausml.generation.target import Target, name_of, source_of, system_of
 from jausml.generation.writer import apply, locked
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.model import Model
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.generation.artifact import Artifact
-    from jausml.generation.contract.finding import Finding
-    from jausml.generation.target import Target
-    from jausml.language.model.model import Model
     from jausml.language.validation.rule import Report
 
 

@@ -9,19 +9,15 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
-from pathlib import PurePath, PurePosixPath
-from typing import TYPE_CHECKING
+from pathlib import Path, PurePath, PurePosixPath
 
 from jausml.generation.artifact import normalize_newlines
 from jausml.generation.errors import RefusedError, WriteError
 from jausml.generation.manifest import PENDING_PATH, temporary
 from jausml.generation.plan import Action, ActionKind, Plan
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 _IS_ANCHORED = {os.open, os.mkdir, os.unlink, os.rmdir, os.rename} <= os.supports_dir_fd
 _FOLDER = getattr(os, "O_DIRECTORY", 0) | getattr(os, "O_NOFOLLOW", 0)
@@ -221,10 +217,6 @@ def _delete(out: Path, action: Action) -> None:
 
 if sys.platform != "win32":
     import fcntl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 
 @contextmanager

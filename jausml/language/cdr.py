@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.ros_types import package_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 SINGLE, FIXED, BOUNDED = "single", "fixedArray", "boundedSequence"
 TEXTS = ("string", "wstring")

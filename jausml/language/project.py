@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -24,6 +25,8 @@ from jausml.language.model.library import (
     place_in_library,
     shipped_as,
 )
+from jausml.language.model.model import Model
+from jausml.language.model.notation import Notation
 from jausml.language.model.project import (
     InputError,
     Reading,
@@ -41,11 +44,7 @@ from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.notation import Notation
 
 
 ElementT = TypeVar("ElementT", bound="EObject")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.model_checking.search import Step
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Mapping
 
 STANDBY, READY, EMERGENCY = "STANDBY", "READY", "EMERGENCY"
 FAILURE, SHUTDOWN = "FAILURE", "SHUTDOWN"

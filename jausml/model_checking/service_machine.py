@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product as combinations
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,12 +11,14 @@ from jausml.language.attributes.guards import (
     AllOf,
     AnyOf,
     Condition,
+    Guard,
     Negation,
     conditions,
     parse_guard,
 )
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.commands import needs_control
-from jausml.language.semantics.jaus.inherited_machines import event_name
+from jausml.language.semantics.jaus.inherited_machines import Machine, event_name
 from jausml.language.semantics.jaus.machines import is_core_trigger
 from jausml.model_checking.runtime_machines import (
     EMERGENCY,
@@ -24,18 +27,12 @@ from jausml.model_checking.runtime_machines import (
     READY,
     STANDBY,
     Core,
+    CoreServices,
     core_steps,
 )
 from jausml.model_checking.search import TIME, Step
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.language.attributes.guards import Guard
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.model_checking.runtime_machines import CoreServices
-
     _Guarded = tuple[jaus.Transition, Guard | None]
 
 REMEMBERED = 4

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import gcd
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
@@ -15,7 +16,7 @@ from jausml.language.semantics.jaus.core_services import (
     SERVED_BY_RUNTIME,
     standard_services,
 )
-from jausml.language.semantics.jaus.inherited_machines import machines_of
+from jausml.language.semantics.jaus.inherited_machines import Machine, machines_of
 from jausml.language.semantics.jaus.services import (
     find_same,
     lineage,
@@ -23,19 +24,15 @@ from jausml.language.semantics.jaus.services import (
     service_versions,
     with_inherited,
 )
-from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.obeying import ObeyingProduct
+from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
+from jausml.model_checking.search import CheckedProduct
 from jausml.model_checking.service_machine import MachineProduct
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes import jaus, system
+    from jausml.language.metamodel.classes import system
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.jaus.commands import Guard
-    from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.model_checking.search import CheckedProduct
 
 MOST_TICKS = 60
 """Ticks of the longest time-out; shorter ones are rounded up then."""

@@ -8,15 +8,12 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.generation.artifact import without_header
 from jausml.language.model.inputs import read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
 FOLDER = "JAUSML_WORKSPACE"
 """Environment variable that names the folder of the packages to a command."""

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.attributes.units import UnitError, conversion_between, parse_unit
+from jausml.language.metamodel import FeatureTable
 from jausml.language.metamodel.filling import contents, is_set, unset
-from jausml.language.semantics.paths.scopes import attribute_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel import FeatureTable
-    from jausml.language.semantics.paths.scopes import Placed
+from jausml.language.semantics.paths.scopes import Placed, attribute_at
 
 _LONGEST = 60
 

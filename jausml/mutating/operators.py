@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.language.metamodel import ClassTable
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import NEGATION
-from jausml.language.semantics.paths.attributes import NUMBER
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute
 from jausml.mutating.changes import Change, Site, next_entry, other_member, other_state, other_unit
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from jausml.language.metamodel import ClassTable
-    from jausml.language.semantics.paths.attributes import Attribute
 
 
 @dataclass(frozen=True)

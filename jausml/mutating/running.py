@@ -6,22 +6,25 @@ import os
 import random
 import tempfile
 import time
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.generation import GenerationError, load_targets, render, select
-from jausml.language.model import Severity
+from jausml.generation import GenerationError, Target, load_targets, render, select
+from jausml.language.metamodel import FeatureTable
+from jausml.language.model import Diagnostic, Model, Severity
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.xmi.writer import UnwritableError, to_xmi
-from jausml.language.semantics.paths.scopes import directed, directions_of
+from jausml.language.project import OneDocument
+from jausml.language.semantics.paths.scopes import Placed, directed, directions_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
+from jausml.language.validation.rule import Report
 from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
-from jausml.mutating.changes import Site
-from jausml.mutating.findings import Products, Proofs
-from jausml.mutating.operators import OPERATORS
+from jausml.mutating.changes import Change, Site
+from jausml.mutating.operators import OPERATORS, Operator
 from jausml.mutating.outcomes import (
     CHECK,
     EQUAL,
@@ -33,19 +36,9 @@ from jausml.mutating.outcomes import (
     VALIDATE,
     WARNING,
     Outcome,
+    Products,
+    Proofs,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
-
-    from jausml.generation import Target
-    from jausml.language.metamodel import FeatureTable
-    from jausml.language.model import Diagnostic, Model
-    from jausml.language.project import OneDocument
-    from jausml.language.semantics.paths.scopes import Placed
-    from jausml.language.validation.rule import Report
-    from jausml.mutating.changes import Change
-    from jausml.mutating.operators import Operator
 
 _SEED = 27
 

@@ -8,14 +8,10 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING
 
 from jausml.language import wire
-from jausml.language.cdr import fields_of
-
-if TYPE_CHECKING:
-    from jausml.language.cdr import FieldLayout
-    from jausml.language.metamodel.classes import ros
+from jausml.language.cdr import FieldLayout, fields_of
+from jausml.language.metamodel.classes import ros
 
 NOW = datetime(2024, 2, 29, 13, 59, 58, 987_000, tzinfo=timezone.utc)
 """The time that translations are told, in which the time stamps of usual messages lie."""

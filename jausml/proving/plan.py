@@ -5,24 +5,25 @@ from __future__ import annotations
 import functools
 import math
 import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import outer_scope
-from jausml.proving.compiled_form import Sweep
-from jausml.proving.layout import FLOAT, JAUS, ROS, SHARES, USUAL, LayoutError, Usual
-from jausml.proving.round_trips import inputs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from jausml.language.semantics.paths.scopes import PathScope
-    from jausml.proving.compiled_form import CompiledForm
-    from jausml.proving.layout import Layout, Number
-    from jausml.proving.proof_bridge import ProofCode
-    from jausml.proving.round_trips import Input, RoundTrip
+from jausml.language.semantics.paths.scopes import PathScope, outer_scope
+from jausml.proving.compiled_form import CompiledForm, ProofCode, Sweep
+from jausml.proving.layout import (
+    FLOAT,
+    JAUS,
+    ROS,
+    SHARES,
+    USUAL,
+    Layout,
+    LayoutError,
+    Number,
+    Usual,
+)
+from jausml.proving.round_trips import Input, RoundTrip, inputs
 
 SEED = 5684
 """Begins the random values, so that each run tries the same ones."""

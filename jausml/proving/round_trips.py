@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.language import wire
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model import Model
+from jausml.language.semantics.connections.topics import Endpoint, endpoints
 from jausml.language.semantics.subject import Subject
 from jausml.proving.layout import (
     JAUS,
@@ -22,13 +24,6 @@ from jausml.proving.layout import (
     jaus_layout,
     ros_layout,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel.classes import jaus, ros
-    from jausml.language.model import Model
-    from jausml.language.semantics.connections.topics import Endpoint
 
 
 @dataclass(frozen=True)

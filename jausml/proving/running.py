@@ -6,32 +6,33 @@ import os
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.generation.native import COMPILERS, compiler
+from jausml.language.model import Model
 from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 from jausml.live.workers.worker import WorkerError
-from jausml.proving.compiled_form import CompiledForm, ProgramError, PythonForm, Tally, compiled
-from jausml.proving.plan import directed, plan
-from jausml.proving.proof_bridge import NAME, proof_code
+from jausml.proving.compiled_form import (
+    NAME,
+    CompiledForm,
+    ProgramError,
+    ProofCode,
+    PythonForm,
+    Tally,
+    compiled,
+    proof_code,
+)
+from jausml.proving.plan import Field, directed, plan
 from jausml.proving.results import MapResult, map_result
-from jausml.proving.round_trips import field_assignments, inputs, round_trips
+from jausml.proving.round_trips import RoundTrip, field_assignments, inputs, round_trips
 from jausml.proving.summary import EXAMPLES, Swept, summed_up
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.model import Model
-    from jausml.proving.plan import Field
-    from jausml.proving.proof_bridge import ProofCode
-    from jausml.proving.round_trips import RoundTrip
 
 
 class Known:

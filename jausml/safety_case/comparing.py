@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
-from jausml.safety_case.argument import to_plain
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.safety_case.argument import SafetyCase
+from jausml.safety_case.argument import SafetyCase, to_plain
 
 _LOST, _STALE, _ANSWER, _OLD = (f"JML{number}" for number in range(941, 945))
 

@@ -5,24 +5,21 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from lxml import etree
 
 from jausml.generation.artifact import text_digest
 from jausml.generation.rendering import render
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model.inputs import read_input
+from jausml.language.model.model import Model
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-    from pathlib import Path
-
-    from jausml.language.model.model import Model
 
 RULES, PROOF, MODEL_CHECK = "rules", "proof", "model check"
 MUTATIONS, FAULT_RUNS, TEST_RUN = "mutations", "fault runs", "test run"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.assignments.frames import axis_of, passage
@@ -22,14 +23,10 @@ from jausml.language.semantics.paths.scopes import (
     sound_connections,
     target_paths,
 )
+from jausml.language.semantics.subject import Subject
 from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import TypeAlias
-
-    from jausml.language.semantics.subject import Subject
-
     Commander: TypeAlias = bridge.Connection | bridge.RosActionConnection
     Carrier: TypeAlias = Commander | bridge.RosServiceConnection
 

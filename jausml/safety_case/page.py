@@ -7,6 +7,7 @@ rectangles, justifications ellipses; a diamond marks a goal that is undeveloped.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from html import escape
 from math import ceil, hypot
@@ -14,17 +15,14 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.views.diagrams.layout.sheet import Box, Line, Sheet
+from jausml.views.diagrams.layout.sheet import Box, Course, Engine, Line, Places, Point, Sheet
 from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, text_element
 from jausml.views.pages import hashed, page_head
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from jausml.safety_case.argument import Goal, HazardCase, SafetyCase
     from jausml.safety_case.evidence import Evidence
-    from jausml.views.diagrams.layout.sheet import Course, Engine, Places, Point
 
 _GOAL, _STRATEGY, _SOLUTION = "goal", "strategy", "solution"
 _CONTEXT, _JUSTIFICATION = "context", "justification"

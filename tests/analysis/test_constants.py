@@ -12,7 +12,7 @@ from jausml.runtime.services.definitions import MAX_EVENT_RATE, ComponentSetting
 from jausml.runtime.services.events import _EVENT
 from jausml.runtime.transports.packets import messenger, outgoing
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE
-from jausml.views.analysis.assumptions import runtime_constants
+from jausml.views.analysis.sizes import runtime_constants
 
 
 def test_constants_are_those_of_the_runtime():

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.views import analysis
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, text
 from jausml.views.analysis.formats import json as plain
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = [

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 
 PAIR = """
 bridge vehicle {

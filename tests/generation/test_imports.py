@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.generation.languages.python import (
+from jausml.generation.python import (
     Imports,
     Modules,
     Origin,

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from sources import PACKAGES, modules_below
 
-from jausml.generation.languages.python import layout
+from jausml.generation.python import layout
 
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 

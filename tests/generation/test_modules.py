@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generation.languages.python import Imports, Modules, modules, offered
-from jausml.generation.languages.python.layout import lay_out_statement
+from jausml.generation.python import Imports, Modules, modules, offered
+from jausml.generation.python.layout import lay_out_statement
 
 HEAD = '"""About it."""\n\nfrom __future__ import annotations\n'
 IMPORTS = Imports({**offered("nav_msgs.msg", "Odometry"), **offered(".messages", "ReportPose")})

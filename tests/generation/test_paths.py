@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml import generation as gen
-from jausml.generation.checks import find_problems, path_problem
+from jausml.generation.artifact import find_problems, path_problem
 
 
 def artifact(path, element="component:a", target="toy"):

@@ -17,8 +17,7 @@ import pytest
 
 from jausml import __version__
 from jausml import generation as gen
-from jausml.generation.artifact import add_header, has_valid_header
-from jausml.generation.checks import syntax_problem
+from jausml.generation.artifact import add_header, has_valid_header, syntax_problem
 
 
 def texts(artifacts):

@@ -7,7 +7,7 @@ import ast
 import pytest
 
 from jausml.generation import InternalError, render
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.samples import sample_of

@@ -16,7 +16,7 @@ import setuptools
 from lxml import etree
 
 from jausml.generation import GenerationError
-from jausml.generation.system import source_of, system_of
+from jausml.generation.target import source_of, system_of
 from jausml.language.model import read_models
 from jausml_generators.python.package import PackageView, package_view
 from jausml_generators.ros_node.target import TARGET as ROS_NODE

@@ -10,11 +10,11 @@ import compositions
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.validation.engine import check_project
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.formats import html, json, text
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 

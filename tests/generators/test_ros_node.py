@@ -12,7 +12,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, Modules, Origin
+from jausml.generation.python import Imports, Modules, Origin
 from jausml.language.metamodel.classes import ros, system
 from jausml_generators.common.ros import RosType, local_names
 from jausml_generators.ros_node.target import TARGET as ROS_NODE

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.checks.module import TestModule as Tests

@@ -27,8 +27,8 @@ from jausml.language.text.reading.parsing import parse
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import check_project
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers.text import render_mermaid
 

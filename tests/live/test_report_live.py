@@ -15,14 +15,14 @@ from ports import free_domain, free_port
 
 pytest.importorskip("rclpy")
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import UdpReader
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
-from jausml.views.analysis.assumptions import Assumptions
 from jausml.views.analysis.report import report_of
+from jausml.views.analysis.sizes import Assumptions
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 

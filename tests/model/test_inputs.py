@@ -13,9 +13,9 @@ from jausml.language.model.inputs import LIMIT, open_input, read_input, read_tex
 pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
-    "views/analysis/assumptions.py",
+    "views/analysis/sizes.py",
     "language/model/cache.py",
-    "cli/shared/known/__init__.py",
+    "cli/shared/names.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
     "generators/jausml_generators/python/package.py",

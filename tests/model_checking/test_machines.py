@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.model_checking.checking import check_subject
 from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, Bounds

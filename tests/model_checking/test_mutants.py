@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 from sweeps import sweep
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.checking import check_subject
-from jausml.model_checking.commanding import CommandingProduct
-from jausml.model_checking.obeying import ObeyingProduct
 from jausml.model_checking.runtime_machines import (
     EMERGENCY,
     READY,

@@ -12,12 +12,12 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-from jausml.model_checking.stepped_test import stepped_test
 from jausml.model_checking.stepping import (
     Chosen,
     SteppingError,
     choices,
     stepped_machine,
+    stepped_test,
     walked,
 )
 

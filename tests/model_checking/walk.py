@@ -27,7 +27,7 @@ from jausml_runtime.messages import (
 )
 from jausml_runtime.virtual import VirtualWorld
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT

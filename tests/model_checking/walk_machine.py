@@ -20,7 +20,7 @@ from jausml_runtime.virtual import VirtualWorld
 from winch import messages
 from winch.winch_base import WinchBase
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.model_checking.runtime_machines import CLIENT_MESSAGES, EMERGENCY_CLIENT
 from jausml.model_checking.systems import subjects_of

@@ -22,10 +22,10 @@ from rover.rover import Rover
 from station.ros_types import Twist
 from station.station import Station
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.model_checking.commanding import PUBLISHER, RADIO
+from jausml.model_checking.bridge_products import PUBLISHER, RADIO
 from jausml.model_checking.systems import subjects_of
 
 SERVICES = tuple(

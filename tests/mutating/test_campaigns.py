@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from jausml.cli import main
 from jausml.mutating.outcomes import Campaign, Outcome, render
 
-GUARDS = ("jausml/mutating", "jausml/cli/models/mutate.py")
+GUARDS = ("jausml/mutating", "jausml/cli/models/prove.py")
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = Path(__file__).with_name("drive.ros2jaus").read_text()
 WINCH = ROOT / "models" / "examples" / "winch" / "winch.xmi"

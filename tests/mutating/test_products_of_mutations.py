@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from jausml.language.validation.engine import check_project
-from jausml.mutating.findings import Products
+from jausml.mutating.outcomes import Products
 
-GUARDS = ("jausml/mutating/findings.py",)
+GUARDS = ("jausml/mutating/outcomes.py",)
 
 MODEL = Path(__file__).with_name("drive.ros2jaus").read_text()
 

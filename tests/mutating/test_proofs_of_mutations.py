@@ -7,9 +7,9 @@ import pytest
 from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.engine import check_project
-from jausml.mutating.findings import Proofs
+from jausml.mutating.outcomes import Proofs
 
-GUARDS = ("jausml/mutating/findings.py",)
+GUARDS = ("jausml/mutating/outcomes.py",)
 
 MODEL = """\
 import jaus.mobility

@@ -10,9 +10,8 @@ import pytest
 
 from jausml.generation.native import compiler
 from jausml.language.validation.engine import check_project
-from jausml.proving.compiled_form import CompiledForm, compiled
+from jausml.proving.compiled_form import CompiledForm, compiled, proof_code
 from jausml.proving.plan import plan
-from jausml.proving.proof_bridge import proof_code
 from jausml.proving.results import with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.language.model import Model
     from jausml.language.validation.rule import Report
-    from jausml.proving.compiled_form import Tally
-    from jausml.proving.proof_bridge import ProofCode
+    from jausml.proving.compiled_form import ProofCode, Tally
     from jausml.proving.results import FieldResult
     from jausml.proving.round_trips import RoundTrip
 

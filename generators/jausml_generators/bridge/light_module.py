@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
-from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import clean, python_literal, python_string
+from jausml.generation.python import Imports, Origin, offered
 from jausml.language.cdr import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
 from jausml_generators.bridge.light_serializing import Runs, reading_lines, writing_lines
 from jausml_generators.common.ros import local_names, ros_type

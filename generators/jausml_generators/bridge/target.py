@@ -5,8 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation import native
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, TextFile, TextTask, templates_beside
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    TextFile,
+    TextTask,
+    source_of,
+    system_of,
+    templates_beside,
+)
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.cpp.types import CORE, support

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
-from jausml.generation.system import source_of, system_of
+from jausml.generation.python import Imports, offered
+from jausml.generation.target import source_of, system_of
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields

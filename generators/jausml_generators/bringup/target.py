@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.bringup.views import LAUNCH_IMPORTS, BringupView, ProcessView
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view

@@ -6,8 +6,8 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
+from jausml.generation.python import Imports, offered
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.hosts import host_of
 from jausml_generators.bridge.parameters import ParameterLine, parameter_lines

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import clean
-from jausml.generation.system import source_of, system_of
 from jausml.generation.target import (
     FileTask,
     Target,
@@ -15,6 +14,8 @@ from jausml.generation.target import (
     TextFile,
     TextTask,
     WholeLibrary,
+    source_of,
+    system_of,
     templates_beside,
 )
 from jausml_generators.common.components import library_services, used_services

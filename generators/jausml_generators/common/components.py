@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.project import library
 from jausml.language.semantics.connections import calls

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 
 if TYPE_CHECKING:

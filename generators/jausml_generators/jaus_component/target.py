@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, templates_beside
+from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
 from jausml_generators.common.components import plain_components
 from jausml_generators.jaus_component.views import ComponentView
 from jausml_generators.messages.target import SystemMessages

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.errors import GenerationError
-from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import (
     LINE_WIDTH,
     clean,
@@ -18,6 +17,7 @@ from jausml.generation.literals import (
     python_string,
     sentence,
 )
+from jausml.generation.python import Imports, Origin, offered
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services

@@ -6,10 +6,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.languages.python import Origin, statements
 from jausml.generation.literals import clean
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task
+from jausml.generation.python import Origin, statements
+from jausml.generation.target import FileTask, Target, Task, source_of, system_of
 from jausml_generators.bridge.views import BridgeView
 from jausml_generators.common.components import own_bridges, plain_components
 from jausml_generators.jaus_component.views import ComponentView

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import jausml
 from jausml.generation import native
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, Origin, layout, offered
 from jausml.generation.literals import python_string
+from jausml.generation.python import Imports, Origin, layout, offered
 from jausml.generation.target import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.python.names import class_name, package_name
 

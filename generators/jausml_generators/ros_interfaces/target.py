@@ -5,8 +5,15 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, WholeLibrary, templates_beside
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    WholeLibrary,
+    source_of,
+    system_of,
+    templates_beside,
+)
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as system_language
 from jausml.language.metamodel.filling import new_object

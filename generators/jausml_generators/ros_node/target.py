@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal, python_string
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, templates_beside
+from jausml.generation.python import Imports, Origin, offered
+from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
 from jausml_generators.common.ros import (
     LONGEST_DURATION,
     Qos,

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import jausml
-from jausml.generation.system import system_of
-from jausml.generation.target import Target, Task, TextFile, TextTask
+from jausml.generation.target import Target, Task, TextFile, TextTask, system_of
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:

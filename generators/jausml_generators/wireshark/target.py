@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
-from jausml.generation.system import source_of, system_of
-from jausml.generation.target import FileTask, Target, Task, WholeLibrary, templates_beside
+from jausml.generation.target import (
+    FileTask,
+    Target,
+    Task,
+    WholeLibrary,
+    source_of,
+    system_of,
+    templates_beside,
+)
 from jausml.language import wire
 from jausml.language.semantics import names as words
 from jausml_generators.common.components import library_services, used_services

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.differences.matching import address, values
+from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.conversions import Effect, conversion_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Location
 

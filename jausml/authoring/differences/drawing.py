@@ -7,22 +7,20 @@ sees no colours sees the same.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.authoring.differences.changes import Kind
+from jausml.authoring.differences.changes import Change, Kind
+from jausml.authoring.differences.matching import Matching
 from jausml.language.model import refs
+from jausml.language.model.refs import Ref
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.authoring.differences.changes import Change
-    from jausml.authoring.differences.matching import Matching
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
 
 PartT = TypeVar("PartT", Node, Port, Group)
 

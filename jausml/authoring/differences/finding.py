@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.differences.changes import (
     Change,
@@ -18,14 +19,10 @@ from jausml.authoring.differences.changes import (
     words,
 )
 from jausml.authoring.differences.matching import Matching, address, values
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-    from typing import Any
-
-    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import LostReference

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import zip_longest
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import FeatureKind, FeatureTable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterator, Sequence
-    from pathlib import Path
-
-    from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model

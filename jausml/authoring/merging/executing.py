@@ -2,31 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.changes import words
-from jausml.authoring.editing.commands import IDENTIFIER, Add, Child, EditError, Move, Remove, Set
+from jausml.authoring.editing.commands import (
+    IDENTIFIER,
+    Add,
+    Child,
+    Command,
+    EditError,
+    Move,
+    Remove,
+    Set,
+    Values,
+)
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
+from jausml.authoring.editing.reading import Reader
+from jausml.authoring.editing.records import Stored
 from jausml.authoring.editing.working_copy import WorkingCopy
-from jausml.authoring.merging.planning import GONE_HERE, LOST_TARGET, Conflict
-from jausml.language.metamodel import FeatureKind
+from jausml.authoring.merging.planning import (
+    GONE_HERE,
+    LOST_TARGET,
+    Addition,
+    Conflict,
+    Order,
+    Plan,
+)
+from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.filling import contents
+from jausml.language.model.model import Model
+from jausml.language.model.refs import Ref
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
-    from jausml.authoring.editing.commands import Command, Values
-    from jausml.authoring.editing.reading import Reader
-    from jausml.authoring.editing.records import Stored
-    from jausml.authoring.merging.planning import Addition, Order, Plan
     from jausml.authoring.merging.sides import Sides, Value
-    from jausml.language.metamodel import FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
 
 
 class Execution:

@@ -4,32 +4,26 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import NOTATIONS, Reader, stored
+from jausml.authoring.editing.records import Stored
 from jausml.authoring.merging.executing import Execution
 from jausml.authoring.merging.planning import ELSEWHERE, MERGE_RULES, Conflict, planned
 from jausml.authoring.merging.sides import Sides
+from jausml.language.metamodel import ClassTable, Metamodels
 from jausml.language.model import refs
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI
+from jausml.language.model.model import Model
 from jausml.language.model.project import model_files
-from jausml.language.model.reading.reader import read_models
+from jausml.language.model.reading.reader import LostReference, ReadResult, read_models
 from jausml.language.model.xmi.writer import attribute_text
 from jausml.language.text.reading.scanning import scan
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Mapping
-    from pathlib import Path
-
-    from jausml.authoring.editing.records import Stored
-    from jausml.language.metamodel import ClassTable, Metamodels
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.reader import LostReference, ReadResult
-
 
 _HALF_DONE = ("JML108", "JML110")
 """The rules of values that are still to come: all that is there was read."""

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-from jausml.authoring.editing.commands import EditError
-from jausml.authoring.projects.places import MAPPINGS, Opened, ProjectError, as_xmi_beside, opened
+from jausml.authoring.editing.commands import Command, EditError
+from jausml.authoring.projects.places import (
+    MAPPINGS,
+    Opened,
+    Place,
+    ProjectError,
+    as_xmi_beside,
+    opened,
+)
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import participant_name
 from jausml.authoring.proposals.system_parts import new_bridge, new_connections
+from jausml.authoring.proposals.topics import Crossing, TopicEnd
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-    from pathlib import Path
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.projects.places import Place
-    from jausml.authoring.proposals.topics import Crossing, TopicEnd
 
 
 def add(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Child
+from jausml.authoring.editing.commands import NEW, Add, Child, Command
 from jausml.authoring.proposals.bridging import copied, fitting, offer_of, shifted, with_service
-from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import OpenPoint, name_among, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
@@ -29,12 +29,6 @@ from jausml.language.semantics.jaus.services import (
     query_name,
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
 
 _SUCCESS = ("success", "succeeded", "ok", "accepted", "done")
 _REASON = ("message", "reason", "error_msg", "error_message", "status_message", "error")

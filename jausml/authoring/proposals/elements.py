@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
-from jausml.language.model import refs
+from jausml.language.model import Document, Model, refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
@@ -17,12 +19,8 @@ from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
     from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Document, Model
 
 FoundT = TypeVar("FoundT", bound="EObject")
 

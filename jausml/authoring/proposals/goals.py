@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Set
+from jausml.authoring.editing.commands import NEW, Add, Command, Set
 from jausml.authoring.proposals.calls import (
     member_named,
     members_of,
     own_copy,
     peers_of,
 )
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import OpenPoint, open_decisions, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
@@ -26,12 +27,6 @@ from jausml.language.semantics.connections.calls import (
 from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
 
 _REASON = ("error_msg", "error_message", "message", "reason", "status_message")
 _DEEPEST = 2

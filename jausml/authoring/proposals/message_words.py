@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.elements import AnswerError
@@ -21,9 +21,6 @@ from jausml.language.attributes.units import UnitError, nearest_units, parse_uni
 from jausml.language.model.values import suggest
 from jausml.language.semantics.names import is_identifier
 from jausml.language.wire.kinds import TIME_STAMP
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 COMMAND, QUERY, REPORT = KINDS = "command", "query", "report"
 _PREFIXES = {"Query": QUERY, "Report": REPORT, "Confirm": REPORT, "Reject": REPORT}

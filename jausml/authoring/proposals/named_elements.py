@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TypeGuard
 
-from jausml.authoring.editing.commands import Add
+from jausml.authoring.editing.commands import Add, AddedT, Command
 from jausml.authoring.proposals.bridging import copied
+from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.project import library
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from typing import TypeGuard
-
-    from jausml.authoring.editing.commands import AddedT, Command
-    from jausml.authoring.proposals.elements import Scope
 
 _ELEMENT = re.compile(r"\[[0-9]+\]")
 

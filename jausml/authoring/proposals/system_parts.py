@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import NEW, Add, Child, Set
+from jausml.authoring.editing.commands import NEW, Add, Child, Command, Set
 from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
-from jausml.authoring.proposals.elements import AnswerError, label_of, service_of, type_of
+from jausml.authoring.proposals.elements import AnswerError, Scope, label_of, service_of, type_of
 from jausml.authoring.proposals.message_words import (
     COMMAND,
     QUERY,
@@ -18,20 +18,12 @@ from jausml.authoring.proposals.message_words import (
 )
 from jausml.authoring.proposals.named_elements import copied_with_names
 from jausml.authoring.proposals.new_elements import free_name, stated_or_free_address
-from jausml.authoring.proposals.topics import joins_of
-from jausml.language.metamodel.classes import jaus
+from jausml.authoring.proposals.topics import Crossing, TopicEnd, joins_of
+from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.values import show
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import is_identifier, snake_case, urn_fault
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.topics import Crossing, TopicEnd
-    from jausml.language.metamodel.classes import bridge, system
 
 
 def new_bridge(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.authoring.proposals.bridging import is_served, lacks_stop, offer_of
+from jausml.authoring.proposals.bridging import Offer, is_served, lacks_stop, offer_of
 from jausml.authoring.proposals.named_elements import are_examples, frames_in
-from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
 from jausml.language.project import library
 from jausml.language.semantics.connections.calls import unanswered
@@ -18,12 +19,6 @@ from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import used_maps
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.authoring.proposals.bridging import Offer
-    from jausml.language.metamodel.classes import bridge
 
 VEHICLE, OPERATOR = "vehicle", "operator"
 SIDES = (VEHICLE, OPERATOR)

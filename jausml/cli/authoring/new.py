@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,15 +13,13 @@ from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import LazyGroup, format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Opened, Place
     from jausml.authoring.proposals.new_elements import OpenPoint
 
 _KINDS = {
-    "bridge": ("authoring.new_bridges:bridge", "A bridge of topics, or of what runs in ROS."),
-    "connection": ("authoring.new_bridges:connection", "Further topics for a bridge."),
+    "bridge": ("authoring.new_parts:bridge", "A bridge of topics, or of what runs in ROS."),
+    "connection": ("authoring.new_parts:connection", "Further topics for a bridge."),
     "service-connection": ("authoring.new_calls:service_connection", "A ROS service for a bridge."),
     "action-connection": ("authoring.new_calls:action_connection", "A ROS action for a bridge."),
     "component": ("authoring.new_parts:component", "A JAUS component."),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -12,9 +14,6 @@ from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Opened
     from jausml.authoring.proposals.calls import Half

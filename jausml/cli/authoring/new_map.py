@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -11,9 +13,6 @@ from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Opened
     from jausml.authoring.proposals.elements import Scope

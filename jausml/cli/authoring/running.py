@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,8 +12,6 @@ from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.topics import TopicEnd
     from jausml.cli.authoring.topics import LeftOut

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from shlex import quote
 from typing import TYPE_CHECKING, TypeAlias
@@ -11,8 +12,6 @@ import click
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from jausml.authoring.proposals.topics import Crossing, TopicEnd
     from jausml.language.metamodel.classes import bridge
 

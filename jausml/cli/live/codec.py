@@ -6,6 +6,7 @@ import json
 import re
 import sys
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -34,8 +35,6 @@ from jausml.cli.shared.options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from jausml.live.messages import Catalogue, DecodedMessage
     from jausml.live.traffic.frames import Datagram
     from jausml.live.traffic.observing import Observation

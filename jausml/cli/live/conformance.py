@@ -1,7 +1,9 @@
-"""`jausml conformance` and `jausml judge`: test a running component of any make over the wire."""
+"""`jausml conformance`, `judge` and `peer`: test a running component, and have one to try with."""
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,21 +13,31 @@ from jausml.cli.live.network import (
     identified_network,
     network_from,
     network_options,
+    parsed_address,
     reaching,
     target_of,
+    until_interrupted,
     waiting_options,
 )
 from jausml.cli.shared.files import PROBLEMS, write_report
 from jausml.cli.shared.models import open_catalogue
-from jausml.cli.shared.options import COMPETITIONS, CONFORMANCE_FORMATS, FiniteRange, format_option
+from jausml.cli.shared.options import (
+    COMPETITIONS,
+    CONFORMANCE_FORMATS,
+    MAKES,
+    FiniteRange,
+    format_option,
+    multicast_group_option,
+    port_option,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
+    from jausml.live.messages import MessageEntry
     from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
     from jausml.live.peers.conformance.run import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.judging.competition import Score
+    from jausml.runtime.base.address import JausAddress
 
 _REMEDY = (
     "Use another port and say where the target is, which also holds for one behind a node manager: "
@@ -325,3 +337,64 @@ def _shown() -> Callable[[Score], None]:
         click.echo("\n".join(lines))
 
     return show
+
+
+_OTHER_ADDRESS = "Give the peer an address of its own: --interface 127.0.0.3"
+
+
+@click.command("peer")
+@click.argument("make", type=click.Choice(MAKES))
+@click.option(
+    "--id",
+    "address",
+    callback=parsed_address,
+    default="152.1.1",
+    metavar="ID",
+    help="JAUS id of the rover.",
+)
+@format_option("Format of the commands that it obeys.")
+@click.option(
+    "--interface",
+    default="127.0.0.2",
+    metavar="ADDRESS",
+    help="IPv4 address that the rover has; by default, a host of its own on this computer.",
+)
+@port_option()
+@multicast_group_option()
+def peer(
+    make: str,
+    address: JausAddress,
+    output_format: str,
+    interface: str,
+    port: int,
+    multicast_group: str,
+) -> None:
+    """Start a rover of MAKE, to try a bridge or an operator unit with.
+
+    It has the habits of its make on the wire, those that trouble others too: junior is a rover on
+    Junior, jts one as the JAUS Tool Set generates it, jaus++ one on JAUS++ 5. It takes
+    SetWrenchEffort and reports VelocityState, at 2 m/s for an effort of 100 percent, and prints
+    each command that it obeys, until Ctrl-C.
+
+    Exit status: 0 done, 2 the network cannot be used or an option is wrong, 3 internal error.
+    """
+    from jausml.live.peers import rendering
+    from jausml.live.peers.makes.rover import MAKES as MAKERS
+    from jausml.live.peers.makes.rover import Rover
+    from jausml.live.peers.makes.vehicle import Place
+
+    render = rendering.report_json if output_format == "json" else rendering.report_line
+
+    def obeyed(source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
+        click.echo(render(source, entry, fields))
+
+    network = network_from(None, interface, port, multicast_group, [])
+    rover = Rover(open_catalogue([]), obeyed)
+    with reaching(network, _OTHER_ADDRESS):
+        peer = MAKERS[make](address, rover, Place(interface, port, multicast_group))
+    click.echo(f"{make} rover {address} at {interface}:{port}", err=True)
+    try:
+        with until_interrupted():
+            threading.Event().wait()
+    finally:
+        peer.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -20,8 +21,6 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import painted
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.language.model.project import Reading
     from jausml.live.machine import Finding
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -19,8 +20,6 @@ from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.live.peers.measuring import Pings, ReportTimes, Spread
     from jausml.live.peers.query_client import QueryClient
     from jausml.live.systems.state import ConnectionState

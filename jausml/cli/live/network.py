@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce, wraps
@@ -25,8 +26,6 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator

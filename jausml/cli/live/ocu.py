@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+from collections.abc import Iterator
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
@@ -24,8 +25,6 @@ from jausml.cli.shared.options import AUTHORITY, FiniteRange
 from jausml.cli.shared.terminal import remark, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.console import Console
     from jausml.live.peers.operator import Operator

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
 from math import inf
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING
 
 import click
@@ -31,9 +33,6 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark, step
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from threading import Event
-
     from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
     from jausml.live.recording.ros_topics import RosTopics
     from jausml.live.traffic.captures import CapturedFrame

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime, timezone
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
 from jausml.cli.shared.files import STDIN, EnvironmentFault, reason_of, shown_path
-from jausml.cli.shared.terminal import step
+from jausml.cli.shared.terminal import Progress, step
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from threading import Event
-
-    from jausml.cli.shared.terminal import Progress
     from jausml.live.traffic.frames import UdpReader
     from jausml.runtime.base.settings import TransportSettings
 

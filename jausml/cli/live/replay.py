@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
@@ -27,13 +29,9 @@ from jausml.cli.shared.options import (
     multicast_group_option,
     port_option,
 )
-from jausml.cli.shared.terminal import pressed, step, warn
+from jausml.cli.shared.terminal import Progress, pressed, step, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from threading import Event
-
-    from jausml.cli.shared.terminal import Progress
     from jausml.language.model import Model
     from jausml.live.recording.bags import Bag, RosMessage
     from jausml.live.recording.captured import JausWriter

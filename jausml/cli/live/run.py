@@ -6,6 +6,7 @@ import importlib.util
 import os
 import re
 import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
 from pathlib import Path
@@ -19,8 +20,6 @@ from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import remark, step, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
     from jausml.generation.native import Built
 
 

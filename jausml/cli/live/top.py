@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime, timezone
 from importlib.util import find_spec
@@ -11,15 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.live.network import network_from, network_options, transport_options
+from jausml.cli.live.network import Settings, network_from, network_options, transport_options
 from jausml.cli.shared.files import EnvironmentFault, in_columns
 from jausml.cli.shared.models import ModelFault, optional_model_argument, readable_model
 from jausml.cli.shared.options import FiniteRange
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.cli.live.network import Settings
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.monitoring import Monitor
     from jausml.live.systems.ros_diagnostics import RosDiagnostics

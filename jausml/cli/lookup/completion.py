@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
-from click.shell_completion import CompletionItem, add_completion_class, get_completion_class
+from click.shell_completion import (
+    CompletionItem,
+    ShellComplete,
+    add_completion_class,
+    get_completion_class,
+)
 
 from jausml.cli.shared.options import COMPLETION, SHELLS
-
-if TYPE_CHECKING:
-    from click.shell_completion import ShellComplete
 
 
 def offer_files() -> None:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
-from jausml.cli.shared.known import known, library_file
 from jausml.cli.shared.models import is_in_project, model_option, project_files
-from jausml.cli.shared.names import completing, rule_names
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+from jausml.cli.shared.names import completing, known, library_file, rule_names
 
 
 @click.group("list")

@@ -1,10 +1,11 @@
-"""Lists as JSON objects, made of what is read: all rules, messages and services, attribute maps."""
+"""Lists as JSON objects, of what is read: rules, services, messages, attribute maps at a glance."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -14,20 +15,93 @@ from jausml.cli.shared.names import listed_fields, listed_service
 from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
 from jausml.language.importers.jsidl.building import JSIDL_RULES
-from jausml.language.importers.ros.building import ROS_RULES
+from jausml.language.importers.ros.definitions import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
-from jausml.language.semantics.connections.map_overview import MapOverview, overview
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rules import PRODUCT_RULES, catalogue
-from jausml.live.messages import UnknownServiceError
+from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
 from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
-    from jausml.live.messages import Catalogue, MessageEntry
+
+@dataclass(frozen=True)
+class MapOverview:
+    """An attribute map at a glance."""
+
+    name: str
+    documentation: str
+    message: str
+    code: str
+    service: str
+    type: str
+    directions: tuple[str, ...]
+    quantities: tuple[tuple[str, float, str], ...]
+    joins: tuple[tuple[str, str, float, str], ...]
+    report_joins: tuple[tuple[str, str, float, str], ...]
+    vectors: int
+
+    @property
+    def types(self) -> list[str]:
+        """The ROS type and those of joined topics."""
+        return [self.type, *(kind for _, kind, _, _ in self.joins)]
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns what is known as objects and lists."""
+        return {
+            "map": self.name,
+            "message": self.message,
+            "code": self.code,
+            "service": self.service,
+            "type": self.type,
+            "directions": list(self.directions),
+            "quantities": [
+                {"name": name, "value": value, "units": units}
+                for name, value, units in self.quantities
+            ],
+            "joins": [
+                {"name": name, "type": kind, "freshness": freshness, "whenStale": stale}
+                for name, kind, freshness, stale in self.joins
+            ],
+            "reportJoins": [
+                {"name": name, "message": message, "freshness": freshness, "whenStale": stale}
+                for name, message, freshness, stale in self.report_joins
+            ],
+            "vectors": self.vectors,
+            "documentation": self.documentation,
+        }
+
+
+def overview(attribute_map: bridge.AttributeMap) -> MapOverview:
+    """Returns a map at a glance."""
+    message = attribute_map.message
+    owner = message.eContainer()
+    ways = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))
+    return MapOverview(
+        name=str(attribute_map.name),
+        documentation=str(attribute_map.documentation or ""),
+        message=str(message.name),
+        code=str(message.code),
+        service=str(owner.name) if owner is not None else "",
+        type=ros_name(attribute_map.type),
+        directions=tuple(way for way, assignments in ways if assignments),
+        quantities=tuple(
+            (str(each.name), float(each.value), str(each.units or ""))
+            for each in attribute_map.quantities
+        ),
+        joins=tuple(
+            (str(each.name), ros_name(each.type), float(each.freshness), str(each.whenStale))
+            for each in attribute_map.joins
+        ),
+        report_joins=tuple(
+            (str(each.name), str(each.message.name), float(each.freshness), str(each.whenStale))
+            for each in attribute_map.reportJoins
+        ),
+        vectors=len(attribute_map.vectors),
+    )
 
 
 def rules() -> list[dict[str, Any]]:

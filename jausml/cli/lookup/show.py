@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from jausml.cli.shared.files import line_format_option, to_json, write
-from jausml.cli.shared.known import known
 from jausml.cli.shared.models import model_option, open_catalogue, project_files, told
-from jausml.cli.shared.names import completing, map_names, message_names, service_names
+from jausml.cli.shared.names import completing, known, map_names, message_names, service_names
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
     from jausml.cli.lookup.listed import FoundMap
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
     from jausml.live.messages.text import Row

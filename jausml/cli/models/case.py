@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,8 +17,6 @@ from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from jausml.language.model import Diagnostic
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +30,6 @@ from jausml.cli.shared.options import REPORT_FORMATS, FiniteRange, format_option
 from jausml.cli.shared.terminal import painted_findings, verbosity
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.language.model import Model
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
@@ -156,7 +155,7 @@ def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, i
 
 
 FORMATS = ("text", "json", "sarif")
-"""`jausml.model_checking.formats`."""
+"""`jausml.model_checking.checking`."""
 
 _STATES = 1_000_000
 _BUDGET = 60.0
@@ -220,9 +219,8 @@ def model_check(
     import time
 
     from jausml.generation.errors import NoSystemError
-    from jausml.generation.system import system_of
-    from jausml.model_checking.checking import check_system, without_allowed
-    from jausml.model_checking.formats import RENDERERS, summary
+    from jausml.generation.target import system_of
+    from jausml.model_checking.checking import RENDERERS, check_system, summary, without_allowed
 
     read = valid_model(model, reading)
     try:
@@ -245,7 +243,7 @@ def _write_examples(
     outcomes: Sequence[Outcome], model: Model, folder: Path, *, force: bool
 ) -> None:
     """Writes the files of each counter-example that has steps."""
-    from jausml.model_checking.formats import course_of
+    from jausml.model_checking.checking import course_of
     from jausml.model_checking.virtual_test import virtual_test
     from jausml.views.diagrams.writers import sequence
 

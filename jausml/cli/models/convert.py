@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Mapping
 from difflib import unified_diff
 from io import StringIO
 from pathlib import Path
@@ -32,8 +33,6 @@ from jausml.cli.shared.models import (
 from jausml.cli.shared.options import quiet_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -18,8 +19,6 @@ from jausml.cli.shared.models import SUFFIXES, read, reading_options, valid_mode
 from jausml.cli.shared.options import format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
     from jausml.authoring.differences.changes import Change
     from jausml.authoring.differences.matching import Matching
     from jausml.language.model.diagnostics import Diagnostic, Location

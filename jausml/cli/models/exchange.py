@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,8 +24,6 @@ from jausml.cli.shared.models import model_argument, reading_options, valid_mode
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.importers import jsidl as jsidl_importer
     from jausml.language.importers import ros as ros_importer
     from jausml.language.importers.ros import PackageSource
@@ -246,7 +245,7 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
 
 def _at(path: str, installation: Installation) -> list[PackageSource]:
     from jausml.language.importers.ros import package_sources
-    from jausml.language.importers.ros.sources import SUFFIXES
+    from jausml.language.importers.ros.definitions import SUFFIXES
     from jausml.language.model.inputs import open_input
     from jausml.language.model.values import suggest
 

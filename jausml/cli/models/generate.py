@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +21,7 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.generation import Artifact, NoSystemError, Plan, Result, Selection, Target
+    from jausml.generation import NoSystemError, Plan, Result, Selection, Target
     from jausml.language.model.answers import Question
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
@@ -159,7 +158,7 @@ def command(
     if question is not None and (known := question.answer()) is not None:
         _tell(map(tuple, known))
         return
-    from jausml.generation import are_own, with_code
+    from jausml.generation import OnceRendered, are_own, with_code
     from jausml.language.validation.formats import RENDERERS, text
 
     selection = _selected(names, whole_library=whole_library)
@@ -172,7 +171,7 @@ def command(
         if is_report:
             write_report(RENDERERS[output_format](report), output)
         fail(report, "nothing generated")
-    rendering = _Rendering(reading, frequency, is_kept=is_kept)
+    rendering = OnceRendered(repr((reading, frequency)) if is_kept else "")
     result = _generated(
         report.model,
         selection,
@@ -316,36 +315,13 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
         raise click.ClickException(f"cannot generate from this model: {error}") from error
 
 
-class _Rendering:
-    """Renders a model once, and has then what was made.
-
-    Args:
-        is_kept: Whether files of a large model may be those that were rendered of the same before.
-    """
-
-    def __init__(self, reading: Reading, frequency: float | None, *, is_kept: bool) -> None:
-        self._how = repr((reading, frequency)) if is_kept else ""
-        self._made: list[Artifact] | None = None
-
-    def __call__(self, model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
-        """Returns the files of targets."""
-        from jausml.generation import render, render_again
-
-        if self._made is None:
-            again = self._how
-            self._made = render_again(model, targets, again) if again else render(model, targets)
-        return self._made
-
-
 def _no_system(error: NoSystemError) -> str:
     from jausml.language.text.notation import SUFFIX
 
     if error.systems or not error.maps or not error.path.endswith(SUFFIX):
         return str(error)
-    message = (
-        f"{error.path} holds maps, but no bridge that uses them; say --bridge-address ID for one"
-    )
-    message += " that carries them all, or add one, for example:"
+    message = f"{error.path} holds maps, but no bridge that uses them; say --bridge-address ID for"
+    message += " one that carries them all, or add one, for example:"
     return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 

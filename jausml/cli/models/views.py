@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeVar
 
@@ -22,11 +23,9 @@ from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.project import Reading
-    from jausml.views.analysis.assumptions import Assumptions
+    from jausml.views.analysis.sizes import Assumptions
     from jausml.views.diagrams.graph import Graph
 
 SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")
@@ -139,7 +138,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.views.analysis.assumptions import (
+        from jausml.views.analysis.sizes import (
             DEFAULT_LENGTH,
             DEFAULT_RATE,
             Assumptions,
@@ -158,7 +157,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
 def _system(path: str, reading: Reading) -> System:
     """Returns the system of a valid model; what was found goes to stderr."""
     from jausml.generation.errors import NoSystemError
-    from jausml.generation.system import system_of
+    from jausml.generation.target import system_of
 
     model = valid_model(path, reading)
     try:
@@ -169,7 +168,7 @@ def _system(path: str, reading: Reading) -> System:
 
 def _check_names(assumptions: Assumptions, system: System) -> None:
     """Refuses assumptions about connections that a system does not have."""
-    from jausml.views.analysis.assumptions import names_of
+    from jausml.views.analysis.sizes import names_of
 
     known = {
         name

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sys
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +16,6 @@ import click
 from jausml.cli.shared.options import TEXT_OR_JSON, format_option
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Sequence
-
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
 

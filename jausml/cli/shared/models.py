@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -14,8 +15,6 @@ from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import painted_findings, step, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
     from jausml.language.model import Model, ReadResult
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report

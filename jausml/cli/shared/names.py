@@ -1,32 +1,50 @@
 """Names of what is known, as JSON, which complete words: of the library and of a project.
 
+What the library and the rules have stands in the folder `known`, a list a file, one JSON object a
+line, as `--format json` prints it. `tools/build_known.py` writes them and a test compares them, so
+that lists are printed, and words completed, without reading either, which takes several times as
+long.
+
 To read a project takes longer than a person waits for a completion: its names are kept in the cache
 of the user until one of its models changes.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable, Collection, Iterable, Sequence
 from hashlib import blake2b
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from jausml import __version__
-from jausml.cli.shared.known import known
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from jausml.live.messages import Catalogue, ServiceEntry
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
 
     Completing = Callable[[click.Context, click.Parameter, str], list[str]]
 
+KNOWN = ("rules", "services", "messages", "fields", "maps")
+"""The lists of what is known without a model of the user."""
+
+FOLDER = Path(__file__).parent / "known"
+
 Names = dict[str, list[dict[str, Any]]]
 """Services as `list services` has them, and the paths of the fields of messages."""
+
+
+def known(name: str) -> list[dict[str, Any]]:
+    """Returns a list; the files of the maps are relative to the library."""
+    lines = (FOLDER / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()
+    return [json.loads(line) for line in lines]
+
+
+def library_file(name: str) -> str:
+    """Returns the path of a file of the library."""
+    return str(files("jausml.models") / "library" / name)
 
 
 def completing(names: Callable[[Sequence[str]], Iterable[str]]) -> Completing:

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, name_edit, removal
-from jausml.generation.contract.scopes import Scope, own_nodes
+from jausml.generation.contract.finding import Edit, File, name_edit, removal
+from jausml.generation.contract.scopes import Scope, absolute, own_nodes
 from jausml.generation.contract.symbols import Module
-from jausml.generation.contract.syntax import absolute
+from jausml.generation.contract.types import Names, Types
 from jausml.language.model.values import nearest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.generation.contract.files import File
-    from jausml.generation.contract.types import Names, Types
 
 
 @dataclass(frozen=True)

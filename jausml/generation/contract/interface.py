@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
-from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path, PurePosixPath
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.contract.symbols import (
@@ -18,13 +18,8 @@ from jausml.generation.contract.symbols import (
     Value,
     is_enumeration,
 )
+from jausml.generation.manifest import Manifest
 from jausml.language.model.inputs import read_input
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.generation.manifest import Manifest
 
 
 def renames(old: Modules, new: Modules, names: Iterable[str]) -> dict[str, str]:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import ast
 import difflib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, attribute_edit, name_edit
-from jausml.generation.contract.finding import Finding, FindingKind
-from jausml.generation.contract.syntax import flat, last_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.generation.artifact import MethodContract, SkeletonContract
-    from jausml.generation.contract.files import File
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.contract.finding import (
+    Edit,
+    File,
+    Finding,
+    FindingKind,
+    attribute_edit,
+    name_edit,
+)
+from jausml.generation.contract.scopes import flat, last_name
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -5,21 +5,20 @@ from __future__ import annotations
 import ast
 import builtins
 import enum
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-from jausml.generation.contract.scopes import Binding, Bound, names_of
-from jausml.generation.contract.syntax import (
+from jausml.generation.contract.scopes import (
+    Binding,
+    Bound,
     SourceProblem,
     absolute,
     flat,
     is_decorated_by,
     last_name,
+    names_of,
     tree_of,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
 
 _KNOWN_BASES = {
     ("abc", "ABC"): object,

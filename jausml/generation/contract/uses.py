@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.generation.contract.files import Edit, attribute_edit, name_edit
-from jausml.generation.contract.finding import Finding, FindingKind
+from jausml.generation.contract.finding import (
+    Edit,
+    File,
+    Finding,
+    FindingKind,
+    attribute_edit,
+    name_edit,
+)
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
-from jausml.generation.contract.scopes import Place, Walk
+from jausml.generation.contract.scopes import Place, Walk, is_decorated_by
 from jausml.generation.contract.symbols import (
     Class,
     Function,
@@ -18,13 +24,7 @@ from jausml.generation.contract.symbols import (
     is_enumeration,
     is_slotted,
 )
-from jausml.generation.contract.syntax import is_decorated_by
 from jausml.generation.contract.types import Method, Names, Object, Type
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.generation.contract.files import File
 
 
 @dataclass(frozen=True)

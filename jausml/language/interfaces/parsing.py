@@ -11,8 +11,8 @@ import os
 import re
 import sys
 import textwrap
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.interfaces.definitions import (
     PRIMITIVES,
@@ -30,9 +30,6 @@ from jausml.language.interfaces.definitions import (
 )
 from jausml.language.model.looking import look
 from jausml.language.model.values import nearest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 PARTS = {
     "msg": ("message",),

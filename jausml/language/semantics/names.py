@@ -6,10 +6,7 @@ import keyword
 import re
 import sys
 from functools import lru_cache
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 LONGEST = 60
 """Characters to which names of generated code are cut."""

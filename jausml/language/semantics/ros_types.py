@@ -6,19 +6,17 @@ two fields of the one before, have 2^30 numbers. Who walks along the tree of a t
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces import Installation, parse_definition
+from jausml.language.interfaces import FieldDefinition, Installation, Section, parse_definition
 from jausml.language.interfaces.definitions import FieldType, is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from pathlib import Path
-
-    from jausml.language.interfaces import FieldDefinition, Section
     from jausml.language.metamodel.classes.ecore import EObject
 
     InterfaceType = ros.MessageType | ros.ServiceType | ros.ActionType

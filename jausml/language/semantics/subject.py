@@ -7,6 +7,7 @@ again and again. Whoever knows that nothing changes for a while says so by `reme
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
@@ -18,8 +19,6 @@ from jausml.language.metamodel.reactive import Answers, Engine
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
-
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml.language.model.model import Model
 

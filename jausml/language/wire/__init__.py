@@ -29,7 +29,6 @@ from jausml.language.wire.kinds import (
     Variant,
     comparable,
 )
-from jausml.language.wire.legal import LayoutError, LimitError, legal_integers, merged, offset_of
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,
@@ -37,14 +36,19 @@ from jausml.language.wire.numbers import (
     Integer,
     IntegerType,
     Interval,
+    LayoutError,
     LegalIntegers,
     LegalReals,
+    LimitError,
     Listed,
     Number,
     Ranges,
     Real,
     RealType,
     Scaled,
+    legal_integers,
+    merged,
+    offset_of,
 )
 from jausml.language.wire.resolving import (
     LARGEST,

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, fields, is_dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from jausml.language.wire.numbers import INTEGERS, IntegerType, Number
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-
-    from jausml.language.wire.numbers import LegalIntegers
-
+from jausml.language.wire.numbers import INTEGERS, IntegerType, LegalIntegers, Number
 
 TIME_STAMP = (
     ("Milliseconds", 0, 9, 0, 999),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.wire.kinds import (
@@ -27,20 +27,20 @@ from jausml.language.wire.kinds import (
     VariableNumber,
     Variant,
 )
-from jausml.language.wire.legal import LayoutError, LimitError, legal_integers, legal_reals
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,
     UNSIGNED,
     Integer,
     IntegerType,
+    LayoutError,
+    LimitError,
     Number,
     Real,
     Scaled,
+    legal_integers,
+    legal_reals,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 LARGEST = 4 << 20
 """Most bytes of a text and elements of an array: larger messages are not put together."""

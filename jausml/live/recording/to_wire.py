@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.mcap_files import RecordingError

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.system import system_of
+from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.reports import joined_reports

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import jausml
-from jausml.generation.artifact import text_digest
-from jausml.generation.checks import find_problems
+from jausml.generation.artifact import find_problems, text_digest
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge

@@ -6,19 +6,14 @@ happens before the source speaks are not in it: `jausml latency` measures them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
-from jausml.views.analysis.assumptions import runtime_constants
-from jausml.views.analysis.streams import ASSUMED, is_single, is_to_ros, keeps_control
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import bridge, jaus
-    from jausml.views.analysis.streams import Stream
+from jausml.views.analysis.sizes import runtime_constants
+from jausml.views.analysis.streams import ASSUMED, Stream, is_single, is_to_ros, keeps_control
 
 _HELD = "the last message stands, for a reason that the model gives"
 

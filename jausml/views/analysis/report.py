@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.connections.reports import joined_reports, passed_rate
@@ -13,18 +14,12 @@ from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.subject import remembering
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
-from jausml.views.analysis.sizes import ros_size
-from jausml.views.analysis.streams import Wire, is_to_ros
+from jausml.views.analysis.sizes import Assumptions, Size, ros_size
+from jausml.views.analysis.streams import Stream, Traffic, Wire, is_to_ros
 from jausml.views.analysis.traffic import traffic_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
-    from jausml.views.analysis.assumptions import Assumptions
-    from jausml.views.analysis.sizes import Size
-    from jausml.views.analysis.streams import Stream, Traffic
 
 
 @dataclass(frozen=True)

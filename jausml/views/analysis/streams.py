@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.connections.reports import joined_reports
+from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.services import find_query
-from jausml.views.analysis.assumptions import runtime_constants
+from jausml.views.analysis.sizes import Size, runtime_constants
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.metamodel.classes.system import System
-    from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
-    from jausml.views.analysis.sizes import Size
 
     Asking = bridge.Connection | jaus.ServiceConnection
 

@@ -7,6 +7,7 @@ them, single messages at their sender. Connections at the other end share it.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from jausml.language import wire
@@ -16,8 +17,7 @@ from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
-from jausml.views.analysis.assumptions import runtime_constants
-from jausml.views.analysis.sizes import Size, jaus_size
+from jausml.views.analysis.sizes import Assumptions, Size, jaus_size, runtime_constants
 from jausml.views.analysis.streams import (
     ASSUMED,
     DECLARED,
@@ -33,10 +33,7 @@ from jausml.views.analysis.streams import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.metamodel.classes.system import System
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.streams import Asking
 
 _PRESENCE_VECTOR = "PresenceVector"

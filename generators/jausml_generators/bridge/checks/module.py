@@ -12,8 +12,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generation.literals import python_literal
+from jausml.generation.python import Imports, Origin, offered
 from jausml.language.semantics.conversions.definition import QUATERNION
 from jausml_generators.bridge.checks.check import NAME, Check, frame_stand_in, store, tidy
 from jausml_generators.bridge.checks.connection_checks import (

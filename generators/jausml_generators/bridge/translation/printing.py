@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.attributes.expressions import occurrences
-from jausml.language.semantics.conversions.grids import ReverseRows
+from jausml.language.semantics.conversions.octets import ReverseRows
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation import places
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New

@@ -16,8 +16,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import literals as docs
-from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.generation.python import Imports, offered
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import (

@@ -7,12 +7,12 @@ themselves, so that what is proposed is what `jausml validate` accepts.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
-from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.elements import AnswerError, Option, Options, Scope
 from jausml.authoring.proposals.mapping.assignments import (
     OF_AUTHORS,
     UNKNOWN,
@@ -23,23 +23,18 @@ from jausml.authoring.proposals.mapping.assignments import (
 )
 from jausml.authoring.proposals.mapping.members import Member, leaves, member
 from jausml.authoring.proposals.mapping.trial import Judged, judge, tabled
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.frames import axis_of
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import (
     CONVERSIONS,
     NEGATION,
+    Conversion,
     UnitEffect,
     conversions_between,
 )
 from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS, compared
 from jausml.language.semantics.paths.scopes import is_many, outer_scope
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.conversions import Conversion
 
 _MOST = 8
 _POLICIES: tuple[Mapping[str, str], ...] = (

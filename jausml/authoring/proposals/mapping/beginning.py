@@ -7,15 +7,15 @@ Where a choice is the author's, it is a doubt: whoever asks answers it in the wo
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.assigning import candidates
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.mapping.assigning import Candidates, candidates
 from jausml.authoring.proposals.mapping.assignments import innermost, statement
 from jausml.authoring.proposals.mapping.filling import FEATURES, found
-from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.mapping.members import Member, member
 from jausml.authoring.proposals.mapping.opens import (
     completed,
     opens,
@@ -33,17 +33,9 @@ from jausml.authoring.proposals.mapping.trial import (
     with_assignments,
 )
 from jausml.authoring.proposals.new_elements import OpenPoint, blocking, open_decisions
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.values import suggest
 from jausml.language.semantics.conversions import CONVERSIONS
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.assigning import Candidates
-    from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.metamodel.classes import bridge, jaus, ros
-
 
 _MOST = 6
 """How many choices a line names."""

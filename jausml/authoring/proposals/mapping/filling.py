@@ -6,32 +6,25 @@ a word, also beside all others of the map. What is left is for the author.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
-from jausml.authoring.proposals.mapping.members import corresponding, leaves
+from jausml.authoring.proposals.mapping.members import Member, corresponding, leaves
 from jausml.authoring.proposals.mapping.trial import additions, judge, judge_together, tabled
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.semantics.assignments.units import Measure, attribute_measure
 from jausml.language.semantics.connections.exchanges import TO_ROS
+from jausml.language.semantics.conversions.conversion import Conversion
 from jausml.language.semantics.conversions.numbers import CovarianceToRms, Square
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope, parse_path, target_paths
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.semantics.assignments.units import Measure
-    from jausml.language.semantics.conversions.conversion import Conversion
-
 
 _Steps = tuple[str, ...]
 

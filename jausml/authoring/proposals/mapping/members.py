@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.language.semantics.assignments.frames import axis_of, direction
-from jausml.language.semantics.assignments.units import attribute_measure
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.frames import Axis, axis_of, direction
+from jausml.language.semantics.assignments.units import Measure, attribute_measure
 from jausml.language.semantics.names import words
-from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP
+from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import is_many, outer_scope
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.assignments.frames import Axis
-    from jausml.language.semantics.assignments.units import Measure
-    from jausml.language.semantics.paths.attributes import Attribute
-    from jausml.language.semantics.paths.scopes import PathPlace
+from jausml.language.semantics.paths.scopes import PathPlace, is_many, outer_scope
 
 _DEEPEST = 8
 

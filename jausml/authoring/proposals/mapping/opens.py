@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
+from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
-from jausml.authoring.proposals.mapping.members import leaves
+from jausml.authoring.proposals.mapping.members import Member, leaves
 from jausml.authoring.proposals.mapping.trial import judge
 from jausml.authoring.proposals.new_elements import OpenPoint, blocking, pending
-from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
 from jausml.language.semantics.conversions.conversion import FLU, UP
@@ -19,14 +20,6 @@ from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import outer_scope, parse_path
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Sequence
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.metamodel.classes import bridge
-
 
 _MOST = 8
 """How many members a line names."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.new_elements import free_name
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.filling import (
     contents,
     link,
@@ -17,24 +19,19 @@ from jausml.language.metamodel.filling import (
     set_values,
 )
 from jausml.language.model.model import made_model
+from jausml.language.model.refs import Ref
 from jausml.language.model.values import convert
 from jausml.language.semantics.conversions.authored import LookUp
-from jausml.language.semantics.paths.attributes import compared, table_entries
+from jausml.language.semantics.paths.attributes import Comparison, compared, table_entries
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.language.semantics.subject import Subject, remembering
+from jausml.language.validation.rule import Finding, Rule
 from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
-
-    from jausml.language.metamodel import FeatureTable, Metamodels
-    from jausml.language.metamodel.classes import bridge, jaus, ros
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.refs import Ref
-    from jausml.language.semantics.paths.attributes import Comparison
-    from jausml.language.validation.rule import Finding, Rule
 
 _TABLES, _TABLE = "tables", "table"
 

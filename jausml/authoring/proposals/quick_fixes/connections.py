@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 from jausml.authoring.editing.commands import Add, Child, Remove, Set
-from jausml.authoring.proposals.quick_fixes.found import QuickFix, removed, unset, unset_where
+from jausml.authoring.proposals.quick_fixes.found import (
+    Fixer,
+    Found,
+    QuickFix,
+    removed,
+    unset,
+    unset_where,
+)
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
@@ -16,11 +23,6 @@ from jausml.language.semantics.paths.attributes import NUMBER, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope, target_paths
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.authoring.proposals.quick_fixes.found import Fixer, Found
 
 _PERIODS = 3
 """How many messages may be lost before a source counts as silent."""

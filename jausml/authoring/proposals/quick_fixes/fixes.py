@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Rename, Set
 from jausml.authoring.proposals.elements import (
     AnswerError,
+    Scope,
     everywhere,
     literal,
     values_of,
@@ -21,6 +23,7 @@ from jausml.authoring.proposals.new_elements import (
 )
 from jausml.authoring.proposals.quick_fixes import connections, maps
 from jausml.authoring.proposals.quick_fixes.found import (
+    Fixer,
     Found,
     QuickFix,
     removed,
@@ -28,17 +31,13 @@ from jausml.authoring.proposals.quick_fixes.found import (
     unset,
 )
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Diagnostic
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.names import is_identifier
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.quick_fixes.found import Fixer
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Diagnostic
 
 
 _NOT_LETTERS = re.compile("[^A-Za-z0-9_]+")

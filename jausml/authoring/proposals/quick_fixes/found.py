@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from jausml.authoring.editing.commands import Remove, Set
-from jausml.authoring.proposals.elements import literal, values_of
+from jausml.authoring.editing.commands import Command, Remove, Set
+from jausml.authoring.proposals.elements import Scope, literal, values_of
+from jausml.language.metamodel import ClassTable
+from jausml.language.model import Diagnostic
 from jausml.language.semantics.names import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import ClassTable
-    from jausml.language.model import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)

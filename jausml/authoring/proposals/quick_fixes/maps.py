@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Remove, Set
 from jausml.authoring.proposals.elements import around
-from jausml.authoring.proposals.quick_fixes.found import QuickFix, renamed_as_meant, unset
+from jausml.authoring.proposals.quick_fixes.found import (
+    Fixer,
+    Found,
+    QuickFix,
+    renamed_as_meant,
+    unset,
+)
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.semantics.conversions import CONVERSIONS
@@ -17,9 +24,6 @@ from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import place
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.authoring.proposals.quick_fixes.found import Fixer, Found
     from jausml.language.metamodel.classes.ecore import EObject
 
 _MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")

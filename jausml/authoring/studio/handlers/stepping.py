@@ -12,12 +12,12 @@ from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.spots import element_shown
 from jausml.language.attributes.guards import GuardError
 from jausml.language.metamodel.classes import jaus
-from jausml.model_checking.stepped_test import stepped_test
 from jausml.model_checking.stepping import (
     Chosen,
     SteppingError,
     choices,
     stepped_machine,
+    stepped_test,
     walked,
 )
 from jausml.views.diagrams.views.context import Context

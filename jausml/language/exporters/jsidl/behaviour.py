@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.guards import LONGEST, alternatives, parse_guard
 from jausml.language.exporters.jsidl.elements import element, explained
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
@@ -19,10 +21,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
 from jausml.language.semantics.jaus.services import lineage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
     from xml.etree.ElementTree import Element
-
-    from jausml.language.metamodel.classes import jaus
 
 _MESSAGE = "msg"
 _SENDER = "transportData"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,13 +11,11 @@ from jausml.language.model.diagnostics import (
     RuleInfo,
     Severity,
 )
+from jausml.language.model.model import Model
+from jausml.language.model.reading.problems import NodePlace
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.problems import NodePlace
 
 _RULES = {
     "JML601": RuleInfo(

@@ -6,9 +6,14 @@ about its layout by itself.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
 
-from jausml.language.importers.jsidl.attributes import (
+from jausml.language.importers.jsidl.building import DEEPEST, Builder
+from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
+from jausml.language.importers.jsidl.vocabulary import (
+    CONTAINERS,
+    FIELDS,
     INT,
     LONG,
     Values,
@@ -17,17 +22,9 @@ from jausml.language.importers.jsidl.attributes import (
     joined,
     largest,
 )
-from jausml.language.importers.jsidl.building import DEEPEST, Builder
-from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
-from jausml.language.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.language.model.reading.problems import Findings
 
 _ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
 _BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.attributes import Values
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
     JSIDL_RULES,
@@ -32,7 +31,7 @@ from jausml.language.importers.jsidl.services import (
     index,
     services_by_urn,
 )
-from jausml.language.importers.jsidl.vocabulary import check_document, is_jsidl
+from jausml.language.importers.jsidl.vocabulary import Values, check_document, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -43,9 +42,6 @@ from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
 from jausml.language.project import library
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
-from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.building import Builder
+from jausml.language.importers.jsidl.fields import FieldBuilder
 from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
-from jausml.language.importers.jsidl.vocabulary import CONTAINERS
+from jausml.language.importers.jsidl.vocabulary import (
+    CONTAINERS,
+    Values,
+    documentation,
+    folded,
+    joined,
+)
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show
-
-if TYPE_CHECKING:
-    from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.fields import FieldBuilder
-    from jausml.language.model.reading.problems import Findings
 
 _HEADER_NOT_FOUND = "JML628"
 _CODE = re.compile("(?:0[xX])?([0-9A-Fa-f]{1,4})")

@@ -6,22 +6,16 @@ Numbers are exact fractions, so that limits of 64-bit integers keep their last d
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes.cursor import Language, TokenCursor
 from jausml.language.model.diagnostics import Related
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.documents import Document
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show, suggest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.model.documents import Document
-    from jausml.language.model.reading.problems import Findings
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.xmi.parsing import Node
 
 LONGEST = 1000
 """Characters of an expression; more is none that a person wrote."""

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Callable, Container, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 
-from jausml.language.importers.jsidl.attributes import Values, documentation, folded, joined
-from jausml.language.importers.jsidl.scopes import matches, pick_version
+from jausml.language.importers.jsidl.building import Builder
+from jausml.language.importers.jsidl.messages import MessageBuilder
+from jausml.language.importers.jsidl.scopes import Scope, matches, pick_version
+from jausml.language.importers.jsidl.vocabulary import Values, documentation, folded, joined
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Related
-from jausml.language.model.reading.problems import NodePlace
+from jausml.language.model.model import Model
+from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import Machine, core_events, machines_of
@@ -19,14 +23,7 @@ from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Hashable, Iterable, Mapping
-
-    from jausml.language.importers.jsidl.building import Builder
-    from jausml.language.importers.jsidl.messages import MessageBuilder
-    from jausml.language.importers.jsidl.scopes import Scope
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.problems import Findings
 
 MadeT = TypeVar("MadeT")
 

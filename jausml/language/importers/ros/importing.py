@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.importers.ros.building import ROS_RULES, Builder, Use
-from jausml.language.importers.ros.sources import InterfaceFile, PackageSource, installed_source
+from jausml.language.importers.ros.definitions import (
+    ROS_RULES,
+    Builder,
+    InterfaceFile,
+    PackageSource,
+    Use,
+    installed_source,
+)
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
-from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.interfaces.parsing import PARTS, Installation, parse_definition
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -22,12 +29,8 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.project import library
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.language.interfaces.parsing import Installation
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.ros_types import InterfaceType
-
 
 MOST_BYTES = 1024 * 1024
 """A definition file that is larger is none."""

@@ -8,20 +8,16 @@ east-north-up and north-east-down x and y change places, and angles about z have
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
+from jausml.language.semantics.assignments.steps import Step
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import CONVERSIONS, Conversion
 from jausml.language.semantics.conversions.conversion import DOWN, ENU, FLU, FRD, NED, UP
 from jausml.language.semantics.paths.attributes import NUMBER, UNSTATED, Attribute
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.semantics.assignments.steps import Step
 
 BODY, LOCAL, EARTH = "body", "local", "earth"
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.attributes.expressions import ExpressionError, parse_expression, source_names
 from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.attributes.units import UnitError, conversion_between, parse_unit
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import (
     ANY,
     CONVERSIONS,
     VALUE,
+    Argument,
     ArgumentKind,
     Conversion,
     NoValueError,
@@ -19,16 +22,11 @@ from jausml.language.semantics.conversions import (
 )
 from jausml.language.semantics.conversions.authored import Expression, Formula
 from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
-from jausml.language.semantics.paths.scopes import COUNTERS
+from jausml.language.semantics.paths.scopes import COUNTERS, Placed
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.semantics.conversions import Argument
     from jausml.language.semantics.conversions.authored import Pairs, Scalar
-    from jausml.language.semantics.paths.scopes import Placed
 
 
 def value_of(quantity: bridge.Quantity, overrides: Mapping[str, bridge.Quantity]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -24,18 +25,21 @@ from jausml.language.semantics.paths.attributes import (
     TIME,
     TIME_STAMP,
     Attribute,
+    Found,
 )
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import outer_scope, place, source_paths, target_paths
+from jausml.language.semantics.paths.scopes import (
+    Placed,
+    outer_scope,
+    place,
+    source_paths,
+    target_paths,
+)
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Placed
 
 _NUMERIC = (NUMBER, NUMBERS)
 _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)

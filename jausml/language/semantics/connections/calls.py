@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.jaus.commands import (
     Answer,
     answer_alike,
@@ -17,11 +17,6 @@ from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import code, lineage, query_name
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
-
-    from jausml.language.metamodel.classes import jaus, ros
 
 REQUEST = "request"
 RESPONSE = "response"

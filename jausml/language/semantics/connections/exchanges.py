@@ -6,9 +6,11 @@ in which nobody states it, ros2jaus text, has it from here, and rules name the o
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
     provided_services,
@@ -19,9 +21,7 @@ from jausml.language.semantics.jaus.services import (
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes import bridge, jaus
+    from jausml.language.metamodel.classes import bridge
 
 TO_ROS, TO_JAUS = "jausToRos", "rosToJaus"
 MESSAGE, EVENT = "message", "periodicEvent"

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.jaus.services import find_input, inputs, query_name
 from jausml.language.semantics.paths.scopes import source_paths
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.services import Provider
 
 

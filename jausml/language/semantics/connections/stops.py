@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from difflib import SequenceMatcher
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.jaus import commands
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 SILENCE_TIMEOUT = 1.0
 """Seconds of silence that a command with a safe value stands when nobody says how long.

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EObject
 
 _TOKEN = re.compile("[A-Za-z_][A-Za-z0-9_]*")

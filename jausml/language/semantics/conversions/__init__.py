@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from jausml.language.semantics.conversions import (
-    authored,
-    grids,
-    numbers,
-    orientations,
-    pictures,
-    times,
-)
+from jausml.language.semantics.conversions import authored, numbers, octets, orientations, times
 from jausml.language.semantics.conversions.conversion import (
     ANY,
     VALUE,
@@ -24,8 +18,6 @@ from jausml.language.semantics.conversions.conversion import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from jausml.language.metamodel.classes import bridge
 
 __all__ = [
@@ -43,7 +35,7 @@ __all__ = [
     "conversions_between",
 ]
 
-_MODULES = (numbers, orientations, times, grids, pictures, authored)
+_MODULES = (numbers, orientations, times, octets, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
     each.name: each()
     for module in _MODULES

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from jausml.language.attributes import intervals
+from jausml.language.attributes import expressions, intervals
 from jausml.language.attributes.expressions import (
     EvaluationError,
     evaluate,
@@ -26,11 +27,6 @@ from jausml.language.semantics.conversions.conversion import (
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
-
-    from jausml.language.attributes import expressions
-
     Scalar: TypeAlias = float | str
     Pairs: TypeAlias = Sequence[tuple[Scalar, Scalar]]
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from jausml.language.attributes.expressions import (
     EvaluationError,
@@ -28,10 +29,6 @@ from jausml.language.semantics.paths.attributes import (
     TEXT,
     TIME_STAMP,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 FLU, FRD = "forwardLeftUp", "forwardRightDown"
 ENU, NED = "eastNorthUp", "northEastDown"

@@ -8,13 +8,14 @@ sine has none of an infinite angle, the definition chooses or refuses before.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes.expressions import (
     EvaluationError,
+    Expression,
     evaluate,
     interval,
     operations,
@@ -23,11 +24,6 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.attributes.intervals import EMPTY, Interval
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.attributes.expressions import Expression
 
 QUATERNION = "geometry_msgs/Quaternion"
 

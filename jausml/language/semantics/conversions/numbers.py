@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes import intervals
+from jausml.language.attributes.intervals import Interval
 from jausml.language.semantics.conversions.conversion import (
     MAXIMUM,
     OWN,
@@ -17,9 +17,6 @@ from jausml.language.semantics.conversions.conversion import (
 )
 from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.paths.attributes import NUMBER
-
-if TYPE_CHECKING:
-    from jausml.language.attributes.intervals import Interval
 
 
 class Negate(Conversion):

@@ -7,8 +7,9 @@ about x, then pitch about y, then yaw about z.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from jausml.language.attributes.intervals import Interval
 from jausml.language.semantics.conversions.conversion import (
     DEGREE,
     ENU,
@@ -23,9 +24,6 @@ from jausml.language.semantics.conversions.conversion import (
 )
 from jausml.language.semantics.conversions.definition import QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import NUMBER
-
-if TYPE_CHECKING:
-    from jausml.language.attributes.intervals import Interval
 
 QUARTER = (-math.pi / 2, math.pi / 2)
 

@@ -6,6 +6,7 @@ the query for it, as its report is laid out in the same way.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -24,8 +25,6 @@ from jausml.language.semantics.jaus.services import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from jausml.language.metamodel.classes import bridge
 
     Guard = Literal["ANY", "CONTROLLED", "READY"]

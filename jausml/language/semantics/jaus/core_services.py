@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cache
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import library_root, read_models
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 CORE = "urn:jaus:jss:core:"
 """Prefix of the URNs of the core services (AS5710)."""

@@ -7,10 +7,11 @@ itself, so that enclosing states of which nothing is to be said need not be writ
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import (
     CORE,
     SERVED_BY_RUNTIME,
@@ -18,11 +19,6 @@ from jausml.language.semantics.jaus.core_services import (
     newest_services,
 )
 from jausml.language.semantics.jaus.services import lineage
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel.classes import jaus
 
 CORE_MACHINE = "ReceiveFSM"
 """Machine of the core services, which a machine of this name extends (AS5710, Transport)."""

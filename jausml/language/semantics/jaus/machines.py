@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
@@ -14,12 +15,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
     too_deep,
 )
 from jausml.language.semantics.jaus.services import lineage
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.subject import Subject
+from jausml.language.semantics.subject import Subject
 
 
 @dataclass(frozen=True)

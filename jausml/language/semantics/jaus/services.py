@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import with_standard
-from jausml.language.semantics.subject import remembered
+from jausml.language.semantics.subject import Subject, remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import TypeAlias
-
     from typing_extensions import TypeIs
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
 
     Group: TypeAlias = jaus.Record | jaus.Sequence
     Container: TypeAlias = Group | jaus.List | jaus.Variant

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import takewhile
@@ -12,9 +13,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.language.semantics.names import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import TypeAlias
-
     from jausml.language.metamodel.classes import jaus, ros
 
     JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative | jaus.Format

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -24,9 +25,8 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Sequence
-
     from jausml.language.semantics.paths.attributes import JausPart
+
 
 _MOST_BITS = wire.UNSIGNED["uint64"].bits
 _NAMES = {"BitField": "bit field", "VariableField": "variable field"}

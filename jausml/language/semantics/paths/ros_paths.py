@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.attributes import (
@@ -20,9 +20,6 @@ from jausml.language.semantics.paths.attributes import (
     primitive,
 )
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from collections.abc import Container
 
 _COVARIANCES = {
     "geometry_msgs/PoseWithCovariance": ("m^2", "rad^2"),

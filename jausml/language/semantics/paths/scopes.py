@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Generic, TypeGuard, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.subject import RememberedProperty, remembered
+from jausml.language.semantics.subject import RememberedProperty, Subject, remembered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import TypeAlias
-
     from typing_extensions import TypeIs
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
 
     WithSource: TypeAlias = (
         bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -9,8 +10,6 @@ from jausml.views.analysis.formats import text as words
 from jausml.views.pages import page_head
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
     from jausml.views.analysis.report import ComponentReport, ConnectionReport, Load, Report
 
 _STYLE = """\

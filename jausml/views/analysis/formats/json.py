@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, fields, is_dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.views.analysis.assumptions import runtime_constants
 from jausml.views.analysis.budgets import Budget
-from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Flow, Load
+from jausml.views.analysis.report import (
+    CallReport,
+    ComponentReport,
+    ConnectionReport,
+    Flow,
+    Load,
+    Report,
+)
+from jausml.views.analysis.sizes import runtime_constants
 from jausml.views.analysis.streams import Wire
-
-if TYPE_CHECKING:
-    from jausml.views.analysis.report import Report
 
 FORMAT = 1
 """Version of the structure: keys are added under the same one."""

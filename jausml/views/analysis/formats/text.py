@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.views.analysis.assumptions import Assumptions
     from jausml.views.analysis.budgets import Budget
     from jausml.views.analysis.report import (
         CallReport,
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
         Load,
         Report,
     )
-    from jausml.views.analysis.sizes import Size
+    from jausml.views.analysis.sizes import Assumptions, Size
 
 CASES = {
     "normal": "normal",

@@ -9,15 +9,12 @@ import string
 import sys
 import warnings
 from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
-from typing import TYPE_CHECKING
 
-from jausml.generation.checks import CANNOT_PARSE
-from jausml.generation.languages.python.layout import lay_out_statement, layout
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from jausml.generation.artifact import CANNOT_PARSE
+from jausml.generation.python.layout import lay_out_statement, layout
 
 MARKER = "from __future__ import annotations\n"
 """The line of a template that import statements follow."""

@@ -7,9 +7,10 @@ laid out here. Quotes, spaces within a line and blank lines stay as they are.
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
 
-from jausml.generation.languages.python.tokens import (
+from jausml.generation.literals import LINE_WIDTH
+from jausml.generation.python.tokens import (
     Bracket,
     Part,
     Token,
@@ -21,10 +22,6 @@ from jausml.generation.languages.python.tokens import (
     read,
     split_at,
 )
-from jausml.generation.literals import LINE_WIDTH
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 _STEP = " " * 4
 _KEYWORDS = {"if", "elif", "while", "return", "assert", "raise", "yield", "await", "del", "except"}

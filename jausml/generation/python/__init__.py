@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from jausml.generation.languages.python.layout import layout
-from jausml.generation.languages.python.modules import (
+from jausml.generation.python.layout import layout
+from jausml.generation.python.modules import (
     Imports,
     Modules,
     Origin,

@@ -7,11 +7,8 @@ import io
 import itertools
 import keyword
 import tokenize
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _SKIPPED = {

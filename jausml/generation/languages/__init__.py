@@ -1,1 +1,0 @@
-"""Languages that the engine writes, as far as it knows them."""
