@@ -90,7 +90,7 @@ def test_ways_of_shipped_models_are_clear_on_the_page(name):
     for view in view_names(model, library=False):
         graph = graph_of(model, view)
         if not is_crowded(graph):
-            found = values.settled(graph, Graphviz())
+            found = values.settled(graph, Graphviz()).places
             assert_ways_are_clear(found.sheet, found.corners, found.frames, found.routes)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from copy import deepcopy
 from dataclasses import replace
 
 import pytest
@@ -201,6 +202,19 @@ def test_no_box_grows_by_what_is_wrong_with_it():
     assert found["nodes"][0]["findings"][0]["message"] == wrong[0].message
 
 
+def test_where_parts_stand_is_found_again_only_where_a_size_or_a_place_has_changed():
+    shown, standing = graph(), values.Standing()
+    first = values.settled(shown, Rows(), {}, standing)
+    wrong = (Finding("error", "JML1", "is wrong"),)
+    marked = replace(shown, nodes=tuple(replace(each, findings=wrong) for each in shown.nodes))
+    values.settled(shown, Rows(), {}, standing)
+    kept = values.settled(marked, Rows(), {}, standing)
+    assert kept.places is standing.last
+    assert kept.places.corners == first.places.corners
+    key = shown.nodes[0].key
+    assert values.settled(marked, Rows(), {key: (7, 7)}, standing).places is not kept.places
+
+
 def box(name, kind="component", rows=1, group=""):
     ports = tuple(Port(f"p{n}", f"row {n}", key=f"p{n}") for n in range(rows))
     column = KINDS.index(kind)
@@ -347,7 +361,7 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
     downwards = draw(st.booleans())
     for step in range(draw(st.integers(2, 9))):
         grown = False
-        match draw(st.sampled_from(("add", "add", "remove", "grow", "move", "join"))):
+        match draw(st.sampled_from(("add", "add", "remove", "grow", "move", "join", "look"))):
             case "add":
                 kind, group = draw(st.sampled_from(KINDS)), draw(st.sampled_from(("", "g", "h")))
                 nodes.append(box(f"x{step}", kind, draw(st.integers(0, 6)), group))
@@ -365,12 +379,16 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
                 moved[key] = (draw(st.integers(-300, 900)), draw(st.integers(-300, 900)))
                 # What stands where it is put makes room.
                 grown = True
+            case "look":
+                pass
             case _:
                 pair = draw(st.permutations([each.id for each in nodes]))[:2]
                 edges += [line(*pair)] if len(pair) == 2 else []
         edges = list({each.id: each for each in edges}.values())
         shown = Graph("system", "s", tuple(nodes), groups, tuple(edges), downwards)
+        forgetful = replace(deepcopy(standing), last=None)
         found = values.render(shown, Rows(), moved, standing)
+        assert found == values.render(shown, Rows(), moved, forgetful)
         assert_apart(found)
         assert_framed(found)
         now = corners(found)

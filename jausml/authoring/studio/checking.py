@@ -63,6 +63,11 @@ class Verdicts:
         """The revision of the project now."""
         return self._project.revision
 
+    def has_judged(self, file: str) -> bool:
+        """Tells whether the next verdict on a file is quick: only what has changed is looked at."""
+        with self._lock:
+            return file in self._verdicts
+
     def of(self, file: str) -> Verdict:
         """Returns the verdict on a file as it is now; who asks meanwhile gets the same."""
         with self._lock:

@@ -150,7 +150,7 @@ class Drawings:
             node = _box_of(view.settled.graph, element)
             if node is None:
                 return None
-            left, top = view.settled.corners[node.id]
+            left, top = view.settled.places.corners[node.id]
             return left + _INTO, top + _INTO
 
     def forget(self, file: str, name: str) -> None:

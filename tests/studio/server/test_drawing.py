@@ -1,14 +1,22 @@
-"""A view whose past cannot be understood is drawn anew, and its fault is told."""
+"""What is remembered of views: what it is good for, and that faults in it keep nobody out."""
 
 from __future__ import annotations
 
 import logging
 from typing import TYPE_CHECKING
 
+from large_systems import large_system
+
+from jausml.authoring.editing.project import Project
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.drawing import Drawings
+from jausml.authoring.studio.handlers import editing, showing
+from jausml.language.metamodel.classes import bridge
 from jausml.views.diagrams.graph import Graph, Node
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import pytest
 
 
@@ -51,3 +59,25 @@ def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes() -> None
     drawings.follow("m.xmi", ["service:Winch", "service:Other"])
     assert draw("Winch") == before
     assert draw("Other")["Other"] != (7, 70)
+
+
+def test_after_an_edit_a_large_system_is_drawn_once_with_its_verdict(tmp_path: Path) -> None:
+    """Only the first picture does not wait: any later verdict takes less time than a picture."""
+    file = "large.ros2jaus"
+    (tmp_path / file).write_text(large_system(31), encoding="utf-8")
+    context = StudioContext(Project(tmp_path))
+    first = showing.view(context, file, "system")
+    assert not first["checked"]
+    showing.problems(context, context.verdicts.of(file))
+    seen = showing.view(context, file, "system", (), first["picture"])
+    assert seen["checked"]
+
+    model = context.project.model(file).model
+    edited = next(iter(model.instances(bridge.Connection, library=False)))
+    rate = {"kind": "set", "feature": "rate", "values": ["-1"]}
+    command = {**rate, "element": context.project.ref(edited, model)}
+    editing._edit(context, (command,), "Set", context.project.revision)
+    now = showing.view(context, file, "system", (), seen["picture"])
+    assert now["checked"]
+    (closed,) = now["changes"]["nodes"]["put"]
+    assert [each["message"] for each in closed["findings"]] == ["1 error in it"]

@@ -37,41 +37,54 @@ LIVE_WIDTH = 128
 _Way = tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class Placed:
+    """Where boxes, frames and lines of a sheet stand.
+
+    Attributes:
+        known: Where boxes stood before.
+        fixed: Ids of the boxes that users placed.
+    """
+
+    sheet: Sheet
+    known: Mapping[str, Point]
+    fixed: Collection[str]
+    corners: Mapping[str, Point]
+    frames: Mapping[str, Area]
+    routes: Mapping[str, Route | None]
+
+
 @dataclass
 class Standing:
     """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
 
     Boxes that are gone are kept: what undo brings back stands where it stood. `shown`: kinds and
-    corners of the boxes of the last picture by their keys, in its order.
+    corners of the boxes of the last picture by their keys, in its order. `last`: what the last
+    picture was made of; most edits change no size, so that the next one is made of the same.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
     shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
     routes: dict[_Way, Route] = field(default_factory=dict)
+    last: Placed | None = None
 
 
 @dataclass(frozen=True)
 class Settled:
-    """A graph whose parts have their places, whether they are told or not.
-
-    `fixed`: ids of the boxes that users placed.
-    """
+    """A graph whose parts have their places, whether they are told or not."""
 
     graph: Graph
-    sheet: Sheet
-    corners: Mapping[str, Point]
-    frames: Mapping[str, Area]
-    routes: Mapping[str, Route | None]
-    fixed: Collection[str]
+    places: Placed
 
     def values(self, opened: Collection[str] | None = None) -> dict[str, Any]:
         """Returns it as JSON has values.
 
         `opened`: keys of the frames of which the inside is told; None for all.
         """
-        graph, corners, frames = self.graph, self.corners, self.frames
-        boxes = {each.id: each for each in self.sheet.boxes}
-        areas = [*frames.values(), *(area_of(each, corners[each.id]) for each in self.sheet.boxes)]
+        graph, places = self.graph, self.places
+        corners, frames = places.corners, places.frames
+        boxes = {each.id: each for each in places.sheet.boxes}
+        areas = [*frames.values(), *(area_of(box, corners[name]) for name, box in boxes.items())]
         shown = graph if opened is None else folded(graph, opened)
         return {
             "view": graph.view,
@@ -86,11 +99,11 @@ class Settled:
             "nodes": [
                 _closed(each, frames[each.id])
                 if each.kind == CLOSED
-                else _node(each, boxes[each.id], corners[each.id], is_moved=each.id in self.fixed)
+                else _node(each, boxes[each.id], corners[each.id], is_moved=each.id in places.fixed)
                 for each in shown.nodes
             ],
             "groups": [_group(each, frames[each.id]) for each in shown.groups if each.id in frames],
-            "edges": [_edge(each, self.routes.get(each.id), graph.view) for each in shown.edges],
+            "edges": [_edge(each, places.routes.get(each.id), graph.view) for each in shown.edges],
         }
 
 
@@ -123,18 +136,29 @@ def settled(
     fixed = {name for name, key in keys.items() if key in moved}
     _take_over(graph, keys, standing)
     if not standing.shown:
-        places = engine.place(sheet)
-        for name, (x, y) in places.boxes.items():
+        drawn = engine.place(sheet)
+        for name, (x, y) in drawn.boxes.items():
             standing.boxes.setdefault(keys[name], (round(x), round(y)))
-        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, places.lines, standing)
-    known = {**standing.boxes, **moved}
-    corners = settle(sheet, {n: known[k] for n, k in keys.items() if k in known}, fixed)
+        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, drawn.lines, standing)
+    stood = {**standing.boxes, **moved}
+    places = _placed(sheet, {n: stood[k] for n, k in keys.items() if k in stood}, fixed, standing)
+    corners = places.corners
     # A box that users moved goes back to where it stood when they undo that.
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
     standing.shown = {keys[each.id]: (each.kind, corners[each.id]) for each in graph.nodes}
-    routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
-    frames = surrounding(sheet, corners, routes)
-    return Settled(graph, sheet, corners, frames, routes, fixed)
+    return Settled(graph, places)
+
+
+def _placed(
+    sheet: Sheet, known: Mapping[str, Point], fixed: Collection[str], standing: Standing
+) -> Placed:
+    last = standing.last
+    if last is None or (last.sheet, last.known, last.fixed) != (sheet, known, fixed):
+        corners = settle(sheet, known, fixed)
+        routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
+        frames = surrounding(sheet, corners, routes)
+        last = standing.last = Placed(sheet, known, fixed, corners, frames, routes)
+    return last
 
 
 def _sheet(graph: Graph) -> Sheet:
