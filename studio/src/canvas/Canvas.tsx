@@ -80,7 +80,8 @@ function Diagram({ graph }: { graph: Graph }) {
   const drawing = useDrawing();
   const dragging = useDragging(graph, setMoved);
   const dropping = useDropping(graph);
-  useInSight(graph, here);
+  const isFitted = useFitted();
+  useInSight(graph, here, isFitted);
   useLevels(graph);
 
   const onNodesChange = useCallback(
@@ -108,7 +109,9 @@ function Diagram({ graph }: { graph: Graph }) {
   }
 
   return (
-    <div className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""}`}>
+    <div
+      className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""} ${isFitted ? "" : "unfitted"}`}
+    >
       <Tools graph={graph} />
       <ReactFlow
         className="flow"
@@ -142,8 +145,6 @@ function Diagram({ graph }: { graph: Graph }) {
         onlyRenderVisibleElements={graph.nodes.length > MANY_BOXES}
         minZoom={leastZoom(graph)}
         maxZoom={3}
-        fitView
-        fitViewOptions={FIT}
         tabIndex={0}
         aria-label={`Diagram of ${graph.title || graph.view}`}
         aria-activedescendant={here ? domId(here) : undefined}
@@ -243,18 +244,32 @@ function takeSelection(
   if (selection !== before) select(selection);
 }
 
+/**
+ * Shows all as soon as there is room, and tells when that is done: until then nobody shall take
+ * hold of what moves. By itself React Flow fits what it has measured, and it measures nothing here.
+ */
+function useFitted(): boolean {
+  const flow = useReactFlow();
+  const hasRoom = useStore((store) => store.panZoom !== null && store.width > 0);
+  const [isFitted, setFitted] = useState(false);
+  useEffect(() => {
+    if (hasRoom) void flow.fitView(FIT).then(() => setFitted(true));
+  }, [flow, hasRoom]);
+  return isFitted;
+}
+
 /** Brings what the keyboard chose into sight, where it is not. */
-function useInSight(graph: Graph, here: PartKey | null) {
+function useInSight(graph: Graph, here: PartKey | null, isFitted: boolean) {
   const flow = useReactFlow();
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
   const last = useRef<PartKey | null>(null);
   const centre = useStudio((studio) => studio.centre);
   useEffect(() => {
-    if (!centre || !width) return;
+    if (!centre || !isFitted) return;
     update({ centre: null });
     void flow.setCenter(...centre, { zoom: Math.max(flow.getZoom(), READABLE), duration: 0 });
-  }, [centre, width, flow]);
+  }, [centre, isFitted, flow]);
   useEffect(() => {
     if (!here || here === last.current || !width) return;
     last.current = here;
