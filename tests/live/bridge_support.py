@@ -6,6 +6,8 @@ import json
 import os
 import queue
 import signal
+import subprocess
+import sys
 import threading
 import time
 from contextlib import suppress
@@ -13,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from ros_nodes import SpinningNode
-from warm import Forked
 from workspaces import kept, packages_of
 
 from jausml.generation import native
@@ -97,7 +98,14 @@ class Process:
         environment = {**os.environ, "PYTHONPATH": module_path, "PYTHONUNBUFFERED": "1"}
         self.log = log
         self._log_file = log.open("ab")
-        self.popen = Forked(arguments, environment, self._log_file.fileno(), stdin=stdin)
+        self.popen = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE if stdin else None,
+            stdout=subprocess.PIPE,
+            stderr=self._log_file,
+            env=environment,
+            text=True,
+        )
         self.lines: queue.SimpleQueue[dict] = queue.SimpleQueue()
         self.facts: list[dict] = []
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -135,7 +143,8 @@ class Process:
         self.popen.wait(timeout=PATIENCE)
         self._reader.join(timeout=PATIENCE)
         self.popen.stdout.close()
-        self.popen.stdin.close()
+        if self.popen.stdin is not None:
+            self.popen.stdin.close()
         self._log_file.close()
 
 

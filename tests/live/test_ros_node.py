@@ -13,7 +13,6 @@ import time
 from pathlib import Path
 
 import pytest
-from warm import Forked
 from workspaces import python_path
 
 pytest.importorskip("rclpy")
@@ -74,7 +73,13 @@ class Process:
             **os.environ,
             "PYTHONPATH": python_path(workspace),
         }
-        self.popen = Forked(["-m", f"{name}.main", *arguments], environment)
+        self.popen = subprocess.Popen(
+            [sys.executable, "-m", f"{name}.main", *arguments],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
         self.lines = []
         self.fresh = queue.SimpleQueue()
         self.reader = threading.Thread(target=self.read)
@@ -111,7 +116,7 @@ class Process:
 
     def close(self):
         # Asked first: a DDS process that is killed leaves shared memory behind.
-        self.popen.send_signal(signal.SIGTERM)
+        self.popen.terminate()
         try:
             self.popen.wait(PATIENCE)
         finally:

@@ -1,12 +1,10 @@
-"""Processes that have imported what many programs begin with, of which each program is a fork.
+"""A process that has jausml imported and its library read, of which each command is a fork.
 
-Most of what a program takes is its beginning. Where a test is about what commands do, and not about
+Most of what a command takes is its beginning. Where a test is about what commands do, and not about
 how they begin, `command()` begins the line of one that is done so, and `programs()` is a folder for
 the PATH with such a `jausml`. Standard streams, folder, environment, signals and exit status are
 those of the command, but the process that does it is another one. What is read of the library, and
 the templates that are compiled, is what a second command of the same process would find.
-
-`Forked` is a program in Python that finds rclpy and the runtime of generated workspaces imported.
 """
 
 from __future__ import annotations
@@ -14,10 +12,8 @@ from __future__ import annotations
 import atexit
 import functools
 import gc
-import importlib
 import json
 import os
-import runpy
 import select
 import shlex
 import shutil
@@ -27,120 +23,28 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from typing import Any
 
 CLIENT = Path(__file__).with_name("warm_client.py")
-ROOT = Path(__file__).parents[2]
 PAGE = "JAUSML_PAGE"
 """Names, in the environment of a command, the page of the studio of a test."""
-ROS = (
-    *("rclpy", "rclpy.action", "rclpy.lifecycle", "rosidl_generator_py"),
-    *("rcl_interfaces.msg", "rcl_interfaces.srv", "service_msgs.msg", "diagnostic_msgs.msg"),
-    *("lifecycle_msgs.srv", "std_msgs.msg", "geometry_msgs.msg", "nav_msgs.msg", "sensor_msgs.msg"),
-    "type_description_interfaces.srv",
-)
-"""What nodes import."""
 
 
 @functools.cache
 def command() -> list[str]:
     """Returns how a command line begins; starts the process, which ends with this one."""
-    return [sys.executable, "-S", str(CLIENT), str(_server("jausml"))]
-
-
-class Forked:
-    """A program in Python beside rclpy: what tests want of `subprocess.Popen`, and its names."""
-
-    def __init__(
-        self,
-        arguments: list[str],
-        environment: dict[str, str],
-        stderr: int | None = None,
-        *,
-        stdin: bool = False,
-    ) -> None:
-        """Starts it.
-
-        Args:
-            arguments: `-m` and a module, or a file; then what either is given.
-            environment: Its whole environment.
-            stderr: Where it writes errors; without it where it writes all else.
-            stdin: Whether it is told something, by `stdin`.
-        """
-        self.arguments = arguments
-        self.returncode: int | None = None
-        output, its_output = os.pipe()
-        its_input, entry = os.pipe()
-        self.stdout = os.fdopen(output)
-        self.stdin = os.fdopen(entry, "w")
-        if not stdin:
-            self.stdin.close()
-        request = {
-            "arguments": arguments,
-            "folder": str(Path.cwd()),
-            "environment": environment,
-            "ignored": [],
-        }
-        self._server = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._server.connect(str(_server("python")))
-        streams = [its_input, its_output, its_output if stderr is None else stderr]
-        socket.send_fds(self._server, [b"\0"], streams)
-        self._server.sendall(json.dumps(request).encode() + b"\n")
-        for each in (its_input, its_output):
-            os.close(each)
-        # Without a buffer: `select` does not see what one holds.
-        self._answers = self._server.makefile("rb", buffering=0)
-        self.pid = int(self._answers.readline())
-
-    def poll(self) -> int | None:
-        """Returns the exit status, or None while it runs."""
-        with suppress(subprocess.TimeoutExpired):
-            self.wait(timeout=0)
-        return self.returncode
-
-    def wait(self, timeout: float | None = None) -> int:
-        """Waits until it has ended, and returns its exit status.
-
-        Raises:
-            subprocess.TimeoutExpired: It runs after so many seconds.
-        """
-        if self.returncode is None:
-            if not select.select([self._server], [], [], timeout)[0]:
-                raise subprocess.TimeoutExpired(self.arguments, timeout or 0)
-            self.returncode = os.waitstatus_to_exitcode(int(self._answers.readline()))
-            self._answers.close()
-            self._server.close()
-        return self.returncode
-
-    def send_signal(self, number: int) -> None:
-        """Sends it a signal if it runs."""
-        if self.poll() is None:
-            os.kill(self.pid, number)
-
-    def kill(self) -> None:
-        """Ends it as a crash does."""
-        self.send_signal(signal.SIGKILL)
-
-
-@functools.cache
-def _server(kind: str) -> Path:
-    """Starts the process of a kind of programs; returns the address where it is asked for one."""
-    address = _folder() / kind
+    address = _folder() / "socket"
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
         listener.bind(str(address))
         listener.listen()
-        line = [sys.executable, str(Path(__file__)), kind, str(listener.fileno())]
+        line = [sys.executable, str(Path(__file__)), str(listener.fileno())]
         # It ends at the end of its input, which is that of this process.
         server = subprocess.Popen(
             line, stdin=subprocess.PIPE, pass_fds=[listener.fileno()], start_new_session=True
         )
     atexit.register(server.communicate)
-    return address
+    return [sys.executable, "-S", str(CLIENT), str(address)]
 
 
 @functools.cache
@@ -160,10 +64,9 @@ def programs() -> Path:
     return program.parent
 
 
-def serve(kind: str, listener: socket.socket) -> None:
-    """Has each program that comes done in a process of its own."""
-    prepare, run = KINDS[kind]
-    prepare(Path(listener.getsockname()).parent)
+def serve(listener: socket.socket) -> None:
+    """Has each command that comes done in a process of its own."""
+    _prepare()
     gc.collect()
     gc.freeze()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # no zombies: nobody waits for who watches
@@ -172,11 +75,11 @@ def serve(kind: str, listener: socket.socket) -> None:
         if os.fork() == 0:
             listener.close()
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            _watch(client, run)
+            _watch(client)
         client.close()
 
 
-def _read_library(_folder: Path) -> None:
+def _prepare() -> None:
     """Reads the library and compiles all templates."""
     from jausml.generation import load_targets, render, select
     from jausml.language import project
@@ -188,36 +91,18 @@ def _read_library(_folder: Path) -> None:
     assert read_models.__kwdefaults__ is not None
     read_models.__kwdefaults__["cache"] = cache
     project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
-    model = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
+    model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
     render(check_project([model]).model, select(load_targets()).targets)
 
 
-def _import_ros(folder: Path) -> None:
-    """Imports what a node needs, and the runtime that each generated workspace has a copy of.
-
-    No thread of DDS runs before its context is there.
-    """
-    for each in ROS:
-        importlib.import_module(each)
-    runtime = folder / "jausml_runtime"
-    runtime.symlink_to(ROOT / "jausml" / "runtime")
-    sys.path.insert(0, str(folder))
-    for each in sorted(runtime.rglob("*.py")):
-        parts = each.relative_to(folder).with_suffix("").parts
-        importlib.import_module(".".join(parts).removesuffix(".__init__"))
-    sys.path.remove(str(folder))
-
-
-def _watch(client: socket.socket, run: Callable[[dict[str, Any]], None]) -> None:
-    """Runs a program, and tells its client the process and how it ended."""
+def _watch(client: socket.socket) -> None:
+    """Runs a command, and tells its client the process and how it ended."""
     _, streams, _, _ = socket.recv_fds(client, 1, 3)
     request = json.loads(client.makefile("r").readline())
     child = os.fork()
     if child == 0:
         client.close()
-        _enter(request, streams)
-        run(request)
-        sys.exit()
+        _run(request, streams)
     client.sendall(f"{child}\n".encode())
     ended = os.pidfd_open(child)
     readable, _, _ = select.select([ended, client], [], [])
@@ -228,8 +113,9 @@ def _watch(client: socket.socket, run: Callable[[dict[str, Any]], None]) -> None
     os._exit(0)
 
 
-def _enter(request: dict[str, Any], streams: list[int]) -> None:
-    """Makes this process what the program was started as."""
+def _run(request: dict[str, Any], streams: list[int]) -> None:
+    from jausml.cli import program
+
     for number, stream in enumerate(streams):
         os.dup2(stream, number)
         os.close(stream)
@@ -240,14 +126,9 @@ def _enter(request: dict[str, Any], streams: list[int]) -> None:
     for each in request["ignored"]:
         signal.signal(each, signal.SIG_IGN)
     os.chdir(request["folder"])
+    sys.path[:0] = filter(None, request["environment"].get("PYTHONPATH", "").split(os.pathsep))
     os.environ.clear()
     os.environ.update(request["environment"])
-    sys.path[:0] = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
-
-
-def _run_jausml(request: dict[str, Any]) -> None:
-    from jausml.cli import program
-
     sys.argv = ["jausml", *request["arguments"]]
     if page := os.environ.pop(PAGE, ""):
         from jausml.authoring.studio import serving
@@ -257,20 +138,5 @@ def _run_jausml(request: dict[str, Any]) -> None:
     program()
 
 
-def _run_python(request: dict[str, Any]) -> None:
-    first, *rest = request["arguments"]
-    if first == "-m":
-        sys.argv = rest
-        sys.path.insert(0, request["folder"])
-        runpy.run_module(rest[0], run_name="__main__", alter_sys=True)
-    else:
-        sys.argv = [first, *rest]
-        sys.path.insert(0, str(Path(first).parent))
-        runpy.run_path(first, run_name="__main__")
-
-
-KINDS = {"jausml": (_read_library, _run_jausml), "python": (_import_ros, _run_python)}
-"""What is prepared for a kind of programs, and how one is run."""
-
 if __name__ == "__main__":
-    serve(sys.argv[1], socket.socket(fileno=int(sys.argv[2])))
+    serve(socket.socket(fileno=int(sys.argv[1])))
