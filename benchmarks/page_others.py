@@ -138,7 +138,8 @@ def letters(sections: Mapping[str, Any]) -> Iterator[str]:
         "known in the middle of which something was typed, and for what is asked there then.\n"
     )
     kinds = list(next(iter(found.values())))
-    yield table(("", *kinds), [(name, *map(each.get, kinds)) for name, each in found.items()])
+    rows = sorted(found.items(), key=lambda each: int("".join(filter(str.isdigit, each[0]))))
+    yield table(("", *kinds), [(name, *map(each.get, kinds)) for name, each in rows])
 
 
 def soak(found: Mapping[str, Any] | None) -> Iterator[str]:
