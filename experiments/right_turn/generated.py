@@ -58,7 +58,8 @@ class Workspace:
         for name in [each for each in sys.modules if each.partition(".")[0] in own]:
             del sys.modules[name]
         sys.modules.update(self.modules)
-        sys.path[:0] = [str(self.folder / name) for name in sorted(names)]
+        # Of a link, what it leads to: what all share is still imported when this folder is gone.
+        sys.path[:0] = [str((self.folder / name).resolve()) for name in sorted(names)]
         try:
             yield
         finally:
