@@ -7,7 +7,6 @@ import os
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
-from itertools import chain
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")
 ByClass = dict["EClass", list[tuple[int, Any]]]
+_Lists = dict["EClass", list[tuple[int, bool, list[tuple[int, Any]]]]]
 
 UNKNOWN_PATH = "<model>"
 """The path of elements that no document holds."""
@@ -52,7 +52,7 @@ class Model:
         self.metamodels = metamodels
         self._origin: dict[EObject, tuple[Document, Node]] = {}
         self._ids: dict[EObject, str] = {}
-        self._by_class: list[tuple[Document, ByClass]] | None = None
+        self._by_class: _Lists | None = None
         self._made: dict[Any, Any] = {}
 
     def adopt(self, document: Document, node: Node) -> None:
@@ -138,13 +138,22 @@ class Model:
         wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
         by_class = self._by_class
         if by_class is None:
-            by_class = [(each, self._classes_of(each)) for each in self.documents]
-            self._by_class = by_class  # whole: another thread may ask meanwhile
-        found: list[ElementT] = []
-        for document, classes in by_class:
-            if library or not document.is_library:
-                lists = [classes[each] for each in classes.keys() & wanted]
-                found += [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
+            by_class = self._by_class = self._lists()  # whole: another thread may ask meanwhile
+        lists = [each for eclass in by_class.keys() & wanted for each in by_class[eclass]]
+        found = [
+            (number, position, obj)
+            for number, is_library, each in lists
+            if library or not is_library
+            for position, obj in each
+        ]
+        return [obj for _, _, obj in sorted(found, key=itemgetter(0, 1))]
+
+    def _lists(self) -> _Lists:
+        """Returns by class the elements of each document that has some, with its number."""
+        found: _Lists = {}
+        for number, document in enumerate(self.documents):
+            for eclass, each in self._classes_of(document).items():
+                found.setdefault(eclass, []).append((number, document.is_library, each))
         return found
 
     def _classes_of(self, document: Document) -> ByClass:
