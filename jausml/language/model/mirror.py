@@ -59,12 +59,23 @@ class Mirror(Model):
         self.has_moved = False
         self._engine = engine
         self._roots: dict[tuple[object, ...], list[EObject]] = {}
+        self._taken: Model | None = None
 
     def take(self, model: Model) -> None:
         """Makes it equal to a model that was read, which stays as it is."""
+        patches = None if self._taken is None else model.patches_since(self._taken)
+        self._taken = model
+        self.has_moved = False
+        if patches is None:
+            self._take_elements(model)
+        else:
+            for theirs in dict.fromkeys(patches):
+                self._make_equal(self.copies[theirs], theirs)
+        self._take_documents(model)
+
+    def _take_elements(self, model: Model) -> None:
         former, self._roots, self.copies = self._roots, {}, {}
         pairs: list[tuple[EObject, EObject]] = []
-        self.has_moved = False
         for document in model.documents:
             if not document.is_shared:
                 roots = former.pop(key := _key(document), [])
@@ -75,7 +86,6 @@ class Mirror(Model):
             self._match_owned(ours, theirs, pairs)
         for ours, theirs in pairs:
             self._make_equal(ours, theirs)
-        self._take_documents(model)
 
     def _take_documents(self, model: Model) -> None:
         self._origin = {

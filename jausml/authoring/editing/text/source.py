@@ -25,7 +25,7 @@ from jausml.language.text.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from jausml.language.model.documents import Document
     from jausml.language.text.tree import Call, Span, SyntaxTree
@@ -213,31 +213,39 @@ class Body:
 
 
 class Outline:
-    """Where the items of a tree stand."""
+    """Where the items of a tree stand; it looks at no others than it is asked of."""
 
     def __init__(self, tree: SyntaxTree, source: TextSource) -> None:
         self._source = source
         self._bodies: dict[int, list[Body]] = {}
-        self._places: dict[int, tuple[Body, int]] = {}
-        self._holders: dict[int, Feature | Assignment] = {}
         self.top = Body(None, tree.items, 0, len(source.text))
-        pending = [self.top]
-        while pending:
-            body = pending.pop()
-            for index, item in enumerate(body.items):
-                self._places[id(item)] = (body, index)
-                self._hold(item)
-                found = self._bodies_of(item)
-                self._bodies[id(item)] = found
-                pending += found
 
     def place(self, item: Item) -> tuple[Body, int]:
         """Returns the list in which an item stands, and its position there."""
-        return self._places[id(item)]
+        return next(each for each in self._around(item) if each[0].items[each[1]] is item)
 
     def holder(self, part: Part) -> Feature | Assignment | None:
         """Returns the feature of which a block is a value, or the assignment of a conversion."""
-        return self._holders.get(id(part))
+        for body, index in self._around(part):
+            item = body.items[index]
+            if item is part:
+                return None
+            if isinstance(item, Feature | Assignment) and any(e is part for e in _held(item)):
+                return item
+        return None
+
+    def _around(self, part: Part) -> Iterator[tuple[Body, int]]:
+        """Yields the lists in which a part stands, and positions there, the outermost first."""
+        body: Body | None = self.top
+        start = (part.span.line, part.span.column)
+        offset = self._source.offset(*start)
+        while body is not None:
+            index = bisect_right(body.items, start, key=_start_of) - 1
+            if index < 0:
+                return
+            yield body, index
+            inner = self._bodies_of(body.items[index])
+            body = next((each for each in inner if each.start <= offset < each.end), None)
 
     def item_of(self, part: Part) -> Item:
         """Returns what stands on lines of its own for an element: it, or what holds it."""
@@ -249,7 +257,7 @@ class Outline:
 
     def body(self, part: Part, number: int = 0) -> Body | None:
         """Returns a list of an item or of a block that is a value; None without brackets."""
-        bodies = self._bodies.get(id(part), [])
+        bodies = self._bodies_of(part)
         if isinstance(part, Vector):
             return bodies[number]
         return bodies[0] if bodies else None
@@ -307,26 +315,15 @@ class Outline:
             end = comment.end
         return end
 
-    def _hold(self, item: Item) -> None:
-        if isinstance(item, Feature):
-            for value in item.values:
-                if isinstance(value, Element):
-                    self._holders[id(value)] = item
-        if isinstance(item, Assignment):
-            for call in item.conversions:
-                self._holders[id(call)] = item
+    def _bodies_of(self, part: Part) -> list[Body]:
+        found = self._bodies.get(id(part))
+        if found is None:
+            lists = _held(part) if isinstance(part, Feature) else [part]
+            found = [body for each in lists for body in self._listed(each)]
+            self._bodies[id(part)] = found
+        return found
 
-    def _bodies_of(self, item: Item) -> list[Body]:
-        if isinstance(item, Feature):
-            blocks = [each for each in item.values if isinstance(each, Element)]
-            found = []
-            for each in blocks:
-                self._bodies[id(each)] = self._listed(each)
-                found += self._bodies[id(each)]
-            return found
-        return self._listed(item)
-
-    def _listed(self, item: Item) -> list[Body]:
+    def _listed(self, item: Part) -> list[Body]:
         found = []
         for items, _ in lists_of(item):
             if isinstance(items, Items) and items.start is not None:
@@ -334,3 +331,14 @@ class Outline:
                 width = 2 if self._source.text.startswith("=>", start) else 1
                 found.append(Body(item, items, start + width, self._source.offset(*items.end)))
         return found
+
+
+def _held(item: Feature | Assignment) -> list[Part]:
+    """Returns the blocks of a feature, or the conversions of an assignment."""
+    if isinstance(item, Feature):
+        return [each for each in item.values if isinstance(each, Element)]
+    return list(item.conversions)
+
+
+def _start_of(item: Item) -> tuple[int, int]:
+    return item.span.line, item.span.column
