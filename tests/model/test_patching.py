@@ -15,6 +15,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.comparison import compare
 from jausml.language.model.library import LIBRARY_URI
+from jausml.language.model.reading.patching import patched
 from jausml.language.project import Models
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
@@ -195,15 +196,33 @@ def test_what_follows_from_a_value_that_is_stated_follows_it(tmp_path):
     assert only(model, bridge.Connection).exchange == only(anew, bridge.Connection).exchange
 
 
-def test_a_text_that_becomes_unclear_by_a_value_says_so_and_leaves_no_trace(tmp_path):
+def test_a_text_in_which_something_is_found_leaves_no_trace_in_the_former_model(tmp_path):
     read = reader(tmp_path)
-    first = BRIDGE.format("provides: VelocityStateSensor", "direction: jausToRos")
-    before = read(first)
-    connection = only(before, bridge.Connection)
-    held = connection.direction, connection.exchange
-    read(first.replace("JAUS ReportVelocityState", "JAUS ReportVelocityState ( uint8 Velocity_X )"))
-    assert (connection.direction, connection.exchange) == held
+    first = BRIDGE.format("frequency: 10", "")
+    owner = only(read(first), bridge.Bridge)
+    second = BRIDGE.format("frequency: 20", "").replace(
+        "JAUS ReportVelocityState", "JAUS ReportVelocityState ( uint8 Velocity_X )"
+    )
+    assert only(read(second), bridge.Bridge).frequency == 20
+    assert owner.frequency == 10
     assert_same_model(read(first), first, tmp_path)
+
+
+def test_a_name_that_others_refer_by_is_more_than_a_value(tmp_path):
+    read = reader(tmp_path)
+    before = read(BRIDGE.format("", ""))
+    assert only(before, bridge.Connection).map is not None
+    after = read(BRIDGE.format("", "").replace("    speed {", "    slow {"))
+    assert only(after, bridge.Connection).map is None
+
+
+def test_a_value_that_must_be_there_is_missed(tmp_path):
+    models = Models(tmp_path)
+    text = BRIDGE.format("", "").encode()
+    models.read(("a.ros2jaus",), {"a.ros2jaus": text}, may_patch=True)
+    without = text.replace(b"    address: 300.1.1\n", b"")
+    result = models.read(("a.ros2jaus",), {"a.ros2jaus": without}, may_patch=True)
+    assert_same(result, tmp_path / "a.ros2jaus", {"a.ros2jaus": without})
 
 
 def test_a_model_of_the_past_is_not_gone_on_from(tmp_path):
@@ -213,6 +232,18 @@ def test_a_model_of_the_past_is_not_gone_on_from(tmp_path):
     for text in (*texts, *reversed(texts)):
         model = read(text)
         assert_same_model(model, text, tmp_path)
+
+
+def test_of_a_former_model_nothing_is_made_once_it_has_later_values(tmp_path):
+    path = tmp_path / "model.ros2jaus"
+    one, two, three = (BRIDGE.format(f"frequency: {each}", "").encode() for each in (1, 2, 3))
+    path.write_bytes(one)
+    former = read_models([path], notations=NOTATIONS)
+    later = patched(former, path, two)
+    assert later is not None
+    assert not former.model.is_latest
+    assert patched(former, path, three) is None
+    assert patched(later, path, three) is not None
 
 
 def assert_same_model(model, text, folder):
@@ -233,6 +264,11 @@ def test_an_edit_that_is_refused_changes_no_value_for_good(tmp_path):
     project.preview(commands[:1])
     assert owner.frequency == 10
     project.do(commands[:1], "one")
-    assert only(project.model(file.name).model, bridge.Bridge).frequency == 20
+    edited = only(project.model(file.name).model, bridge.Bridge)
+    assert edited.frequency == 20
+    project.do([Set(ref, "frequency", ("30",))], "another")
+    assert edited.frequency == 30
+    assert only(project.model(file.name).model, bridge.Bridge) is edited
+    project.undo()
     project.undo()
     assert only(project.model(file.name).model, bridge.Bridge).frequency == 10

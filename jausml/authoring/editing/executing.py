@@ -294,6 +294,8 @@ def patched(
             return None
         looked_at |= dict.fromkeys(wanted.copies[each] for each in patches)
     for copy in looked_at:
+        if copy.obj is None:
+            return None
         _renew(copy, copy.obj, copy.file, wanted, read, is_changed=True)
         _compare_references(copy, read)
     return read

@@ -47,21 +47,30 @@ _MAP_ORDER = (
 """The features of maps that own elements, in the order in which they are written."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FeatureChange:
     """Other values of a feature of an element.
 
     Attributes:
         part: What stands for the element in the tree.
-        made: The element as it will be, detached.
         values: The new values; without any, nothing is said of the feature.
     """
 
+    edited: EditedText
     obj: EObject
     part: Part
-    made: EObject
     feature: FeatureTable
     values: Sequence[Any]
+
+    @cached_property
+    def made(self) -> EObject:
+        """The element as it will be, detached."""
+        return self.edited.detached(self.edited.copy(self.obj))
+
+    @cached_property
+    def alone(self) -> EObject:
+        """The element as it will be, detached, without the many that it may own."""
+        return self.edited.detached(self.edited.copy(self.obj), is_whole=False)
 
     @property
     def value(self) -> Any:
@@ -90,9 +99,9 @@ class EditedText:
         """Returns an element as it will be."""
         return self.context.working_copy.copies[obj]
 
-    def detached(self, copy: ElementCopy) -> EObject:
+    def detached(self, copy: ElementCopy, *, is_whole: bool = True) -> EObject:
         """Returns a detached element as it will be; its owner is an element of the model."""
-        made = detached(copy, self._find)
+        made = detached(copy, self._find, is_whole=is_whole)
         if copy.owner is not None:
             hang(made, self._find(copy.owner), copy.owner.table.features[copy.feature])
         if copy.obj is None:
@@ -272,10 +281,13 @@ def _rank(table: ClassTable, name: str) -> int:
     return len(features) + features.index(name)
 
 
-def detached(copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject]) -> EObject:
-    """Returns an element of a working copy with all that it owns, without an owner.
+def detached(
+    copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject], *, is_whole: bool = True
+) -> EObject:
+    """Returns an element of a working copy without an owner.
 
-    `find`: returns the element of the model that a reference means.
+    `find`: returns the element of the model that a reference means. `is_whole`: with all that it
+    owns.
     """
     made: Any = new_object(copy.table)
     features = copy.table.features
@@ -293,7 +305,7 @@ def detached(copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject]) ->
         if features[name].settable:
             for each in targets:
                 point(made, features[name], find(each))
-    for name, owned in copy.owned.items():
+    for name, owned in copy.owned.items() if is_whole else ():
         for each in owned:
             link(made, features[name], detached(each, find))
     return made  # type: ignore[no-any-return]

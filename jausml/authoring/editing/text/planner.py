@@ -97,8 +97,7 @@ class _Plan:
     def _put(self, obj: EObject, feature: FeatureTable, values: Sequence[Any]) -> None:
         """Gives an element other values of a feature."""
         part = self._edited.part(obj)
-        made = self._edited.detached(self._edited.copy(obj))
-        change = FeatureChange(obj, part, made, feature, values)
+        change = FeatureChange(self._edited, obj, part, feature, values)
         if feature.name == NAME and not feature.many:
             self._put_name(change)
         elif feature.name == DOCUMENTATION:

@@ -318,12 +318,12 @@ class Outline:
     def _bodies_of(self, part: Part) -> list[Body]:
         found = self._bodies.get(id(part))
         if found is None:
-            lists = _held(part) if isinstance(part, Feature) else [part]
-            found = [body for each in lists for body in self._listed(each)]
+            owners = _held(part) if isinstance(part, Feature) else [part]
+            found = [b for each in owners if isinstance(each, Item) for b in self._listed(each)]
             self._bodies[id(part)] = found
         return found
 
-    def _listed(self, item: Part) -> list[Body]:
+    def _listed(self, item: Item) -> list[Body]:
         found = []
         for items, _ in lists_of(item):
             if isinstance(items, Items) and items.start is not None:

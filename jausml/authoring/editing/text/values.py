@@ -50,7 +50,7 @@ class Values:
         elif items:
             self._change(change, items)
         elif self._must_be_said(change.obj, feature, change.values):
-            self.add(change.obj, part, self._edited.elements.feature(change.made, feature))
+            self.add(change.obj, part, self._edited.elements.feature(change.alone, feature))
 
     def add(self, obj: EObject, part: Part, item: Feature) -> None:
         """Adds a feature to the block of an element."""
@@ -95,7 +95,7 @@ class Values:
         old = _values(change.obj, feature)
         if _are_same(old, values):
             return
-        rendered = self._edited.elements.feature(change.made, feature).values
+        rendered = self._edited.elements.feature(change.alone, feature).values
         if len(items) > 1 or len(old) != len(items[0].values):
             for each in items[1:]:
                 body, _ = self._edited.outline.place(each)
