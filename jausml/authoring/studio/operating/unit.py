@@ -18,6 +18,7 @@ from jausml.authoring.studio.operating.stops import Stops, told_stop
 from jausml.authoring.studio.operating.streams import Streams
 from jausml.authoring.studio.operating.values import Values
 from jausml.authoring.studio.operating.watching import UnitError, WatchedSystem
+from jausml.authoring.studio.running import LONGEST
 from jausml.authoring.studio.security import Token
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.systems.state import state_as_json
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.state import SystemState
     from jausml.runtime.base.address import JausAddress
-
-LONGEST = 1.0
-"""Seconds after which a state is told that has not changed."""
 
 _LONGEST_STOP = 30.0
 """Seconds that the end of the unit waits for what stops a lost page's components."""
@@ -135,7 +133,7 @@ class OperatorUnit:
 
     def content(self, state: SystemState | None = None) -> dict[str, Any]:
         """Returns what all pages are told."""
-        told = state_as_json(self._system.state() if state is None else state)
+        told = state_as_json(self._system.monitor.state() if state is None else state)
         operator, commander, stick = self._system.running, self._commander, self.sticks.held
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -171,7 +169,7 @@ class OperatorUnit:
 
     def tells_url(self, component: str, report: str, url: str) -> bool:
         """Tells whether a component that is not gone has an address in a report that is watched."""
-        known = self._system.state().components.get(component)
+        known = self._system.monitor.state().components.get(component)
         is_gone = known is not None and known.is_gone
         return not is_gone and self.values.has_url(component, report, url)
 
