@@ -1,10 +1,38 @@
-"""What pages that need nothing else begin with."""
+"""Pages that need nothing else: what they begin with, and templates that ask for the rest."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
 from html import escape
+from typing import TYPE_CHECKING
+
+import jinja2
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def page(package: str, name: str, title: str, styles: Sequence[str] = (), **known: object) -> str:
+    """Returns a page that loads and runs nothing, of two templates of a package.
+
+    `name`: theirs, without `.html.j2` and `.css.j2`. `styles`: what else within the page may give
+    it a style. `known`: what the templates may ask; all of it is text and no markup, unless it is
+    marked as such.
+    """
+    loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
+    environment = jinja2.Environment(
+        loader=jinja2.ChoiceLoader(loaders),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    style = environment.get_template(f"{name}.css.j2").render()
+    allowed = " ".join(map(hashed, (style, *styles)))
+    policy = f"default-src 'none'; style-src {allowed}; base-uri 'none'"
+    body = environment.get_template(f"{name}.html.j2").render(known)
+    return f"{page_head(title, style, policy)}\n{body}\n</body>\n</html>\n"
 
 
 def page_head(title: str, style: str, policy: str = "") -> str:
