@@ -225,13 +225,11 @@ def _table(campaign: Campaign) -> Iterator[str]:
 
 def page(campaign: Campaign) -> str:
     """Returns the page of a campaign."""
-    return pages.page(
-        "jausml.mutating",
-        "campaign",
-        f"Mutations of {campaign.model}",
-        campaign=campaign,
-        summary=summary(campaign),
-        ways=list(NOTICED_BY),
-        rows=[[name, *(str(each or "") for each in counts)] for name, counts in rows(campaign)],
-        survivors=map(told, campaign.survivors()),
-    )
+    known = {
+        "campaign": campaign,
+        "summary": summary(campaign),
+        "ways": list(NOTICED_BY),
+        "rows": [[name, *(str(each or "") for each in counts)] for name, counts in rows(campaign)],
+        "survivors": list(map(told, campaign.survivors())),
+    }
+    return pages.page("jausml.mutating", "campaign", f"Mutations of {campaign.model}", known)

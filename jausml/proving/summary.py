@@ -230,7 +230,7 @@ def pages(
 
 def _page(title: str, **known: object) -> str:
     sizes = {"wide": _WIDTH, "top": _TOP, "bottom": _TOP + _HEIGHT}
-    return page("jausml.proving", "proofs", title, **sizes, **known)
+    return page("jausml.proving", "proofs", title, {**sizes, **known})
 
 
 def _file(name: str, taken: dict[str, None]) -> str:

@@ -223,18 +223,15 @@ _SEAL = "<!-- sha256 of what stands above: "
 def render(case: SafetyCase, pictures: Mapping[str, str]) -> str:
     """Returns a safety case as a document."""
     drawn = {name: Markup(svg) for name, svg in pictures.items()}  # noqa: S704 - as we have drawn it
-    text = page(
-        "jausml.safety_case",
-        "case",
-        f"Safety case of {case.system}",
-        [STYLE],
-        case=case,
-        evidence={each.id: each for each in case.evidence},
-        overview=drawn["case"],
-        pictures={each.id: [drawn[name] for name in names_of(each)] for each in case.hazards},
-        places={each.id: _place(each) for each in case.goals},
-        links={each.path: quote(each.path, errors="surrogateescape") for each in case.evidence},
-    )
+    known = {
+        "case": case,
+        "evidence": {each.id: each for each in case.evidence},
+        "overview": drawn["case"],
+        "pictures": {each.id: [drawn[name] for name in names_of(each)] for each in case.hazards},
+        "places": {each.id: _place(each) for each in case.goals},
+        "links": {each.path: quote(each.path, errors="surrogateescape") for each in case.evidence},
+    }
+    text = page("jausml.safety_case", "case", f"Safety case of {case.system}", known, [STYLE])
     return f"{text}{_SEAL}{_digest(text)} -->\n"
 
 

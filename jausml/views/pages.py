@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING
 import jinja2
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 
-def page(package: str, name: str, title: str, styles: Sequence[str] = (), **known: object) -> str:
+def page(
+    package: str, name: str, title: str, known: Mapping[str, object], styles: Sequence[str] = ()
+) -> str:
     """Returns a page that loads and runs nothing, of two templates of a package.
 
-    `name`: theirs, without `.html.j2` and `.css.j2`. `styles`: what else within the page may give
-    it a style. `known`: what the templates may ask; all of it is text and no markup, unless it is
-    marked as such.
+    `name`: theirs, without `.html.j2` and `.css.j2`. `known`: what the templates may ask; all of it
+    is text and no markup, unless it is marked as such. `styles`: what else within the page may give
+    it a style.
     """
     loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
     environment = jinja2.Environment(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from threading import Event
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.running import RunningSystem, messages_of
 from jausml.language.metamodel.classes import system
 from jausml.live.messages import Catalogue, load_catalogue
@@ -23,10 +24,6 @@ if TYPE_CHECKING:
     from jausml.live.systems.state import SystemState
 
 _TIMEOUT = 2.0
-
-
-class UnitError(Exception):
-    """The unit does not do what it is asked; the text says why."""
 
 
 class WatchedSystem(RunningSystem):
@@ -72,10 +69,10 @@ class WatchedSystem(RunningSystem):
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`UnitError`: there is no network, or not yet)."""
+        """Who asks and commands (`AnswerError`: there is no network, or not yet)."""
         self._ready.wait(_TIMEOUT)
         if self.running is None:
-            raise UnitError(self.fault)
+            raise AnswerError(self.fault)
         return self.running
 
     def _look(self) -> None:

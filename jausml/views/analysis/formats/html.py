@@ -68,15 +68,9 @@ def render(report: Report) -> str:
         heaviest = sorted(each.connections, key=lambda one: (-_octets(one.load), one.name))
         table = _Table(_LOAD, list(map(_row, heaviest)), [one.load for one in heaviest])
         bridges.append((each, table, heaviest))
-    return page(
-        __package__,
-        "report",
-        f"Load and times of {report.system}",
-        report=report,
-        words=words,
-        sums=_Table(_SUMS, sums, loads),
-        bridges=bridges,
-    )
+    known = {"report": report, "words": words, "bridges": bridges}
+    known["sums"] = _Table(_SUMS, sums, loads)
+    return page(__package__, "report", f"Load and times of {report.system}", known)
 
 
 def _octets(load: Load) -> float:
