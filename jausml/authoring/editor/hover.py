@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.editor.context import Part, Place, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
 from jausml.authoring.editor.workbench import names_in
+from jausml.language.interfaces.definitions import FieldType
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -195,10 +196,8 @@ def _ros_type(field: ros.Field) -> str:
         word = qualified_name(field.messageType).replace(".", "/") if field.messageType else ""
     else:
         word = str(getattr(getattr(field, "type", None), "name", ""))
-    size = field.arraySize or ""
-    brackets = {"fixedArray": f"[{size}]", "boundedSequence": f"[<={size}]"}
-    kind = field.arrayKind.name
-    return word + brackets.get(kind, "[]" if kind == "unboundedSequence" else "")
+    kind, size = field.arrayKind.name, int(field.arraySize or 0)
+    return str(FieldType(word, array=kind, array_size=size))
 
 
 def _service(service: jaus.Service) -> str:
