@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editor.context import Part, Place, context_at, features_of, keywords, table
+from jausml.authoring.editor.context import Part, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
+from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import names_in
 from jausml.language.interfaces.definitions import FieldType
 from jausml.language.metamodel import documentation
