@@ -1,4 +1,4 @@
-"""Pages that need nothing else: what they begin with, and templates that ask for the rest."""
+"""Pages that need nothing else, by templates that ask; and tables in Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import jinja2
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 
 def page(
@@ -49,6 +49,14 @@ def page_head(title: str, style: str, policy: str = "") -> str:
         f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
         f"<h1>{escape(title)}</h1>"
     )
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Returns the lines of a table in Markdown."""
+    escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
+    lines = (f"| {' | '.join(cells)} |" for cells in (head, *escaped))
+    first, *others = lines
+    return [first, f"|{'---|' * len(head)}", *others]
 
 
 def hashed(text: str) -> str:

@@ -19,9 +19,10 @@ from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.text import rows_of
+from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from lark import Token
@@ -217,13 +218,8 @@ def _table(head: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
     """Returns a table in Markdown, empty without rows."""
     if not cells:
         return ""
-    lines = [_line(head), _line(["---"] * len(head)), *map(_line, cells[:_MOST_ROWS])]
     more = f"\n\n{len(cells) - _MOST_ROWS} more" if len(cells) > _MOST_ROWS else ""
-    return "\n".join(lines) + more
-
-
-def _line(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(each.replace('|', chr(92) + '|') for each in cells)} |"
+    return "\n".join(markdown_table(head, cells[:_MOST_ROWS])) + more
 
 
 def _first_line(text: str | None) -> str:
