@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 from html import escape
 from typing import TYPE_CHECKING
@@ -22,19 +23,25 @@ def page(
     is text and no markup, unless it is marked as such. `styles`: what else within the page may give
     it a style.
     """
+    environment = _environment(package)
+    style = environment.get_template(f"{name}.css.j2").render()
+    allowed = " ".join(map(hashed, (style, *styles)))
+    policy = f"default-src 'none'; style-src {allowed}; base-uri 'none'"
+    body = environment.get_template(f"{name}.html.j2").render(known)
+    return f"{page_head(title, style, policy)}\n{body}\n</body>\n</html>\n"
+
+
+@functools.cache
+def _environment(package: str) -> jinja2.Environment:
+    """Returns the templates of a package, and those that all pages share."""
     loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
-    environment = jinja2.Environment(
+    return jinja2.Environment(
         loader=jinja2.ChoiceLoader(loaders),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    style = environment.get_template(f"{name}.css.j2").render()
-    allowed = " ".join(map(hashed, (style, *styles)))
-    policy = f"default-src 'none'; style-src {allowed}; base-uri 'none'"
-    body = environment.get_template(f"{name}.html.j2").render(known)
-    return f"{page_head(title, style, policy)}\n{body}\n</body>\n</html>\n"
 
 
 def page_head(title: str, style: str, policy: str = "") -> str:
