@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from figures import rounded
 
 from jausml.authoring.editor.completion import complete
-from jausml.authoring.editor.context import Columns, Place
 from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.places import Columns, Place
 from jausml.authoring.editor.workbench import Workbench
 from jausml.language.text.reading.pieces import roughly_parsed
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.mutating.operators import OPERATORS
 from jausml.mutating.outcomes import NOTHING, NOTICED_BY
+from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -46,25 +47,19 @@ HEAD = """\
 Look up what notices a mistake in the models of the examples. `make mutate` has broken them, one
 thing at a time, as [`jausml mutate`](../how-to/mutate.md) does with any model, and has written this
 page.
-
-| column | meaning |
-|---|---|
 """
 
 
 def operators() -> Iterator[str]:
     """Yields the table of the operators."""
-    yield from (
-        "## Operators",
-        "",
-        "| operator | what it does | of which features |",
-        "|---|---|---|",
-    )
+    rows = []
     for each in OPERATORS:
         features = "; ".join(
             f"`{name}`: {', '.join(f'`{one}`' for one in of)}" for name, of in each.of_classes()
         )
-        yield f"| {each.name} | {each.does} | {features} |"
+        rows.append((each.name, each.does, features))
+    yield from ("## Operators", "")
+    yield from markdown_table(("operator", "what it does", "of which features"), rows)
 
 
 def main(arguments: Sequence[str]) -> None:
@@ -96,7 +91,7 @@ def _campaign(model: str, verdict: str, limit: int, jobs: int) -> dict[str, Any]
 
 def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
     """Returns the page of some campaigns."""
-    lines = [HEAD + "\n".join(f"| {name} | {words} |" for name, words in NOTICED_BY.items()), ""]
+    lines = [HEAD, *markdown_table(("column", "meaning"), NOTICED_BY.items()), ""]
     for each in campaigns:
         lines += [*_of_model(each), ""]
     return "\n".join([*lines, *operators()]) + "\n"
@@ -113,10 +108,11 @@ def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     ]
     yield from ("", verdict) if verdict else ()
     yield ""
-    yield f"| operator | {' | '.join(NOTICED_BY)} |"
-    yield f"|---|{'---|' * len(NOTICED_BY)}"
-    for name, row in campaign["matrix"].items():
-        yield f"| {name} | {' | '.join(str(row.get(each, '')) for each in NOTICED_BY)} |"
+    rows = (
+        (name, *(str(row.get(each, "")) for each in NOTICED_BY))
+        for name, row in campaign["matrix"].items()
+    )
+    yield from markdown_table(("operator", *NOTICED_BY), rows)
     for remark in campaign["remarks"]:
         yield from ("", f"Note: {remark}.")
     if survivors:

@@ -19,6 +19,7 @@ from jausml.language.metamodel import (
 )
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
+from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -91,24 +92,22 @@ def _class(table: ClassTable) -> list[str]:
         lines += [f"Specialises {supers}.", ""]
     own = [table.features[feature.name] for feature in table.eclass.eStructuralFeatures]
     if own:
-        lines += ["| feature | type | number | default | meaning |", "|---|---|---|---|---|"]
-        lines += [_feature(feature) for feature in own]
-        lines.append("")
+        head = ("feature", "type", "number", "default", "meaning")
+        lines += [*markdown_table(head, map(_feature, own)), ""]
     return lines
 
 
-def _feature(feature: FeatureTable) -> str:
+def _feature(feature: FeatureTable) -> tuple[str, ...]:
     upper = "*" if feature.upper < 0 else str(feature.upper)
     number = str(feature.lower) if str(feature.lower) == upper else f"{feature.lower}..{upper}"
     default = feature.feature.defaultValueLiteral or ""
-    cells = (
+    return (
         f"`{feature.name}`",
         feature.type_name,
         number,
         default,
         documentation(feature.feature),
     )
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def _data_types(package: PackageTable) -> list[str]:
@@ -116,10 +115,8 @@ def _data_types(package: PackageTable) -> list[str]:
     for classifier in package.epackage.eClassifiers:
         if classifier.eClass.name == "EEnum":
             lines += [f"## {classifier.name}", "", documentation(classifier), ""]
-            lines += ["| literal | meaning |", "|---|---|"]
-            literals = classifier.eLiterals
-            lines += [f"| `{literal.name}` | {documentation(literal)} |" for literal in literals]
-            lines.append("")
+            literals = [(f"`{each.name}`", documentation(each)) for each in classifier.eLiterals]
+            lines += [*markdown_table(("literal", "meaning"), literals), ""]
         elif classifier.eClass.name == "EDataType":
             lines += [f"## {classifier.name}", "", documentation(classifier), ""]
     return lines
@@ -127,12 +124,12 @@ def _data_types(package: PackageTable) -> list[str]:
 
 def conversions_page() -> str:
     """Returns the page of the conversions: how each is written, what it takes and yields."""
-    lines = [_CONVERSIONS, "| conversion | takes | yields | meaning |", "|---|---|---|---|"]
-    for known in CONVERSIONS.values():
-        ends = (", ".join(known.inputs), ", ".join(known.outputs))
-        cells = (f"`{known.call}`", *ends, known.documentation)
-        lines.append(f"| {' | '.join(cells)} |")
-    lines += ["", _ARITHMETIC]
+    rows = [
+        (f"`{each.call}`", ", ".join(each.inputs), ", ".join(each.outputs), each.documentation)
+        for each in CONVERSIONS.values()
+    ]
+    head = ("conversion", "takes", "yields", "meaning")
+    lines = [_CONVERSIONS, *markdown_table(head, rows), "", _ARITHMETIC]
     for known in CONVERSIONS.values():
         lines += [*_arithmetic(known.name, known.definition), ""]
     return "\n".join([*lines[:-1], "```"]) + "\n"

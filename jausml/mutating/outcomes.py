@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from html import escape
 from typing import Any
 
 from jausml import __version__
@@ -23,7 +22,7 @@ from jausml.proving.compiled_form import ProgramError
 from jausml.proving.results import PROOF_RULES, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
-from jausml.views.pages import page_head
+from jausml.views import pages
 
 _STATES = 100_000
 _BUDGET = 10.0
@@ -224,42 +223,13 @@ def _table(campaign: Campaign) -> Iterator[str]:
         yield " ".join([f"{name:{wide}}", *(f"{each or '.':>8}" for each in counts)])
 
 
-_STYLE = """
-:root { color-scheme: light dark; }
-body { font: 15px/1.45 system-ui, sans-serif; }
-body { margin: 2rem auto; max-width: 70rem; padding: 0 1rem; }
-table { border-collapse: collapse; }
-th, td { border-top: 1px solid #8886; padding: .2rem .6rem; text-align: left; }
-td { overflow-wrap: anywhere; vertical-align: top; }
-"""
-
-
 def page(campaign: Campaign) -> str:
     """Returns the page of a campaign."""
-    head = page_head(f"Mutations of {campaign.model}", _STYLE)
-    return "\n".join([head, *_parts(campaign), "</body>\n</html>\n"])
-
-
-def _parts(campaign: Campaign) -> Iterator[str]:
-    yield f"<p>{escape(summary(campaign))}</p>"
-    for remark in campaign.remarks:
-        yield f"<p>Note: {escape(remark)}</p>"
-    yield from _html_table(
-        ["operator", *NOTICED_BY],
-        ([name, *(str(each or "") for each in counts)] for name, counts in rows(campaign)),
-    )
-    yield "<h2>Nothing notices</h2>"
-    yield from (f"<p>{escape(told(each))}</p>" for each in campaign.survivors())
-    yield "<h2>All mutations</h2>"
-    yield from _html_table(
-        ["operator", "place", "change", "noticed by", ""],
-        ([o.operator, o.place, o.words, o.noticed_by, o.by] for o in campaign.outcomes),
-    )
-
-
-def _html_table(head: Iterable[str], body: Iterable[Iterable[str]]) -> Iterator[str]:
-    yield "<table>"
-    yield f"<tr>{''.join(f'<th>{escape(each)}</th>' for each in head)}</tr>"
-    for row in body:
-        yield f"<tr>{''.join(f'<td>{escape(each)}</td>' for each in row)}</tr>"
-    yield "</table>"
+    known = {
+        "campaign": campaign,
+        "summary": summary(campaign),
+        "ways": list(NOTICED_BY),
+        "rows": [[name, *(str(each or "") for each in counts)] for name, counts in rows(campaign)],
+        "survivors": list(map(told, campaign.survivors())),
+    }
+    return pages.page("jausml.mutating", "campaign", f"Mutations of {campaign.model}", known)

@@ -1,10 +1,47 @@
-"""What pages that need nothing else begin with."""
+"""Pages that need nothing else, by templates that ask; and tables in Markdown."""
 
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 from html import escape
+from typing import TYPE_CHECKING
+
+import jinja2
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+
+def page(
+    package: str, name: str, title: str, known: Mapping[str, object], styles: Sequence[str] = ()
+) -> str:
+    """Returns a page that loads and runs nothing, of two templates of a package.
+
+    `name`: theirs, without `.html.j2` and `.css.j2`. `known`: what the templates may ask; all of it
+    is text and no markup, unless it is marked as such. `styles`: what else within the page may give
+    it a style.
+    """
+    environment = _environment(package)
+    style = environment.get_template(f"{name}.css.j2").render()
+    allowed = " ".join(map(hashed, (style, *styles)))
+    policy = f"default-src 'none'; style-src {allowed}; base-uri 'none'"
+    body = environment.get_template(f"{name}.html.j2").render(known)
+    return f"{page_head(title, style, policy)}\n{body}\n</body>\n</html>\n"
+
+
+@functools.cache
+def _environment(package: str) -> jinja2.Environment:
+    """Returns the templates of a package, and those that all pages share."""
+    loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
+    return jinja2.Environment(
+        loader=jinja2.ChoiceLoader(loaders),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
 
 
 def page_head(title: str, style: str, policy: str = "") -> str:
@@ -19,6 +56,14 @@ def page_head(title: str, style: str, policy: str = "") -> str:
         f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
         f"<h1>{escape(title)}</h1>"
     )
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Returns the lines of a table in Markdown."""
+    escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
+    lines = (f"| {' | '.join(cells)} |" for cells in (head, *escaped))
+    first, *others = lines
+    return [first, f"|{'---|' * len(head)}", *others]
 
 
 def hashed(text: str) -> str:

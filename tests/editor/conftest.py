@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.editor.context import Place
+from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import Workbench
 from jausml.language.project import library
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from jausml.authoring.editing.commands import Remove
 from jausml.authoring.editor.completion import UNITS, complete
-from jausml.authoring.editor.context import Columns, Place
 from jausml.authoring.editor.definition import define, outline
 from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.places import Columns, Place
 from jausml.authoring.editor.workspace_edits import RenameError, fixes, rename, unsaved
 from jausml.language.attributes.units import parse_unit
 from jausml.language.metamodel.classes import bridge

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from jausml.authoring.editor.completion import complete
-from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
+from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems, syntax_problems
 from jausml.language.model import read_models
 from jausml.language.text.reading import parsing

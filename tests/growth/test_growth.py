@@ -16,9 +16,9 @@ from counting import calls
 from sweeps import sweep
 
 from jausml.authoring.editor.completion import complete
-from jausml.authoring.editor.context import Place
 from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems
 from jausml.generation import load_targets, render, select
 from jausml.language.metamodel.classes import system

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 from typing import TYPE_CHECKING
+
+from lsprotocol.types import CompletionItemKind as Kind
 
 from jausml.authoring.editor.context import (
     Part,
-    Place,
     contained_classes,
     context_at,
     features_of,
     keywords,
-    start_of,
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
+from jausml.authoring.editor.places import Place, start_of
 from jausml.authoring.editor.workbench import names_in
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
@@ -63,20 +63,6 @@ _TOP_WORDS = ("import", "struct", *_TOP)
 _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
 
 
-class CompletionKind(Enum):
-    """The kind of a completion."""
-
-    KEYWORD = "keyword"
-    MESSAGE = "message"
-    FIELD = "field"
-    CONVERSION = "conversion"
-    UNIT = "unit"
-    VALUE = "value"
-    FEATURE = "feature"
-    NAME = "name"
-    FILE = "file"
-
-
 @dataclass(frozen=True, slots=True)
 class Completion:
     """Something that can stand at a place.
@@ -88,7 +74,7 @@ class Completion:
     """
 
     label: str
-    kind: CompletionKind
+    kind: Kind
     detail: str = ""
     documentation: str = ""
     text: str = ""
@@ -127,7 +113,7 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
     if context.item is None:
         yield from (_keyword(each) for each in _TOP_WORDS)
     elif context.item is context.map:
-        yield from (Completion(each, CompletionKind.KEYWORD) for each in _MAP_WORDS)
+        yield from (Completion(each, Kind.Keyword) for each in _MAP_WORDS)
     if context.table is not None:
         yield from (_keyword(snake_case(each.name)) for each in contained_classes(context.table))
     yield from map(_feature, features_of(context.item, context.table).values())
@@ -135,21 +121,17 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
 
 def _keyword(word: str) -> Completion:
     known = keywords().get(word)
-    return Completion(
-        word, CompletionKind.KEYWORD, "", documentation(known.eclass) if known else ""
-    )
+    return Completion(word, Kind.Keyword, "", documentation(known.eclass) if known else "")
 
 
 def _feature(feature: FeatureTable) -> Completion:
     name = feature.name
     kind = feature.type_name.rpartition(".")[2]
-    return Completion(
-        name, CompletionKind.FEATURE, kind, documentation(feature.feature), f"{name}: "
-    )
+    return Completion(name, Kind.Property, kind, documentation(feature.feature), f"{name}: ")
 
 
 def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from (Completion(written_word(each), CompletionKind.FILE) for each in library_files())
+    yield from (Completion(written_word(each), Kind.File) for each in library_files())
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -159,7 +141,7 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
         name = written_word(each.name or "")
         yield Completion(
             name,
-            CompletionKind.MESSAGE,
+            Kind.Class,
             detail,
             each.documentation or "",
             module=bench.file_of(path, each),
@@ -173,7 +155,7 @@ def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
             name = written_word(f"{package}/{each.name}")
             yield Completion(
                 name,
-                CompletionKind.MESSAGE,
+                Kind.Class,
                 "",
                 each.documentation or "",
                 module=bench.file_of(path, each),
@@ -188,16 +170,16 @@ def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completi
     for field in fields_of(sides.target if end.is_jaus else sides.source):
         found = sides.follow(field.name, is_source=not end.is_jaus)
         detail = ", ".join(facts(found.attribute())) if found is not None else ""
-        yield Completion(written_word(field.name), CompletionKind.FIELD, detail)
+        yield Completion(written_word(field.name), Kind.Field, detail)
 
 
 def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
     is_source = context.part is Part.SOURCE
     sides = sides_at(bench, path, context)
     if not context.word and is_source and context.around(Direction) is not None:
-        yield from (Completion(each, CompletionKind.KEYWORD) for each in ("ignore", "clock"))
+        yield from (Completion(each, Kind.Keyword) for each in ("ignore", "clock"))
     if is_source:
-        yield from (Completion(each, CompletionKind.NAME, "join") for each in sides.joins)
+        yield from (Completion(each, Kind.Reference, "join") for each in sides.joins)
         if isinstance(context.item, Assignment):
             yield from map(_feature, features_of(context.item, None).values())
     before, _, _ = context.word.rpartition(".")
@@ -206,7 +188,7 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         found = sides.follow(name, is_source=is_source)
         detail = ", ".join(facts(found.attribute())) if found is not None else ""
         said = field.documentation or ""
-        yield Completion(written_path(name), CompletionKind.FIELD, detail, said)
+        yield Completion(written_path(name), Kind.Field, detail, said)
 
 
 def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -216,7 +198,7 @@ def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Comp
 def conversion_completion(conversion: Conversion) -> Completion:
     """Returns a conversion with its signature and what it does."""
     shown = (conversion.signature, conversion.documentation)
-    return Completion(conversion.name, CompletionKind.CONVERSION, *shown)
+    return Completion(conversion.name, Kind.Function, *shown)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -230,7 +212,7 @@ def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
 
 def _units(context: Context) -> Iterator[Completion]:
     for each in UNITS:
-        yield Completion(each, CompletionKind.UNIT, text=each if context.in_text else f'"{each}"')
+        yield Completion(each, Kind.Unit, text=each if context.in_text else f'"{each}"')
 
 
 def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -257,7 +239,7 @@ def _reference(candidate: Candidate) -> Completion:
     name = written_path(candidate.name)
     return Completion(
         name,
-        CompletionKind.NAME,
+        Kind.Reference,
         candidate.detail,
         module=candidate.module,
         is_first=candidate.fits,
@@ -267,12 +249,15 @@ def _reference(candidate: Candidate) -> Completion:
 def _literals(feature: FeatureTable) -> Iterator[Completion]:
     data_type = feature.data_type
     if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
-        yield from (Completion(each, CompletionKind.VALUE) for each in ("true", "false"))
+        yield from (Completion(each, Kind.EnumMember) for each in ("true", "false"))
     for each in data_type.legal if data_type is not None else ():
         literal = data_type.literals[each] if data_type is not None else None
         default = " (default)" if literal is not None and literal == feature.default else ""
         yield Completion(
-            written_word(each), CompletionKind.VALUE, default.strip(), documentation(literal)
+            written_word(each),
+            Kind.EnumMember,
+            default.strip(),
+            documentation(literal),
         )
 
 
@@ -284,7 +269,7 @@ def _declared(
         for each in names_in(bench.text(file)).declared(wanted):
             if _is_visible(each, context):
                 detail = f"{snake_case(each.table.name)} in {show(file.name)}"
-                yield Completion(written_path(each.name.text), CompletionKind.NAME, detail)
+                yield Completion(written_path(each.name.text), Kind.Reference, detail)
 
 
 def _is_visible(declaration: Declaration, context: Context) -> bool:

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from itertools import takewhile
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.authoring.editor.context import Part, Place, context_at, is_within
+from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.names import Declaration, find
+from jausml.authoring.editor.places import Place, is_within
 from jausml.authoring.editor.workbench import imported_file, names_in
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editor.context import Part, Place, context_at, features_of, keywords, table
+from jausml.authoring.editor.context import Part, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
+from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import names_in
+from jausml.language.interfaces.definitions import FieldType
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -17,9 +19,10 @@ from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.text import rows_of
+from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from lark import Token
@@ -195,10 +198,8 @@ def _ros_type(field: ros.Field) -> str:
         word = qualified_name(field.messageType).replace(".", "/") if field.messageType else ""
     else:
         word = str(getattr(getattr(field, "type", None), "name", ""))
-    size = field.arraySize or ""
-    brackets = {"fixedArray": f"[{size}]", "boundedSequence": f"[<={size}]"}
-    kind = field.arrayKind.name
-    return word + brackets.get(kind, "[]" if kind == "unboundedSequence" else "")
+    kind, size = field.arrayKind.name, int(field.arraySize or 0)
+    return str(FieldType(word, array=kind, array_size=size))
 
 
 def _service(service: jaus.Service) -> str:
@@ -217,13 +218,8 @@ def _table(head: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
     """Returns a table in Markdown, empty without rows."""
     if not cells:
         return ""
-    lines = [_line(head), _line(["---"] * len(head)), *map(_line, cells[:_MOST_ROWS])]
     more = f"\n\n{len(cells) - _MOST_ROWS} more" if len(cells) > _MOST_ROWS else ""
-    return "\n".join(lines) + more
-
-
-def _line(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(each.replace('|', chr(92) + '|') for each in cells)} |"
+    return "\n".join(markdown_table(head, cells[:_MOST_ROWS])) + more
 
 
 def _first_line(text: str | None) -> str:

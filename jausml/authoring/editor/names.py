@@ -7,13 +7,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from weakref import WeakKeyDictionary
 
-from jausml.authoring.editor.context import (
-    class_of,
-    class_of_value,
-    feature_named,
-    is_within,
-    table,
-)
+from jausml.authoring.editor.context import class_of, class_of_value, feature_named, table
+from jausml.authoring.editor.places import is_within
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
 from jausml.language.text.reading.joining import Joined, Part, moved
 from jausml.language.text.tree import (
@@ -34,7 +29,7 @@ from jausml.language.text.tree import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from jausml.authoring.editor.context import Place
+    from jausml.authoring.editor.places import Place
     from jausml.language.metamodel import ClassTable
 
 _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}

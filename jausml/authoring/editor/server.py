@@ -18,10 +18,10 @@ from pygls.uris import from_fs_path, to_fs_path
 from pygls.workspace import TextDocument
 
 from jausml import __version__
-from jausml.authoring.editor.completion import Completion, CompletionKind, CompletionList, complete
-from jausml.authoring.editor.context import Columns, Place
+from jausml.authoring.editor.completion import Completion, CompletionList, complete
 from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
+from jausml.authoring.editor.places import Columns, Place
 from jausml.authoring.editor.workbench import (
     Problem,
     Workbench,
@@ -53,17 +53,6 @@ _SEVERITIES = {
     Severity.ERROR: types.DiagnosticSeverity.Error,
     Severity.WARNING: types.DiagnosticSeverity.Warning,
     Severity.INFO: types.DiagnosticSeverity.Information,
-}
-_KINDS = {
-    CompletionKind.KEYWORD: types.CompletionItemKind.Keyword,
-    CompletionKind.MESSAGE: types.CompletionItemKind.Class,
-    CompletionKind.FIELD: types.CompletionItemKind.Field,
-    CompletionKind.CONVERSION: types.CompletionItemKind.Function,
-    CompletionKind.UNIT: types.CompletionItemKind.Unit,
-    CompletionKind.VALUE: types.CompletionItemKind.EnumMember,
-    CompletionKind.FEATURE: types.CompletionItemKind.Property,
-    CompletionKind.NAME: types.CompletionItemKind.Reference,
-    CompletionKind.FILE: types.CompletionItemKind.File,
 }
 _At = TypeVar(
     "_At",
@@ -239,7 +228,7 @@ class _Handlers:
         items = [
             types.CompletionItem(
                 label=each.label,
-                kind=_KINDS[each.kind],
+                kind=each.kind,
                 detail=each.detail or None,
                 documentation=each.documentation or None,
                 filter_text=each.label,

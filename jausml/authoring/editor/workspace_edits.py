@@ -13,9 +13,9 @@ from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute
 from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editing.splices import common_ends
-from jausml.authoring.editor.context import is_within, start_of
 from jausml.authoring.editor.definition import declaration_at
 from jausml.authoring.editor.names import Owner
+from jausml.authoring.editor.places import is_within, start_of
 from jausml.authoring.editor.workbench import checked, names_in
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editor.context import Place
     from jausml.authoring.editor.names import Declaration
+    from jausml.authoring.editor.places import Place
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Diagnostic

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from contextlib import ExitStack
 from dataclasses import dataclass
-from threading import Event, Lock, Thread
+from functools import partial
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.studio.live_machines import is_known, machine_boxes
-from jausml.authoring.studio.live_places import Places, places_of
-from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages import CatalogueError, load_catalogue
-from jausml.live.peers.network import fault, identified, silence_log
-from jausml.live.peers.operator import running_operator
-from jausml.live.peers.query_client import NoAnswer
-from jausml.live.systems.folding import expected
+from jausml.authoring.studio.live_places import Places, is_known, machine_boxes, places_of
+from jausml.authoring.studio.running import LONGEST, RunningSystem, messages_of
 from jausml.live.systems.inspection import Inspection
-from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.live.systems.state import Level, components_of, declarations_of, state_as_json
 from jausml.live.systems.tables import cell, state_text
 
@@ -27,7 +20,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.language.model import Model
-    from jausml.live.messages import Catalogue
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
@@ -185,17 +177,10 @@ def _component_text(component: ComponentState) -> str:
     return component.state or component.reason
 
 
-PERIOD = 0.25
-"""Seconds from one look at the state to the next."""
-
-LONGEST = 1.0
-"""Seconds after which a state is told that has not changed: its ages have."""
-
 GLANCE = 5.0
 """Seconds without a question for its last message after which a connection is looked at no more."""
 
 _TIMEOUT = 1.0
-_REMEDY = "End it, or let it share the port"
 
 
 class NotWatchedError(Exception):
@@ -212,7 +197,7 @@ class Watched:
     model: Model
 
 
-class LiveSystem:
+class LiveSystem(RunningSystem):
     """One running system, from `start` to `stop`. Its methods may be called by any thread."""
 
     def __init__(
@@ -223,31 +208,18 @@ class LiveSystem:
         `notify`: takes the state as values for the page, on another thread: if it has changed, at
         most once in `PERIOD`, else once in `LONGEST`.
         """
+        known = partial(messages_of, watched.path, watched.root)
+        super().__init__(network, watched.model, known, _TIMEOUT)
         self.file = watched.file
-        self._watched = watched
-        self._network = network
         self._notify = notify
-        self._monitor = Monitor(
-            expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
-        )
         self._places = places_of(watched.model)
         self._changed: Model | None = None
         self._is_wanted = False
         self._sent = 0.0
+        self._before: tuple[object, ...] | None = None
         self._inspection: Inspection | None = None
         self._glanced: float | None = None
         self._lock = Lock()
-        self._end = Event()
-        self._thread = Thread(target=self._run, name="live", daemon=True)
-
-    def start(self) -> None:
-        """Begins to watch; what cannot be heard is told as part of the state."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Ends it: nobody is asked any more, and nothing subscribed to."""
-        self._end.set()
-        self._thread.join()
 
     def follow(self, model: Model) -> None:
         """Goes on with the model as it is now, from the next look at the state on."""
@@ -282,7 +254,7 @@ class LiveSystem:
         """Returns a connection and the age of its last message."""
         with self._lock:
             places = self._places
-        state = self._monitor.state()
+        state = self.monitor.state()
         for each in state.connections.values():
             if row_of(each, places) == row:
                 return each, state.age_of(each)
@@ -290,70 +262,36 @@ class LiveSystem:
 
     # ---- the thread -------------------------------------------------------------------------
 
-    def _run(self) -> None:
-        with ExitStack() as stack:
-            ros = stack.enter_context(listening(self._monitor))
-            operator = self._operator(stack)
-            self._open(operator, ros)
-            stack.callback(self._close)
-            before = None
-            while not self._end.wait(PERIOD):
-                before = self._look(before)
-
-    def _operator(self, stack: ExitStack) -> Operator | None:
-        """Returns who asks, None where JAUS has no network; the state says why."""
-        silence_log()
-        try:
-            network = stack.enter_context(identified(self._network))
-            operator = stack.enter_context(running_operator(network, self._catalogue(), _TIMEOUT))
-        except NoAnswer as error:
-            self._monitor.take_source("JAUS", str(error))
-        except OSError as error:
-            self._monitor.take_source("JAUS", fault(error, self._network, _REMEDY))
-        else:
-            stack.enter_context(polling(self._monitor, operator))
-            return operator
-        return None
-
-    def _catalogue(self) -> Catalogue:
-        """Returns the messages that we know: of a model with errors those of the library alone."""
-        try:
-            return load_catalogue(
-                [self._watched.path], project_root=self._watched.root, notations=NOTATIONS
-            )
-        except CatalogueError:
-            return load_catalogue()
-
-    def _open(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
+    def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
         with self._lock:
             self._inspection = Inspection(operator, ros)
 
-    def _close(self) -> None:
+    def _leave(self) -> None:
         with self._lock:
             inspection, self._inspection = self._inspection, None
         if inspection is not None:
             inspection.close()
 
-    def _look(self, before: tuple[object, ...] | None) -> tuple[object, ...]:
-        """Tells the state if it is another than before, and returns what is compared."""
+    def _look(self) -> None:
+        """Tells the state if it is another than before."""
         self._take_model()
-        state = self._monitor.state()
+        state = self.monitor.state()
         with self._lock:
             places = self._places
             is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
         present = (places, *_facts(state))
-        if is_wanted or present != before or state.now - self._sent >= LONGEST:
+        if is_wanted or present != self._before or state.now - self._sent >= LONGEST:
             self._sent = state.now
             self._notify({"file": self.file, "state": live_values(state, places)})
-        return present
+        self._before = present
 
     def _take_model(self) -> None:
         with self._lock:
             model, self._changed = self._changed, None
         if model is not None:
             places = places_of(model)
-            self._monitor.take_model(declarations_of(model), components_of(model))
+            self.monitor.take_model(declarations_of(model), components_of(model))
             with self._lock:
                 self._places = places
 

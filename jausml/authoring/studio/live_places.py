@@ -1,24 +1,27 @@
-"""Where the system view of a model shows what runs."""
+"""Where the views of a model show what runs, and what state machines say there."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.studio.live_machines import machine_views
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inherited_machines import machine_with
 from jausml.live.systems.state import node_of
+from jausml.live.systems.tables import cell, share_text
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import frames_of, is_large
 from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
 from jausml.views.diagrams.views.context import Context
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from jausml.authoring.studio.live_machines import Key, MachineView
     from jausml.language.model import Model
+    from jausml.live.systems.machines import MachineState
+    from jausml.live.systems.state import SystemState
     from jausml.views.diagrams.graph import Graph
 
 
@@ -83,3 +86,93 @@ def _frames(graph: Graph) -> dict[str, tuple[str, ...]]:
         for node in shown.nodes
         for name in (node.id, *(port.id for port in node.ports))
     }
+
+
+_ACTIVE, _AROUND, _LEFT = "active", "around", "left"
+"""Levels of states: a machine is in it, or in a state inside it, or was so."""
+
+
+@dataclass(frozen=True)
+class MachineView:
+    """The view of a machine: what the ids of its boxes begin with, and the paths of its states."""
+
+    start: str
+    paths: tuple[str, ...]
+
+    def box(self, path: str) -> str:
+        """Returns the id of the box or frame of a state."""
+        return f"{self.start}!{path}"
+
+
+Key = tuple[str, str]
+"""URN of a service and name of its machine."""
+
+
+def machine_views(model: Model) -> dict[Key, tuple[MachineView, ...]]:
+    """Returns the views that show a machine: its own, and those of the machines it extends."""
+    context = Context(model, SYSTEM, ())
+    found: dict[Key, tuple[MachineView, ...]] = {}
+    views: dict[jaus.StateMachine, MachineView] = {}
+    for element in model.instances(jaus.StateMachine):
+        whole, owner = machine_with(element), element.eContainer()
+        if whole is not None and owner is not None and owner.urn not in SERVED_BY_RUNTIME:
+            paths = dict.fromkeys((*whole.nodes, *whole.core_states))
+            views[element] = MachineView(context.id_of(element), tuple(paths))
+            shown = tuple(views[each] for each in whole.elements if each in views)
+            found[str(owner.urn), str(element.name)] = shown
+    return found
+
+
+def machine_boxes(
+    state: SystemState, views: Mapping[Key, Sequence[MachineView]]
+) -> dict[str, dict[str, Any]]:
+    """Returns how states are, by the ids of their boxes; those in which nobody was are left out."""
+    running: dict[MachineView, list[tuple[str, MachineState]]] = defaultdict(list)
+    for component in state.components.values():
+        for machine in component.present_machines:
+            for view in views.get((machine.service, machine.machine), ()):
+                running[view].append((component.name or component.address, machine))
+    boxes = {}
+    for view, instances in running.items():
+        for path in view.paths:
+            box = _box(path, instances)
+            if box is not None:
+                boxes[view.box(path)] = box
+    return boxes
+
+
+def _box(path: str, instances: Sequence[tuple[str, MachineState]]) -> dict[str, Any] | None:
+    """Returns how a state is in all components together, None when none was ever in it."""
+    machines = [each for _, each in instances]
+    inside = [time for each in machines for time in each.times if _lies_in(time.state, path)]
+    present = [(name, each) for name, each in instances if _lies_in(each.state, path)]
+    is_innermost = any(each.state == path for _, each in present)
+    if not inside and not present:
+        return None
+    words = []
+    if len(instances) > 1 and present:
+        names = ", ".join(name for name, _ in present)
+        words.append(f"{len(present)} of {len(instances)}: {names}")
+    elif is_innermost:
+        words.append(f"{present[0][1].seconds:.1f} s")
+    seconds, total = sum(each.seconds for each in inside), sum(each.total for each in machines)
+    words.append(f"{share_text(seconds, total)} of the time")
+    entries = sum(each.entries for each in inside if each.state == path)
+    words += [f"entered {entries}×"] if entries else []
+    return {
+        "level": _ACTIVE if is_innermost else _AROUND if present else _LEFT,
+        "gone": False,
+        "state": path,
+        "controller": "",
+        "text": cell("; ".join(words)),
+    }
+
+
+def _lies_in(path: str, outer: str) -> bool:
+    return path == outer or path.startswith(f"{outer}.")
+
+
+def is_known(machine: MachineState, views: Mapping[Key, Sequence[MachineView]]) -> bool:
+    """Tells whether the model has the state that a machine says it is in."""
+    shown = views.get((machine.service, machine.machine), ())
+    return any(machine.state in each.paths for each in shown)

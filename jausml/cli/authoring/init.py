@@ -17,14 +17,15 @@ from jausml.cli.authoring.topics import (
     topic_options,
     topics_of,
 )
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files
-from jausml.cli.shared.terminal import painted_findings
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.models import show_findings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.authoring.projects.creating import Wish
     from jausml.authoring.proposals.topics import Crossing
+    from jausml.cli.authoring.topics import Choosing
     from jausml.language.importers.jsidl import ImportResult
 
 _TOPICS, _JSIDL = "topics", "jsidl"
@@ -63,10 +64,7 @@ def command(
     notation: str | None,
     origin: str,
     copies: bool,
-    side: str,
-    yes: bool,
-    holds: tuple[str, ...],
-    joints: tuple[str, ...],
+    choosing: Choosing,
 ) -> None:
     """Make a project of models in DIR, which may already exist.
 
@@ -97,9 +95,7 @@ def command(
     try:
         wish = Wish(name or name_for(folder), notation == "text" or is_text_only, origin)
         if origin == _TOPICS:
-            written, chosen = _from_topics(
-                folder, wish, sources, side=side, yes=yes, holds=holds, joints=joints
-            )
+            written, chosen = _from_topics(folder, wish, sources, choosing)
         elif origin == _JSIDL:
             written = _from_jsidl(folder, wish, sources)
         else:
@@ -131,14 +127,7 @@ def _renew(folder: Path) -> None:
 
 
 def _from_topics(
-    folder: Path,
-    wish: Wish,
-    sources: Sequence[str],
-    *,
-    side: str,
-    yes: bool,
-    holds: Sequence[str],
-    joints: Sequence[str],
+    folder: Path, wish: Wish, sources: Sequence[str], choosing: Choosing
 ) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.authoring.projects.creating import start_from_topics
     from jausml.language.metamodel.classes import bridge
@@ -146,7 +135,7 @@ def _from_topics(
 
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)
-    chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds, joints=joints)
+    chosen = chosen_crossings(topics, maps, choosing)
     written = start_from_topics(folder, wish, chosen, topics)
     show_chosen(chosen, topics)
     show_unanswered(chosen)
@@ -161,16 +150,12 @@ def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
 
 def _imported(paths: Sequence[str]) -> ImportResult:
     """Returns services in JSIDL; ends when the files have errors."""
-    from jausml.cli.models.exchange import JSIDL_SUFFIXES, findings_of
-    from jausml.language.importers.jsidl import import_jsidl
-    from jausml.language.validation.formats import text
+    from jausml.cli.models.exchange import findings_of, read_jsidl
 
-    folders = [each for each in paths if Path(each).is_dir()]
-    files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)
-    result = import_jsidl(files, candidates=find_files(folders, JSIDL_SUFFIXES))
+    result, _ = read_jsidl(paths)
     report = findings_of(result)
     if report.diagnostics:
-        click.echo(painted_findings(text.render(report)), nl=False, err=True)
+        show_findings(report)
     if report.has_errors or not result.sets:
         click.echo("nothing written", err=True)
         raise click.exceptions.Exit(PROBLEMS)

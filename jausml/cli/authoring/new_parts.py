@@ -27,6 +27,7 @@ from jausml.cli.authoring.topics import (
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Add, Child, Command
     from jausml.authoring.projects.places import Opened
+    from jausml.cli.authoring.topics import Choosing
 
 
 @click.command("service")
@@ -203,10 +204,7 @@ def bridge(
     from_graph: bool,
     seconds: float,
     address: str | None,
-    side: str,
-    yes: bool,
-    holds: tuple[str, ...],
-    joints: tuple[str, ...],
+    choosing: Choosing,
     model: Path | None,
 ) -> None:
     """Add a bridge named NAME that carries ROS topics by ready maps.
@@ -241,9 +239,7 @@ def bridge(
                 left = left_topic(scope)
         else:
             topics = topics_of(words)
-        chosen = chosen_crossings(
-            topics, ready_maps(scope), side=side, yes=yes, holds=holds, joints=joints, left_out=left
-        )
+        chosen = chosen_crossings(topics, ready_maps(scope), choosing, left)
         files = add_bridge(place, name, chosen, topics, address or "")
     show_chosen(chosen, topics)
     show_unanswered(chosen)
@@ -264,10 +260,7 @@ def connection(
     bridge: str | None,
     from_graph: bool,
     seconds: float,
-    side: str,
-    yes: bool,
-    holds: tuple[str, ...],
-    joints: tuple[str, ...],
+    choosing: Choosing,
     model: Path | None,
 ) -> None:
     """Add connections to a bridge, which carry further ROS topics by ready maps.
@@ -292,7 +285,7 @@ def connection(
         else:
             topics = topics_of(words)
         maps = ready_maps(scope_of(place))
-        chosen = chosen_crossings(topics, maps, side=side, yes=yes, holds=holds, joints=joints)
+        chosen = chosen_crossings(topics, maps, choosing)
         files = add_connections(place, bridge or "", chosen, topics)
     show_chosen(chosen, topics)
     report(place, files)

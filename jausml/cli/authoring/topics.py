@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from shlex import quote
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -30,8 +31,23 @@ def side_option(command: Callable[..., None]) -> Callable[..., None]:
     )(command)
 
 
+@dataclass(frozen=True)
+class Choosing:
+    """What the options say of how topics are bridged.
+
+    `holds`: why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
+    unless the likeliest is taken, and nothing else answers it. `joints`: names of joints that a
+    person states, `TOPIC=NAME,...`.
+    """
+
+    side: str
+    yes: bool = False
+    holds: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+
+
 def topic_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the options of how topics are bridged to a verb."""
+    """Adds the options of how topics are bridged to a verb, which takes them as `choosing`."""
     yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
     hold = click.option(
         "--hold",
@@ -47,7 +63,19 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
         multiple=True,
         help="Names of the joints of a topic, in the order that JAUS has. May be repeated.",
     )
-    return side_option(hold(joints(yes(command))))
+
+    @functools.wraps(command)
+    def with_choosing(
+        *arguments: object,
+        side: str,
+        yes: bool,
+        holds: tuple[str, ...],
+        joints: tuple[str, ...],
+        **others: object,
+    ) -> None:
+        command(*arguments, choosing=Choosing(side, yes, holds, joints), **others)
+
+    return side_option(hold(joints(yes(with_choosing))))
 
 
 def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
@@ -125,25 +153,18 @@ def _full(message: str) -> str:
 def chosen_crossings(
     topics: Sequence[TopicEnd],
     maps: Sequence[bridge.AttributeMap],
-    *,
-    side: str,
-    yes: bool,
-    holds: Sequence[str] = (),
-    joints: Sequence[str] = (),
+    choosing: Choosing,
     left_out: LeftOut | None = None,
 ) -> list[Crossing]:
     """Returns the ways that are taken; asks where a topic has several.
 
-    Args:
-        holds: Why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
-            unless the likeliest is taken, and nothing else answers it.
-        joints: Names of joints that a person states, `TOPIC=NAME,...`.
-        left_out: What tells of a topic without a way, and why; without it, that is an error.
+    `left_out`: what tells of a topic without a way, and why; without it, that is an error.
     """
     from jausml.authoring.proposals.topics import crossings
 
-    reasons = holds_of(holds, topics)
-    topics = _with_joints(topics, joints)
+    side, yes = choosing.side, choosing.yes
+    reasons = holds_of(choosing.holds, topics)
+    topics = _with_joints(topics, choosing.joints)
     offered = {each.name: crossings(each, maps, side) for each in topics}
     fed = _feeding(offered)
     found: list[Crossing] = []
@@ -152,7 +173,7 @@ def chosen_crossings(
             found += _taken(topic, ways, yes=yes)
         elif topic.type not in fed:
             _without(topic, maps, side, left_out)
-    _check_joints(joints, found)
+    _check_joints(choosing.joints, found)
     found = [each for each in found if not _lacks_names(each, left_out)]
     used = {each for one in joined(found, topics) for each in one.values()}
     for topic in topics:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,80 +27,37 @@ from jausml.safety_case.comparing import CASE_RULES
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
 
-@dataclass(frozen=True)
-class MapOverview:
-    """An attribute map at a glance."""
-
-    name: str
-    documentation: str
-    message: str
-    code: str
-    service: str
-    type: str
-    directions: tuple[str, ...]
-    quantities: tuple[tuple[str, float, str], ...]
-    joins: tuple[tuple[str, str, float, str], ...]
-    report_joins: tuple[tuple[str, str, float, str], ...]
-    vectors: int
-
-    @property
-    def types(self) -> list[str]:
-        """The ROS type and those of joined topics."""
-        return [self.type, *(kind for _, kind, _, _ in self.joins)]
-
-    def to_json(self) -> dict[str, Any]:
-        """Returns what is known as objects and lists."""
-        return {
-            "map": self.name,
-            "message": self.message,
-            "code": self.code,
-            "service": self.service,
-            "type": self.type,
-            "directions": list(self.directions),
-            "quantities": [
-                {"name": name, "value": value, "units": units}
-                for name, value, units in self.quantities
-            ],
-            "joins": [
-                {"name": name, "type": kind, "freshness": freshness, "whenStale": stale}
-                for name, kind, freshness, stale in self.joins
-            ],
-            "reportJoins": [
-                {"name": name, "message": message, "freshness": freshness, "whenStale": stale}
-                for name, message, freshness, stale in self.report_joins
-            ],
-            "vectors": self.vectors,
-            "documentation": self.documentation,
-        }
-
-
-def overview(attribute_map: bridge.AttributeMap) -> MapOverview:
+def overview(attribute_map: bridge.AttributeMap) -> dict[str, Any]:
     """Returns a map at a glance."""
     message = attribute_map.message
     owner = message.eContainer()
     ways = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))
-    return MapOverview(
-        name=str(attribute_map.name),
-        documentation=str(attribute_map.documentation or ""),
-        message=str(message.name),
-        code=str(message.code),
-        service=str(owner.name) if owner is not None else "",
-        type=ros_name(attribute_map.type),
-        directions=tuple(way for way, assignments in ways if assignments),
-        quantities=tuple(
-            (str(each.name), float(each.value), str(each.units or ""))
+    return {
+        "map": str(attribute_map.name),
+        "message": str(message.name),
+        "code": str(message.code),
+        "service": str(owner.name) if owner is not None else "",
+        "type": ros_name(attribute_map.type),
+        "directions": [way for way, assignments in ways if assignments],
+        "quantities": [
+            {"name": str(each.name), "value": float(each.value), "units": str(each.units or "")}
             for each in attribute_map.quantities
-        ),
-        joins=tuple(
-            (str(each.name), ros_name(each.type), float(each.freshness), str(each.whenStale))
+        ],
+        "joins": [
+            {"name": str(each.name), "type": ros_name(each.type), **_freshness(each)}
             for each in attribute_map.joins
-        ),
-        report_joins=tuple(
-            (str(each.name), str(each.message.name), float(each.freshness), str(each.whenStale))
+        ],
+        "reportJoins": [
+            {"name": str(each.name), "message": str(each.message.name), **_freshness(each)}
             for each in attribute_map.reportJoins
-        ),
-        vectors=len(attribute_map.vectors),
-    )
+        ],
+        "vectors": len(attribute_map.vectors),
+        "documentation": str(attribute_map.documentation or ""),
+    }
+
+
+def _freshness(join: bridge.Join | bridge.ReportJoin) -> dict[str, Any]:
+    return {"freshness": float(join.freshness), "whenStale": str(join.whenStale)}
 
 
 def rules() -> list[dict[str, Any]]:
@@ -144,11 +100,6 @@ def messages(models: Sequence[str], service: str | None = None) -> list[dict[str
     return [_message(entry) for entry in entries]
 
 
-def maps(models: Sequence[str]) -> list[dict[str, Any]]:
-    """Returns the attribute maps of the library and of models."""
-    return [each.to_json() for each in open_maps(models)]
-
-
 def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
     try:
         meant = found.find_services(service)
@@ -167,27 +118,10 @@ def _message(entry: MessageEntry) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class FoundMap:
-    """An attribute map and its file.
-
-    `module`: what imports it in text, e.g. `mappings.range_sensor`; empty for a user's file.
-    """
-
-    overview: MapOverview
-    path: str
-    line: int
-    module: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Returns what the map is, and where."""
-        place = {"file": self.path, "line": self.line, "module": self.module or None}
-        return {**self.overview.to_json(), **place}
-
-
-def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
+def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
     """Returns the attribute maps of the library and of models, in the order of their files.
 
+    `module`: what imports it in text, e.g. `mappings.range_sensor`; None for a user's file.
     `word`: text that stands in the files of the library that are meant; all when empty.
     """
     ready = [path for path in library_paths("mappings") if word in path.read_text(encoding="utf-8")]
@@ -199,6 +133,8 @@ def open_maps(models: Sequence[str], word: str = "") -> list[FoundMap]:
     for each in model.instances(bridge.AttributeMap):
         place = model.location(each)
         path = Path(place.path)
-        module = module_of(path) if path in ready else ""
-        found.append(FoundMap(overview(each), str(place.path), place.line, module))
+        module = module_of(path) if path in ready else None
+        found.append(
+            {**overview(each), "file": str(place.path), "line": place.line, "module": module}
+        )
     return found

@@ -13,7 +13,6 @@ from jausml.cli.shared.models import model_option, open_catalogue, project_files
 from jausml.cli.shared.names import completing, known, map_names, message_names, service_names
 
 if TYPE_CHECKING:
-    from jausml.cli.lookup.listed import FoundMap
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
     from jausml.live.messages.text import Row
 
@@ -197,40 +196,42 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown map), 3 internal error.
     """
-    from jausml.cli.lookup.listed import open_maps
+    from jausml.cli.lookup import listed
     from jausml.live.messages.errors import did_you_mean, similar
 
     models = models or tuple(project_files())
-    found = [each for each in open_maps(models, name) if each.overview.name == name]
+    found = [each for each in listed.maps(models, name) if each["map"] == name]
     if not found:
-        known = {each.overview.name for each in open_maps(models)}
-        hint = did_you_mean(similar(name, known)) or "; `jausml list maps` lists them"
-        raise click.UsageError(f"no map {name!a}{hint}")
+        hint = did_you_mean(similar(name, {each["map"] for each in listed.maps(models)}))
+        raise click.UsageError(f"no map {name!a}{hint or '; `jausml list maps` lists them'}")
     if output_format == "json":
-        _write(to_json(each.to_json()) for each in found)
+        _write(map(to_json, found))
         return
     _write_apart(found, _map_lines)
 
 
-def _map_lines(found: FoundMap) -> Iterator[str]:
-    each = found.overview
-    yield f"{each.name}: {each.message} ({each.service}) and {each.type}"
-    if each.documentation:
-        yield f"  {each.documentation}"
+def _map_lines(found: dict[str, Any]) -> Iterator[str]:
+    name, module = found["map"], found["module"]
+    yield f"{name}: {found['message']} ({found['service']}) and {found['type']}"
+    if found["documentation"]:
+        yield f"  {found['documentation']}"
     yield ""
-    yield f"  directions: {', '.join(each.directions) or 'none'}"
-    for name, value, units in each.quantities:
-        yield f"  quantity {name}: {value:g} {units}".rstrip() + ", which a bridge may override"
-    for name, kind, freshness, stale in (*each.joins, *each.report_joins):
-        yield f"  join {name}: {kind}, fresh for {freshness:g} s, then {stale}"
-    yield f"  test vectors: {each.vectors}"
-    yield f"  file: {found.path}:{found.line}"
-    if found.module:
+    yield f"  directions: {', '.join(found['directions']) or 'none'}"
+    for each in found["quantities"]:
+        shown = f"  quantity {each['name']}: {each['value']:g} {each['units']}".rstrip()
+        yield f"{shown}, which a bridge may override"
+    for each in (*found["joins"], *found["reportJoins"]):
+        kind, stale = each.get("type") or each["message"], each["whenStale"]
+        yield f"  join {each['name']}: {kind}, fresh for {each['freshness']:g} s, then {stale}"
+    yield f"  test vectors: {found['vectors']}"
+    yield f"  file: {found['file']}:{found['line']}"
+    if module:
+        xmi = f"{module.partition('.')[2]}.xmi"
         yield ""
-        yield f"in text:  import {found.module}"
-        yield f"          map: {each.name}"
-        yield f"in XMI:   jausml convert {found.path} {found.module.partition('.')[2]}.xmi"
-        yield f'          <map href="{found.module.partition(".")[2]}.xmi#{each.name}"/>'
+        yield f"in text:  import {module}"
+        yield f"          map: {name}"
+        yield f"in XMI:   jausml convert {found['file']} {xmi}"
+        yield f'          <map href="{xmi}#{name}"/>'
 
 
 def _write_apart(found: Iterable[Any], lines: Callable[[Any], Iterator[str]]) -> None:

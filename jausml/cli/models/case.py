@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault, write_report
+from jausml.cli.shared.files import EnvironmentFault, write_report, writing
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
@@ -163,11 +163,9 @@ def _write(case: SafetyCase, folder: Path) -> None:
 
     path = folder / _DOCUMENT
     shown = click.format_filename(path)
-    try:
+    with writing(path):
         folder.mkdir(parents=True, exist_ok=True)
         is_ours = not path.exists() or is_untouched(read_input(path).decode("utf-8", "replace"))
-    except OSError as error:
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
     if not is_ours:
         raise EnvironmentFault(f"{shown} has been changed by hand: move it away to keep it")
     plain = json.dumps(to_plain(case), indent=2) + "\n"

@@ -24,7 +24,7 @@ from jausml.cli.shared.models import (
     model_argument,
     models_argument,
     reading_options,
-    valid_model,
+    valid_system,
 )
 from jausml.cli.shared.options import REPORT_FORMATS, FiniteRange, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings, verbosity
@@ -218,15 +218,9 @@ def model_check(
     """
     import time
 
-    from jausml.generation.errors import NoSystemError
-    from jausml.generation.target import system_of
     from jausml.model_checking.checking import RENDERERS, check_system, summary, without_allowed
 
-    read = valid_model(model, reading)
-    try:
-        system = system_of(read)
-    except NoSystemError as error:
-        raise EnvironmentFault(str(error)) from error
+    read, system = valid_system(model, reading)
     end = time.monotonic() + budget
     found = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
     outcomes = without_allowed(found, read)

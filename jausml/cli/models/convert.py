@@ -19,6 +19,7 @@ from jausml.cli.shared.files import (
     find_files,
     say,
     write_document,
+    writing,
 )
 from jausml.cli.shared.models import (
     SUFFIXES,
@@ -302,8 +303,5 @@ def _patch(name: str, old: str, new: str) -> str:
 def _write(name: str, text: str) -> None:
     from jausml.language.model.xmi.writer import replace_file
 
-    try:
+    with writing(name):
         replace_file(Path(name), text.encode("utf-8"))
-    except OSError as error:
-        shown = click.format_filename(name)
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error

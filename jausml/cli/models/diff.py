@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, git, write_report
 from jausml.cli.shared.models import SUFFIXES, read, reading_options, valid_model
 from jausml.cli.shared.options import format_option
 
@@ -353,15 +352,7 @@ def _files(top: Path, commit: str) -> Iterator[tuple[str, str]]:
 
 
 def _git(*arguments: str, cwd: Path | None = None) -> bytes:
-    try:
-        done = subprocess.run(  # noqa: S603 - no shell, and git checks what it is given
-            ["git", *arguments],  # noqa: S607 - the user's git
-            cwd=cwd,
-            capture_output=True,
-            check=False,
-        )
-    except OSError as error:
-        raise EnvironmentFault(f"git cannot be run: {error.strerror}") from error
+    done = git(*arguments, cwd=cwd)
     if done.returncode:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         raise EnvironmentFault(f"git: {lines[0] if lines else f'exit {done.returncode}'}")

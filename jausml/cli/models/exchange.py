@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,6 +19,7 @@ from jausml.cli.shared.files import (
     made_folder,
     say,
     write_document,
+    writing,
 )
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
@@ -83,20 +84,12 @@ def jsidl(
     Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
     be read or OUT.xmi cannot be written, 3 internal error.
     """
-    from jausml.language.importers.jsidl import import_jsidl
     from jausml.language.validation.formats.text import one_line
 
     if output is None and not compare_library:
         raise click.UsageError("name the model to write by -o OUT.xmi")
-    folders = [path for path in paths if Path(path).is_dir()]
-    files = find_files([path for path in paths if path not in folders], JSIDL_SUFFIXES)
-    candidates = find_files(folders, JSIDL_SUFFIXES)
-    result = import_jsidl(
-        files,
-        candidates=candidates,
-        name=name,
-        version=set_version,
-        behaviour=not without_behaviour,
+    result, files = read_jsidl(
+        paths, name=name, version=set_version, behaviour=not without_behaviour
     )
     report = findings_of(result)
     _show(report, output_format, quiet=quiet)
@@ -107,7 +100,7 @@ def jsidl(
         if _is_folder(output):
             output = str(Path(output, f"{result.sets[0].name}.xmi"))
         data = document(result.sets, result.model, output)
-        state = write_document(output, data, [*files, *candidates], force=force)
+        state = write_document(output, data, files, force=force)
         say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
     if compare_library:
         differences = list(_differences(result))
@@ -117,6 +110,16 @@ def jsidl(
         say(f"{len(differences)} {noun} from the library", quiet=quiet)
         if differences:
             raise click.exceptions.Exit(PROBLEMS)
+
+
+def read_jsidl(paths: Sequence[str], **how: Any) -> tuple[jsidl_importer.ImportResult, list[str]]:
+    """Returns what files and folders hold, and all files that were looked at."""
+    from jausml.language.importers.jsidl import import_jsidl
+
+    folders = [each for each in paths if Path(each).is_dir()]
+    files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)
+    candidates = find_files(folders, JSIDL_SUFFIXES)
+    return import_jsidl(files, candidates=candidates, **how), [*files, *candidates]
 
 
 def _show(report: Report, output_format: str, *, quiet: bool) -> None:
@@ -284,12 +287,9 @@ def _documents(
         places = {Path(output): result.packages}
     model = placed(result, places)
     made = [(str(path), roots, document(roots, model, str(path))) for path, roots in places.items()]
-    try:
+    with writing(output):
         for path in places:
             path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        shown = click.format_filename(output)
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
     return made
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 from typing import NoReturn
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, git, write_report
 
 _MOST_CONFLICTS = 127
 """What git says of more; above it are faults."""
@@ -75,14 +74,7 @@ def _read(file: str) -> bytes:
 def _as_lines(ours: str, base: str, theirs: str) -> tuple[bytes, bool]:
     """Returns what git makes of three files as lines, and whether there were no conflicts."""
     labels = [part for each in ("ours", "base", "theirs") for part in ("-L", each)]
-    try:
-        done = subprocess.run(  # noqa: S603 - no shell, and the files are those of the user
-            ["git", "merge-file", "-p", *labels, "--", ours, base, theirs],  # noqa: S607
-            capture_output=True,
-            check=False,
-        )
-    except OSError as error:
-        raise EnvironmentFault(f"git cannot be run: {error.strerror}") from error
+    done = git("merge-file", "-p", *labels, "--", ours, base, theirs)
     if not 0 <= done.returncode <= _MOST_CONFLICTS:
         reason = done.stderr.decode(errors="replace").strip()
         raise EnvironmentFault(f"git cannot merge the lines: {reason}")

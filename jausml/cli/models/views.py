@@ -17,7 +17,7 @@ from jausml.cli.shared.models import (
     model_argument,
     reading_options,
     show_findings,
-    valid_model,
+    valid_system,
 )
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
@@ -154,18 +154,6 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_assumptions
 
 
-def _system(path: str, reading: Reading) -> System:
-    """Returns the system of a valid model; what was found goes to stderr."""
-    from jausml.generation.errors import NoSystemError
-    from jausml.generation.target import system_of
-
-    model = valid_model(path, reading)
-    try:
-        return system_of(model)
-    except NoSystemError as error:
-        raise EnvironmentFault(str(error)) from error
-
-
 def _check_names(assumptions: Assumptions, system: System) -> None:
     """Refuses assumptions about connections that a system does not have."""
     from jausml.views.analysis.sizes import names_of
@@ -238,7 +226,7 @@ def report(
 
     from jausml.views.analysis.report import report_of
 
-    system = _system(model, reading)
+    _, system = valid_system(model, reading)
     _check_names(assumptions, system)
     report = report_of(system, assumptions)
     if bridge_name is not None:

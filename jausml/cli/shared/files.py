@@ -7,7 +7,7 @@ import math
 import os
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,8 @@ import click
 from jausml.cli.shared.options import TEXT_OR_JSON, format_option
 
 if TYPE_CHECKING:
+    import subprocess
+
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
 
@@ -39,6 +41,31 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
         raise EnvironmentFault(str(error)) from error
 
 
+@contextmanager
+def writing(path: str | Path) -> Iterator[None]:
+    """Ends the verb where a file or folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        name = click.format_filename(path)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+
+
+def git(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[bytes]:
+    """Returns what the user's git says; ends the verb where it cannot be run."""
+    import subprocess
+
+    try:
+        return subprocess.run(  # noqa: S603 - no shell, and git checks what it is given
+            ["git", *arguments],  # noqa: S607
+            cwd=cwd,
+            capture_output=True,
+            check=False,
+        )
+    except OSError as error:
+        raise EnvironmentFault(f"git cannot be run: {error.strerror}") from error
+
+
 def write_report(rendered: str | bytes, output: str | None) -> None:
     """Writes a report or picture to a file, or a report to stdout where none is named."""
     if output is None:
@@ -46,20 +73,14 @@ def write_report(rendered: str | bytes, output: str | None) -> None:
         return
     if isinstance(rendered, str):
         rendered = rendered.encode("utf-8", errors="backslashreplace")
-    try:
+    with writing(output):
         Path(output).write_bytes(rendered)
-    except OSError as error:
-        name = click.format_filename(output)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
 
 
 def made_folder(folder: Path) -> Path:
     """Returns a folder that is there, which files can be written into."""
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        name = click.format_filename(folder)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
     return folder
 
 
@@ -87,16 +108,14 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
 
     check_output(output, inputs)
     path = Path(output)
-    shown = click.format_filename(output)
-    try:
+    with writing(output):
         if path.exists():
             if read_input(path) == data:
                 return "unchanged"
             if not force:
+                shown = click.format_filename(output)
                 raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")
         replace_file(path, data)
-    except OSError as error:
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
     return "written"
 
 

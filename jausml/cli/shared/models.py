@@ -15,6 +15,7 @@ from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import painted_findings, step, warn
 
 if TYPE_CHECKING:
+    from jausml.language.metamodel.classes.system import System
     from jausml.language.model import Model, ReadResult
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
@@ -254,6 +255,18 @@ def valid_model(
         show_findings(report)
         fail(report, outcome)
     return report.model
+
+
+def valid_system(path: str, reading: Reading) -> tuple[Model, System]:
+    """Returns a model without errors and its system; any other ends the verb."""
+    from jausml.generation.errors import NoSystemError
+    from jausml.generation.target import system_of
+
+    model = valid_model(path, reading)
+    try:
+        return model, system_of(model)
+    except NoSystemError as error:
+        raise EnvironmentFault(str(error)) from error
 
 
 def readable_model(paths: Iterable[str], *, is_one: bool = False) -> Model:

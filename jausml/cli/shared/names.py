@@ -13,14 +13,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Sequence
-from hashlib import blake2b
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from jausml import __version__
 
 if TYPE_CHECKING:
     from jausml.live.messages import Catalogue, ServiceEntry
@@ -119,37 +116,21 @@ def _named(models: Sequence[str]) -> Names:
 
 def _of_project() -> Names:
     """Returns the names that the models of the project of the current folder add."""
-    from jausml.language.model.cache import keep, kept
+    from jausml.language.model.answers import Question
+    from jausml.language.model.looking import noting
     from jausml.language.model.project import made_project
 
-    root = made_project(Path.cwd())
-    if root is None:
+    if made_project(Path.cwd()) is None:
         return {}
-    state = _state(root)
-    name = f"names-{blake2b(bytes(root), digest_size=12).hexdigest()}"
-    names: Names | None = kept(name, state)
+    question = Question(("names",))
+    names: Names | None = question.answer()
     if names is None:
         from jausml.live.messages.of_project import project_catalogue
 
-        names = names_of(project_catalogue(lambda _: None))
-        keep(name, state, names)
+        with noting() as seen:
+            names = names_of(project_catalogue(lambda _: None))
+        question.keep(names, seen)
     return names
-
-
-def _state(root: Path) -> str:
-    """Returns a text that is another one when any model of a project has changed."""
-    from jausml.language.model.inputs import read_input
-    from jausml.language.model.project import model_files
-
-    found = blake2b(__version__.encode(), digest_size=24)
-    for each in model_files(root):
-        try:
-            data = read_input(root / each)
-        except OSError:
-            continue
-        found.update(f"\0{each}\0{len(data)}\0".encode("utf-8", "surrogateescape"))
-        found.update(data)
-    return found.hexdigest()
 
 
 def names_of(found: Catalogue) -> dict[str, list[dict[str, Any]]]:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.studio.operating.stops import WORDS, NoStopError, Stops, told_stop
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.operating.stops import WORDS, Stops, told_stop
 from jausml.cli.shared import options
 from jausml.language.project import read_project
 from jausml.live.messages import MessageError, load_catalogue
@@ -42,7 +43,7 @@ def test_the_stop_of_a_connection_is_that_of_its_receiver(set_wrench):
     assert set_wrench.shortened(stop.fields) == efforts
     assert stop.source == "connection bridge.speed_command"
     for other in ("100.1.2", "100.1.3"):
-        with pytest.raises(NoStopError, match="no stop of SetWrenchEffort"):
+        with pytest.raises(AnswerError, match="no stop of SetWrenchEffort"):
             stops.of(other, set_wrench)
 
 
@@ -65,7 +66,7 @@ def test_without_a_time_out_there_is_no_stop(tmp_path, set_velocity, timeout):
     assert text.count("silenceTimeout: 0.5") == 1
     edited = tmp_path / path.name
     edited.write_text(text.replace("silenceTimeout: 0.5", timeout), encoding="utf-8")
-    with pytest.raises(NoStopError, match="declares no silenceTimeout"):
+    with pytest.raises(AnswerError, match="declares no silenceTimeout"):
         of_model(edited).of("100.1.30", set_velocity)
 
 
@@ -75,7 +76,7 @@ def test_a_command_that_holds_has_none(tmp_path, set_velocity):
     edited = tmp_path / path.name
     text = path.read_text(encoding="utf-8").replace("silenceTimeout: 0.5", held)
     edited.write_text(text, encoding="utf-8")
-    with pytest.raises(NoStopError, match="holds the last command"):
+    with pytest.raises(AnswerError, match="holds the last command"):
         of_model(edited).of("100.1.30", set_velocity)
 
 

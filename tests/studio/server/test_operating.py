@@ -14,8 +14,8 @@ from studio_client import LONGEST, RefusedError, begun, serving
 from websockets.exceptions import InvalidStatus
 
 from jausml.authoring.editing.project import Project
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.unit import OperatorUnit, Powers
-from jausml.authoring.studio.operating.watching import UnitError
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.query_client import NoAnswer
 from jausml.live.recording.mcap_files import McapRecording
@@ -451,12 +451,12 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
     def take(page: int) -> bool:
         try:
             unit.take(page, f"page {page}", address, 205)
-        except (UnitError, NoAnswer):
+        except (AnswerError, NoAnswer):
             return False
         return True
 
     def stop_all(name: str, _targets: object) -> list[dict[str, str]]:
-        with pytest.raises(UnitError, match="is being stopped; try again") as caught:
+        with pytest.raises(AnswerError, match="is being stopped; try again") as caught:
             unit.take(2, "ben", address, 205)
         refused.append(caught.value)
         return stopped(name, ())

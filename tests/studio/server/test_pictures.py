@@ -12,11 +12,8 @@ from simulated_vehicle import until
 from studio_client import RefusedError
 
 from jausml import Component
-from jausml.authoring.studio.operating.pictures import (
-    MOST_BYTES,
-    NoPictureError,
-    picture_url,
-)
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.operating.values import MOST_BYTES, picture_url
 
 if TYPE_CHECKING:
     from studio_client import Page
@@ -72,7 +69,7 @@ def test_a_picture_is_a_url_of_its_own_kind(data: bytes, kind: str) -> None:
     ],
 )  # fmt: skip
 def test_what_a_browser_should_not_unpack_is_no_picture(data: bytes, why: str) -> None:
-    with pytest.raises(NoPictureError, match=why):
+    with pytest.raises(AnswerError, match=why):
         picture_url(data)
 
 

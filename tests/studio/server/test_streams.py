@@ -16,8 +16,9 @@ from studio_client import RefusedError
 from websockets.exceptions import ConnectionClosed
 
 from jausml import Component
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating import streams
-from jausml.authoring.studio.operating.streams import NoStreamError, Stream, connection_to
+from jausml.authoring.studio.operating.streams import Stream, connection_to
 from jausml.authoring.studio.security import HEADERS
 
 if TYPE_CHECKING:
@@ -248,7 +249,7 @@ def is_known(page: Page, component: str) -> bool:
     ],
 )
 def test_what_is_no_plain_address_is_refused(url: str, shown: str) -> None:
-    with pytest.raises(NoStreamError):
+    with pytest.raises(AnswerError):
         connection_to(url, shown)
 
 

@@ -11,6 +11,7 @@ from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
 from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import Member, leaves
 from jausml.authoring.proposals.mapping.trial import judge
+from jausml.authoring.proposals.named_elements import FRAME_IDS
 from jausml.authoring.proposals.new_elements import OpenPoint, blocking, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
@@ -23,8 +24,6 @@ from jausml.language.semantics.paths.scopes import outer_scope, parse_path
 
 _MOST = 8
 """How many members a line names."""
-
-_FRAME_IDS = ("frame_id", "child_frame_id")
 
 _STAMP = "header.stamp"
 
@@ -102,7 +101,7 @@ def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
         f'"{each.values["value"][0]}"'
         for each in inner
         if each.kind == "bridge.ConstantAssignment"
-        and each.values["target"][0].rpartition(".")[2] in _FRAME_IDS
+        and each.values["target"][0].rpartition(".")[2] in FRAME_IDS
     ]
     if frames:
         yield pending(f"state the frames of your vehicle instead of {' and '.join(frames)}")

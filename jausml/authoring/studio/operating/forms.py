@@ -1,14 +1,55 @@
-"""Forms of messages: the fields of a definition with units, ranges and choices, and no values."""
+"""What a component takes and gives, and forms of messages: units, ranges, choices, no values."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
+from jausml.live.messages import MessageError
 from jausml.live.messages.values import symbol
+from jausml.live.peers.rendering import shown_fields
 
 if TYPE_CHECKING:
+    from jausml.authoring.studio.operating.sticks import Sticks
     from jausml.live.messages import MessageEntry
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
+
+
+def offers_of(operator: Operator, sticks: Sticks, target: JausAddress) -> dict[str, Any]:
+    """Returns the services of a component, the commands that it takes, the reports it gives."""
+    provided = operator.services(target)
+    labels = {f"{each.urn}/{each.major}.{each.minor}" for each in provided}
+    commands: dict[str, dict[str, Any]] = {}
+    reports: dict[str, str] = {}
+    for service in operator.catalogue.services.values():
+        for each in service.lineage if service.label in labels else ():
+            for entry in each.inputs:
+                if entry.name.startswith("Query"):
+                    reports.setdefault(entry.name.removeprefix("Query"), each.name)
+                elif entry.is_command and entry.name not in commands:
+                    commands[entry.name] = {
+                        "name": entry.name,
+                        "service": each.name,
+                        "documentation": str(entry.definition.documentation or ""),
+                        "stick": _stick(sticks, target, entry),
+                    }
+    return {
+        "services": sorted({each.urn.rpartition(":")[2] for each in provided}),
+        "commands": [commands[name] for name in sorted(commands)],
+        "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
+    }
+
+
+def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str, Any]:
+    """Returns what stops a command that is sent again and again, or why nothing does."""
+    try:
+        stop = sticks.stop_of(target, entry)
+    except (AnswerError, MessageError) as error:
+        return {"refusal": str(error)}
+    shown = shown_fields(entry, entry.decode(entry.encode(stop.fields)))
+    return {"stop": shown, "timeout": stop.timeout, "source": stop.source}
 
 
 def form_of(entry: MessageEntry) -> list[dict[str, Any]]:

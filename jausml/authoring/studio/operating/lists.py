@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.studio.operating.watching import UnitError
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.live.messages.errors import CodecError
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
@@ -36,7 +36,7 @@ class Lists:
 
         Raises:
             CodecError: A value is not one of its field; nothing is sent.
-            UnitError: The component takes no such list.
+            AnswerError: The component takes no such list.
         """
         operator = self._system.operator
         entry, payloads = self._encoded(target, message, drawn)
@@ -53,7 +53,9 @@ class Lists:
         """Refuses what is drawn unless the component has just that."""
         _, payloads = self._encoded(target, message, drawn)
         if not self._system.operator.has_list(target, payloads):
-            raise UnitError(f"{target} has another list than the one that is drawn; send it first")
+            raise AnswerError(
+                f"{target} has another list than the one that is drawn; send it first"
+            )
 
     def end(self, name: str, target: JausAddress) -> None:
         """Has a component stand and forget its list: together they leave nothing that could go on.
@@ -79,13 +81,13 @@ class Lists:
         self, target: JausAddress, message: str, drawn: Drawn
     ) -> tuple[MessageEntry, list[bytes]]:
         if not 0 < len(drawn) <= MOST_ELEMENTS:
-            raise UnitError(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
+            raise AnswerError(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
         operator = self._system.operator
         entry = operator.find(target, message)
         provided = {each.urn for each in operator.services(target)}
         taken = {code for urn, code in ELEMENTS_OF_DRIVERS.items() if urn in provided}
         if entry.code not in taken:
-            raise UnitError(f"{target} provides no driver for lists of {entry.name}")
+            raise AnswerError(f"{target} provides no driver for lists of {entry.name}")
         return entry, [_encoded(entry, at, each) for at, each in enumerate(drawn)]
 
 

@@ -9,15 +9,11 @@ from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import Subscribers
-from jausml.authoring.studio.operating.forms import form_of
-from jausml.authoring.studio.operating.leases import StickOverError
+from jausml.authoring.studio.operating.forms import form_of, offers_of
 from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
-from jausml.authoring.studio.operating.stops import NoStopError
-from jausml.authoring.studio.operating.streams import NoStreamError
-from jausml.authoring.studio.operating.unit import NotAllowedError, OperatorUnit
-from jausml.authoring.studio.operating.values import TooManyError
-from jausml.authoring.studio.operating.watching import UnitError
+from jausml.authoring.studio.operating.unit import OperatorUnit
 from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
@@ -37,9 +33,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio import rpc
     from jausml.authoring.studio.operating.streams import Streams
     from jausml.authoring.studio.operating.unit import Powers
-    from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
-    from jausml.runtime.base.address import JausAddress
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000
@@ -169,14 +163,9 @@ class Seat:
         is_quick = request.method in _QUICK or request.method == "stop"
         try:
             return await (self._quick if is_quick else self._slow).answer(request)
-        except NotAllowedError as error:
-            raise RpcError(UNAUTHORIZED, str(error)) from error
         except CodecError as error:
             raise RpcError(REFUSED, str(error), {"path": error.path}) from error
-        except (
-            JausError, MessageError, NoAnswer, NoStopError, NoStreamError, Refused, StickOverError,
-            TooManyError, UnitError, ValueError,
-        ) as error:  # fmt: skip
+        except (JausError, MessageError, NoAnswer, Refused, ValueError) as error:
             raise RpcError(REFUSED, str(error)) from error
 
     # ---- looking ----------------------------------------------------------------------------
@@ -193,10 +182,10 @@ class Seat:
         """Takes the right to command, and how others are to call this page."""
         powers = self._unit.powers
         if powers is None:
-            raise NotAllowedError("this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
         if not powers.token.fits(right):
             self._unit.journal.note(self._name, "claimed the right to command with a wrong token")
-            raise NotAllowedError("this is not the right to command of this studio")
+            raise RpcError(UNAUTHORIZED, "this is not the right to command of this studio")
         shown = printable(name.strip())[:LONGEST_NAME]
         self._name = f"{shown} (page {self._number})" if shown else self._name
         self._may_command = True
@@ -205,41 +194,8 @@ class Seat:
 
     def _messages(self, component: str) -> dict[str, Any]:
         """Returns the commands that a component takes and the reports that it gives."""
-        target = component_address(component)
-        operator = self._unit.operator
-        provided = operator.services(target)
-        labels = {f"{each.urn}/{each.major}.{each.minor}" for each in provided}
-        commands: dict[str, dict[str, Any]] = {}
-        reports: dict[str, str] = {}
-        for service in operator.catalogue.services.values():
-            if service.label not in labels:
-                continue
-            for each in service.lineage:
-                for entry in each.inputs:
-                    if entry.name.startswith("Query"):
-                        reports.setdefault(entry.name.removeprefix("Query"), each.name)
-                    elif entry.is_command:
-                        commands.setdefault(entry.name, self._command(target, entry, each.name))
-        return {
-            "services": sorted({each.urn.rpartition(":")[2] for each in provided}),
-            "commands": sorted(commands.values(), key=lambda each: str(each["name"])),
-            "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
-        }
-
-    def _command(self, target: JausAddress, entry: MessageEntry, service: str) -> dict[str, Any]:
-        try:
-            stop = self._unit.sticks.stop_of(target, entry)
-        except (NoStopError, MessageError) as error:
-            stick: dict[str, Any] = {"refusal": str(error)}
-        else:
-            shown = shown_fields(entry, entry.decode(entry.encode(stop.fields)))
-            stick = {"stop": shown, "timeout": stop.timeout, "source": stop.source}
-        return {
-            "name": entry.name,
-            "service": service,
-            "documentation": str(entry.definition.documentation or ""),
-            "stick": stick,
-        }
+        unit, target = self._unit, component_address(component)
+        return offers_of(unit.operator, unit.sticks, target)
 
     def _form(self, component: str, message: str) -> dict[str, Any]:
         entry = self._unit.operator.find(component_address(component), message)
@@ -258,7 +214,7 @@ class Seat:
         target = component_address(component)
         unit = self._unit
         if rate is not None and not 0 < rate <= 50:
-            raise UnitError(f"{rate:g} Hz is not above 0 and at most 50")
+            raise AnswerError(f"{rate:g} Hz is not above 0 and at most 50")
         name = unit.values.watch(unit.operator, target, report, rate, self._number, fields)
         return {"report": name}
 
@@ -285,7 +241,7 @@ class Seat:
         unit = self._unit
         is_told = partial(unit.tells_url, component, report, url)
         if not is_told():
-            raise NoStreamError(f"{component} does not tell this address")
+            raise AnswerError(f"{component} does not tell this address")
         stream = unit.streams.open(self._number, url, host, is_told)
         unit.journal.note(self._name, f"shows {url!a}, which {component} tells")
         return {"stream": stream.ticket, "is_video": stream.type.lower().startswith("video/")}
@@ -319,7 +275,7 @@ class Seat:
         target = component_address(component)
         self._unit.require_commander(self._number)
         if not self._unit.operator.controls(target):
-            raise UnitError(f"{target} is not controlled by us")
+            raise AnswerError(f"{target} is not controlled by us")
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
         state = self._unit.operator.change(target, message, wanted)
         return {"state": state.name if state is not None else ""}
@@ -354,9 +310,9 @@ class Seat:
 
     def _silence(self, number: int, reason: str) -> dict[str, Any]:
         if not reason.strip():
-            raise UnitError("say why the alarm may be silent")
+            raise AnswerError("say why the alarm may be silent")
         if not self._unit.journal.silence(number, self._name, printable(reason.strip())[:200]):
-            raise UnitError("this alarm sounds no more")
+            raise AnswerError("this alarm sounds no more")
         return {}
 
     def _handoff(self, component: str, authority: int, reason: str) -> dict[str, Any]:
@@ -418,4 +374,4 @@ class Seat:
 
 def _check_authority(authority: int) -> None:
     if not 0 <= authority <= 255:
-        raise UnitError(f"{authority} is not within 0 .. 255")
+        raise AnswerError(f"{authority} is not within 0 .. 255")

@@ -1,21 +1,110 @@
-"""Sticks of components: one is held at a time, and its stop is sent until it has arrived."""
+"""Sticks of components: one is held at a time, and ends in a stop, sent until it has arrived.
+
+What lasts only while a page says so again and again, such as a stick, has a lease.
+"""
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
-from threading import Lock
+from threading import Condition, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.studio.operating.leases import Stick
-from jausml.authoring.studio.operating.watching import UnitError
+from jausml.authoring.proposals.elements import AnswerError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from jausml.authoring.studio.operating.journal import Journal
     from jausml.authoring.studio.operating.stops import DeclaredStop, Stops
     from jausml.authoring.studio.operating.watching import WatchedSystem
     from jausml.live.messages import MessageEntry
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
+
+
+class Lease:
+    """Lasts for some seconds from each renewal; a thread of its own ends it, nobody else has to."""
+
+    def __init__(self, seconds: float, expired: Callable[[], None]) -> None:
+        """Begins it (`expired`: is called once, on that thread, when nobody renews it)."""
+        self.seconds = seconds
+        self._expired = expired
+        self._due = time.monotonic() + seconds
+        self._is_over = False
+        self._news = Condition()
+        Thread(target=self._run, name="lease", daemon=True).start()
+
+    def renew(self) -> bool:
+        """Renews it; False when it is over, or the time is up and its thread has yet to see it."""
+        with self._news:
+            now = time.monotonic()
+            if self._is_over or now >= self._due:
+                return False
+            self._due = now + self.seconds
+            return True
+
+    def end(self) -> None:
+        """Ends it, without `expired`."""
+        with self._news:
+            self._is_over = True
+            self._news.notify()
+
+    def _run(self) -> None:
+        with self._news:
+            while not self._is_over and (left := self._due - time.monotonic()) > 0:
+                self._news.wait(left)
+            if self._is_over:
+                return
+            self._is_over = True
+        self._expired()
+
+
+class Stick:
+    """A command sent again and again by a hand; whatever ends it sends the stop.
+
+    Nothing of the stick follows its stop: what comes later is refused.
+    """
+
+    def __init__(
+        self,
+        seconds: float,
+        send: Callable[[Message], None],
+        stop: Callable[[], None],
+        ended: Callable[[str], None],
+    ) -> None:
+        """Begins with nothing sent.
+
+        Args:
+            seconds: How long one word of the page holds.
+            stop: Sends the stop.
+            ended: Is told why it ended, on any thread.
+        """
+        self._send, self._stop, self._ended = send, stop, ended
+        self._lock = RLock()
+        self._is_over = False
+        self._lease = Lease(seconds, self._expired)
+
+    def move(self, message: Message) -> None:
+        """Sends a message, and holds the stick for another while."""
+        with self._lock:
+            if not self._lease.renew():
+                raise AnswerError("the stick was released, or its page was silent too long")
+            self._send(message)
+
+    def end(self, why: str) -> None:
+        """Sends the stop, unless it was sent."""
+        with self._lock:
+            if self._is_over:
+                return
+            self._is_over = True
+            self._lease.end()
+            self._stop()
+        self._ended(why)
+
+    def _expired(self) -> None:
+        self.end(f"the page said nothing for {self._lease.seconds:g} s")
+
 
 RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
 """Why a stick ends because a person wants it."""
@@ -46,18 +135,18 @@ class Sticks:
         self._lock = Lock()
 
     def stop_of(self, target: JausAddress, entry: MessageEntry) -> DeclaredStop:
-        """Returns the declared stop of a command (`NoStopError`: there is none)."""
+        """Returns the declared stop of a command (`AnswerError`: there is none)."""
         return self._stops.of(str(target), entry)
 
     def begin(self, name: str, target: JausAddress, entry: MessageEntry) -> tuple[int, float]:
         """Begins to send a command; returns its number, and how long a word of it holds."""
         operator, stop = self._system.operator, self.stop_of(target, entry)
         if not operator.controls(target):
-            raise UnitError(f"{target} is not controlled by us")
+            raise AnswerError(f"{target} is not controlled by us")
         stopping = operator.message(entry, stop.fields)
         with self._lock:
             if self.held is not None:
-                raise UnitError(f"the stick of {self.held.target} is held")
+                raise AnswerError(f"the stick of {self.held.target} is held")
             self._count += 1
             number = self._latest[target] = self._count
             stick = Stick(
@@ -88,7 +177,7 @@ class Sticks:
     def _held(self, number: int) -> HeldStick:
         held = self.held
         if held is None or held.number != number:
-            raise UnitError("the stick is released, and its stop was sent")
+            raise AnswerError("the stick is released, and its stop was sent")
         return held
 
     def _ended(self, number: int, target: JausAddress, name: str, why: str) -> None:

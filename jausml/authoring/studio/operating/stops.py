@@ -10,6 +10,7 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.paths.scopes import target_paths
@@ -27,10 +28,6 @@ WORDS = ("standby", "emergency")
 
 SHORTEST, LONGEST = 0.1, 60.0
 """Seconds that a time-out may have."""
-
-
-class NoStopError(Exception):
-    """Nobody has declared a stop; the text says what is missing."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,7 @@ class Stops:
         """Returns the stop of a command to a component.
 
         Raises:
-            NoStopError: Nobody has declared one, or the declarations contradict each other.
+            AnswerError: Nobody has declared one, or the declarations contradict each other.
         """
         if entry.name in self._told:
             return self._told[entry.name]
@@ -91,9 +88,9 @@ class Stops:
             return _completed(declared[0], entry)
         if meanings:
             names = ", ".join(each.source for each in declared)
-            raise NoStopError(f"the stops of {names} are different; say one with --stop")
+            raise AnswerError(f"the stops of {names} are different; say one with --stop")
         why = next((each for each in found if isinstance(each, str)), "")
-        raise NoStopError(
+        raise AnswerError(
             f"no stop of {entry.name} to {target} is declared"
             + (f" ({why})" if why else "")
             + "; a connection of the model does it, or --stop when the studio starts"

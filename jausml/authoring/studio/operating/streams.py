@@ -17,6 +17,8 @@ from threading import Lock
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from jausml.authoring.proposals.elements import AnswerError
+
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
@@ -39,10 +41,6 @@ _DOCUMENT = "image/svg+xml"
 """What may hold programs."""
 
 
-class NoStreamError(Exception):
-    """An address that is not shown; the text says why."""
-
-
 def connection_to(url: str, shown: str) -> tuple[HTTPConnection, str]:
     """Returns a connection that is not open yet, and what to ask it for.
 
@@ -50,19 +48,19 @@ def connection_to(url: str, shown: str) -> tuple[HTTPConnection, str]:
         shown: The host, with a port that is not the usual one, which the person has seen.
 
     Raises:
-        NoStreamError: It is no such address, or of another host.
+        AnswerError: It is no such address, or of another host.
     """
     if not url.isascii() or not url.isprintable() or any(each in url for each in " \\"):
-        raise NoStreamError("it is no address")
+        raise AnswerError("it is no address")
     try:
         parts = urlsplit(url)
         name, port = parts.hostname or "", parts.port
     except ValueError as error:
-        raise NoStreamError(f"it is no address: {error}") from error
+        raise AnswerError(f"it is no address: {error}") from error
     if parts.scheme not in _PORTS:
-        raise NoStreamError(f"{parts.scheme or 'it'} is neither http nor https")
+        raise AnswerError(f"{parts.scheme or 'it'} is neither http nor https")
     if not name or parts.netloc.lower().removesuffix(f":{_PORTS[parts.scheme]}") != shown:
-        raise NoStreamError(f"its host is not the one that was shown, {shown!a}")
+        raise AnswerError(f"its host is not the one that was shown, {shown!a}")
     path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
     if parts.scheme == "http":
         return HTTPConnection(name, port, LONGEST_SILENCE), path
@@ -71,15 +69,15 @@ def connection_to(url: str, shown: str) -> tuple[HTTPConnection, str]:
 
 
 def check(response: HTTPResponse) -> str:
-    """Returns the type of what a server answers (`NoStreamError`: it is not shown)."""
+    """Returns the type of what a server answers (`AnswerError`: it is not shown)."""
     if response.status in _MOVED:
-        raise NoStreamError(f"the server answers {response.status}: nothing is followed elsewhere")
+        raise AnswerError(f"the server answers {response.status}: nothing is followed elsewhere")
     if response.status != _WHOLE:
-        raise NoStreamError(f"the server answers {response.status}")
+        raise AnswerError(f"the server answers {response.status}")
     told = response.getheader("Content-Type", "")
     kind = told.partition(";")[0].strip().lower()
     if kind == _DOCUMENT or not (kind.startswith(_KINDS) or kind == _PICTURES):
-        raise NoStreamError(f"it is {kind or 'of no type'}, neither picture nor video")
+        raise AnswerError(f"it is {kind or 'of no type'}, neither picture nor video")
     return told
 
 
@@ -93,7 +91,7 @@ class Stream:
             is_told: Tells whether the vehicle still tells the address.
 
         Raises:
-            NoStreamError: It is not shown; the text says why.
+            AnswerError: It is not shown; the text says why.
         """
         self.page, self.ticket = page, secrets.token_urlsafe(32)
         self.was_taken = False
@@ -107,8 +105,8 @@ class Stream:
             self.type = check(self._response)
         except (OSError, HTTPException, ValueError) as error:
             connection.close()
-            raise NoStreamError(str(error) or type(error).__name__) from error
-        except NoStreamError:
+            raise AnswerError(str(error) or type(error).__name__) from error
+        except AnswerError:
             connection.close()
             raise
 
@@ -149,10 +147,10 @@ class Streams:
         self._lock = Lock()
 
     def open(self, page: int, url: str, shown: str, is_told: Callable[[], bool]) -> Stream:
-        """Begins to read an address for a page (`NoStreamError`: it is not shown)."""
+        """Begins to read an address for a page (`AnswerError`: it is not shown)."""
         with self._lock:
             if len(self._open) + self._asked >= MOST_STREAMS:
-                raise NoStreamError(f"{MOST_STREAMS} streams are shown; hide one of them")
+                raise AnswerError(f"{MOST_STREAMS} streams are shown; hide one of them")
             self._asked += 1
         try:
             made = Stream(page, url, shown, is_told)

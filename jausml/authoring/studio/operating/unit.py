@@ -10,14 +10,16 @@ from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.journal import Journal
-from jausml.authoring.studio.operating.leases import Lease
 from jausml.authoring.studio.operating.lists import Lists
-from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Sticks
+from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
 from jausml.authoring.studio.operating.streams import Streams
 from jausml.authoring.studio.operating.values import Values
-from jausml.authoring.studio.operating.watching import UnitError, WatchedSystem
+from jausml.authoring.studio.operating.watching import WatchedSystem
+from jausml.authoring.studio.rpc import UNAUTHORIZED, RpcError
+from jausml.authoring.studio.running import LONGEST
 from jausml.authoring.studio.security import Token
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.systems.state import state_as_json
@@ -35,15 +37,8 @@ if TYPE_CHECKING:
     from jausml.live.systems.state import SystemState
     from jausml.runtime.base.address import JausAddress
 
-LONGEST = 1.0
-"""Seconds after which a state is told that has not changed."""
-
 _LONGEST_STOP = 30.0
 """Seconds that the end of the unit waits for what stops a lost page's components."""
-
-
-class NotAllowedError(Exception):
-    """A page has no right to command."""
 
 
 @dataclass(frozen=True)
@@ -128,14 +123,14 @@ class OperatorUnit:
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`UnitError`: there is no network, or not yet)."""
+        """Who asks and commands (`AnswerError`: there is no network, or not yet)."""
         return self._system.operator
 
     # ---- what all see -----------------------------------------------------------------------
 
     def content(self, state: SystemState | None = None) -> dict[str, Any]:
         """Returns what all pages are told."""
-        told = state_as_json(self._system.state() if state is None else state)
+        told = state_as_json(self._system.monitor.state() if state is None else state)
         operator, commander, stick = self._system.running, self._commander, self.sticks.held
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -171,7 +166,7 @@ class OperatorUnit:
 
     def tells_url(self, component: str, report: str, url: str) -> bool:
         """Tells whether a component that is not gone has an address in a report that is watched."""
-        known = self._system.state().components.get(component)
+        known = self._system.monitor.state().components.get(component)
         is_gone = known is not None and known.is_gone
         return not is_gone and self.values.has_url(component, report, url)
 
@@ -208,11 +203,11 @@ class OperatorUnit:
     def _begin(self, page: int, name: str) -> None:
         powers = self.powers
         if powers is None:
-            raise NotAllowedError("this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
         self.operator  # noqa: B018 - it must be there
         with self._state:
             if not self._is_settled.is_set():
-                raise UnitError("what the page before commanded is being stopped; try again")
+                raise AnswerError("what the page before commanded is being stopped; try again")
             if self._commander is None:
                 lease = Lease(powers.lease, lambda: self._silent(page))
                 self._commander = Commander(page, name, lease)
@@ -228,22 +223,22 @@ class OperatorUnit:
         commander = self._commander
         if commander is None or commander.page != page:
             self.operator.release(target)
-            raise UnitError("the page was lost meanwhile")
+            raise AnswerError("the page was lost meanwhile")
 
     def require_commander(self, page: int) -> None:
         """Sees to it that a page commands."""
         commander = self._commander
         if commander is None:
-            raise UnitError("nobody commands; take control first")
+            raise AnswerError("nobody commands; take control first")
         if commander.page != page:
-            raise UnitError(f"{commander.name} commands (page {commander.page})")
+            raise AnswerError(f"{commander.name} commands (page {commander.page})")
 
     def renew(self, page: int) -> None:
         """Renews the lease of the page that commands."""
         self.require_commander(page)
         commander = self._commander
         if commander is None or not commander.lease.renew():
-            raise UnitError("the page was silent too long, and commands no more")
+            raise AnswerError("the page was silent too long, and commands no more")
 
     def release(self, page: int, name: str, target: JausAddress) -> bool:
         """Releases control of a component; tells whether the component confirms it."""
@@ -287,7 +282,7 @@ class OperatorUnit:
         Each is told at once; then it is waited for what they say.
         """
         if self.powers is None:
-            raise NotAllowedError("this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
         operator = self.operator
         self.sticks.end(STOPPED)
         operator.drop_list_changes()

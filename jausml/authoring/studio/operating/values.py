@@ -1,14 +1,15 @@
-"""Reports that pages watch: their last values, and the history of each number."""
+"""Reports that pages watch: their last values and pictures, and the history of each number."""
 
 from __future__ import annotations
 
+import base64
 import time
 from collections import deque
 from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.studio.operating.pictures import picture_url
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
 from jausml.live.messages.entries import parts
 from jausml.live.peers.rendering import field_texts
@@ -36,10 +37,6 @@ RATE = ""
 
 Point = tuple[float, float]
 """A time in seconds since 1970, and a value."""
-
-
-class TooManyError(Exception):
-    """There is no room for another report."""
 
 
 @dataclass
@@ -89,7 +86,7 @@ class Values:
         key = str(target), report.name
         with self._lock:
             if key not in self._watched and len(self._watched) >= MOST_WATCHED:
-                raise TooManyError(f"{MOST_WATCHED} reports are watched; watch one of them no more")
+                raise AnswerError(f"{MOST_WATCHED} reports are watched; watch one of them no more")
             known = self._watched.setdefault(key, Watched(*key))
             is_first = not known.pages
             known.pages.add(page)
@@ -146,7 +143,7 @@ class Values:
             ]
 
     def picture(self, component: str, report: str, path: str) -> str:
-        """Returns the URL of the last picture of a report (`NoPictureError`: there is none)."""
+        """Returns the URL of the last picture of a report (`AnswerError`: there is none)."""
         with self._lock:
             known = self._watched.get((component, report))
             found = known.pictures.get(path, "") if known is not None else ""
@@ -243,3 +240,53 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
         ends = {min(piece, key=lambda each: each[1]), max(piece, key=lambda each: each[1])}
         found.extend(sorted(ends))
     return found
+
+
+MOST_BYTES = 8 * 2**20
+MOST_PIXELS = 40_000_000
+"""What a browser unpacks without harm."""
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+_JPEG = b"\xff\xd8\xff"
+_HEADERS = 2**18
+"""Bytes of a JPEG within which its size stands."""
+
+_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
+"""Markers of JPEG that tell the size (ITU-T T.81, table B.1)."""
+
+
+def picture_url(data: bytes) -> str:
+    """Returns a URL that holds a picture, JPEG or PNG.
+
+    Raises:
+        AnswerError: It is no such picture, or too large.
+    """
+    kind = "png" if data.startswith(_PNG) else "jpeg" if data.startswith(_JPEG) else ""
+    if not kind:
+        raise AnswerError(f"it begins with {data[:4].hex(' ')}: neither JPEG nor PNG")
+    if len(data) > MOST_BYTES:
+        raise AnswerError(f"it has {len(data)} bytes, more than {MOST_BYTES}")
+    width, height = _size_of_png(data) if kind == "png" else _size_of_jpeg(data)
+    if not 0 < width * height <= MOST_PIXELS:
+        raise AnswerError(f"it has {width} x {height} pixels, not 1 to {MOST_PIXELS}")
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def _size_of_png(data: bytes) -> tuple[int, int]:
+    if data[12:16] != b"IHDR" or len(data) < 24:
+        raise AnswerError("it is a PNG without a header")
+    return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+
+
+def _size_of_jpeg(data: bytes) -> tuple[int, int]:
+    at = 2
+    while at + 9 <= min(len(data), _HEADERS) and data[at] == 0xFF:
+        marker = data[at + 1]
+        if marker in _FRAMES:
+            return (
+                int.from_bytes(data[at + 7 : at + 9], "big"),
+                int.from_bytes(data[at + 5 : at + 7], "big"),
+            )
+        filling = marker == 0xFF
+        at += 1 if filling else 2 + max(2, int.from_bytes(data[at + 2 : at + 4], "big"))
+    raise AnswerError("it is a JPEG without a header")

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import time
-from contextlib import ExitStack
-from threading import Event, Lock, Thread
+from threading import Event
 from typing import TYPE_CHECKING
 
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.running import RunningSystem, messages_of
 from jausml.language.metamodel.classes import system
-from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages import Catalogue, CatalogueError, load_catalogue
-from jausml.live.peers.network import fault, identified, silence_log
-from jausml.live.peers.operator import Identity, running_operator
-from jausml.live.peers.query_client import NoAnswer
-from jausml.live.systems.folding import expected
-from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import Level, components_of, declarations_of
+from jausml.live.messages import Catalogue, load_catalogue
+from jausml.live.peers.operator import Identity
+from jausml.live.systems.state import Level
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,20 +20,13 @@ if TYPE_CHECKING:
     from jausml.language.model import Model
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
+    from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import SystemState
 
-PERIOD = 0.25
-"""Seconds from one look at the state to the next."""
-
 _TIMEOUT = 2.0
-_REMEDY = "End it, or let it share the port"
 
 
-class UnitError(Exception):
-    """The unit does not do what it is asked; the text says why."""
-
-
-class WatchedSystem:
+class WatchedSystem(RunningSystem):
     """A running system and our component in it, from `start` to `stop`.
 
     Attributes:
@@ -60,79 +48,37 @@ class WatchedSystem:
             ending: Is called before our component ends.
         """
         self.model, self.catalogue = _read(project)
+        identity = Identity(name="jausml studio")
+        super().__init__(network, self.model, lambda: self.catalogue, _TIMEOUT, identity)
         self.running: Operator | None = None
         self.fault = "the unit begins"
-        self._network, self._journal = network, journal
-        self._told, self._ending = told, ending
-        self._monitor = Monitor(
-            expected(
-                declarations_of(self.model) if self.model is not None else (),
-                components_of(self.model) if self.model is not None else {},
-                time.monotonic(),
-            )
-        )
+        self._journal, self._told, self._ending = journal, told, ending
         self._levels: dict[str, Level] = {}
-        self._state = Lock()
-        self._ready, self._end = Event(), Event()
-        self._thread = Thread(target=self._run, name="operator unit", daemon=True)
+        self._ready = Event()
 
-    def state(self) -> SystemState:
-        """Returns the state at present."""
-        return self._monitor.state()
-
-    def start(self) -> None:
-        """Begins, once; what cannot be heard is told as part of the state."""
-        with self._state:
-            if self._thread.ident is None:
-                self._thread.start()
-
-    def stop(self) -> None:
-        """Ends it; control is released."""
-        with self._state:
-            has_begun = self._thread.ident is not None
-        self._end.set()
-        if has_begun:
-            self._thread.join()
-
-    def _run(self) -> None:
-        with ExitStack() as stack:
-            stack.enter_context(listening(self._monitor))
-            silence_log()
-            try:
-                network = stack.enter_context(identified(self._network))
-                operator = stack.enter_context(
-                    running_operator(
-                        network, self.catalogue, _TIMEOUT, Identity(name="jausml studio")
-                    )
-                )
-            except NoAnswer as error:
-                self.fault = str(error)
-                self._monitor.take_source("JAUS", self.fault)
-            except OSError as error:
-                self.fault = fault(error, self._network, _REMEDY)
-                self._monitor.take_source("JAUS", self.fault)
-            else:
-                stack.enter_context(polling(self._monitor, operator))
-                operator.handoffs.on_news = lambda news: self._journal.note("handoff", news)
-                self.running, self.fault = operator, ""
-                stack.callback(self._leave)
-            self._ready.set()
-            while not self._end.wait(PERIOD):
-                state = self._monitor.state()
-                self._watch_for_alarms(state)
-                self._told(state)
+    def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:  # noqa: ARG002 - what is heard is part of the state
+        if operator is not None:
+            operator.handoffs.on_news = lambda news: self._journal.note("handoff", news)
+        self.running, self.fault = operator, self.monitor.state().sources.get("JAUS", "")
+        self._ready.set()
 
     def _leave(self) -> None:
-        self._ending()
-        self.running, self.fault = None, "the unit has ended"
+        if self.running is not None:
+            self._ending()
+            self.running, self.fault = None, "the unit has ended"
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`UnitError`: there is no network, or not yet)."""
+        """Who asks and commands (`AnswerError`: there is no network, or not yet)."""
         self._ready.wait(_TIMEOUT)
         if self.running is None:
-            raise UnitError(self.fault)
+            raise AnswerError(self.fault)
         return self.running
+
+    def _look(self) -> None:
+        state = self.monitor.state()
+        self._watch_for_alarms(state)
+        self._told(state)
 
     def _watch_for_alarms(self, state: SystemState) -> None:
         """Raises alarms for what went well, or has begun, and does no more."""
@@ -158,10 +104,5 @@ def _read(project: Project) -> tuple[Model | None, Catalogue]:
         model = project.model(file).model
         if not project.opened and not any(model.instances(system.System, library=False)):
             continue
-        try:
-            path = project.root / file
-            found = load_catalogue([path], project_root=project.root, notations=NOTATIONS)
-        except CatalogueError:
-            found = load_catalogue()
-        return model, found
+        return model, messages_of(project.root / file, project.root)
     return None, load_catalogue()

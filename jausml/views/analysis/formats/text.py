@@ -12,7 +12,6 @@ if TYPE_CHECKING:
         CallReport,
         ComponentReport,
         ConnectionReport,
-        Load,
         Report,
     )
     from jausml.views.analysis.sizes import Assumptions, Size
@@ -57,6 +56,25 @@ def call(report: CallReport) -> str:
     messages, peers = ", ".join(report.messages), ", ".join(report.peers) or "anybody"
     what = f"{report.kind} {report.ros_name} ({report.type}) {WAYS[report.direction]}"
     return f"{report.name}: {what}; {messages}; {peers}; an answer within {report.seconds:g} s"
+
+
+def ends(connection: ConnectionReport) -> str:
+    """Returns the peers of a connection, and its topics."""
+    peers = ", ".join(connection.peers) or "nobody"
+    joins = (f"{each} (joined)" for each in connection.joins)
+    return f"{peers}; {', '.join((*connection.topics, *joins))}"
+
+
+def sums(report: Report, layers: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yields name, host and figures of each component and host: sent and received in turn."""
+    rows = [(each.name, each.host or "-", each.load) for each in report.components]
+    rows += [(f"host {each.name}", each.transport, each.load) for each in report.hosts]
+    for name, host, load in rows:
+        both = load.sent, load.received
+        figures = [number(load.messages_sent), number(load.messages_received)]
+        figures += [number(each.packets) for each in both]
+        figures += [kilobytes(getattr(each, layer)) for layer in layers for each in both]
+        yield (name, host, *figures)
 
 
 def kilobytes(octets: float) -> str:
@@ -145,8 +163,10 @@ def render(report: Report) -> str:
 def _lines(report: Report) -> Iterator[str]:
     yield f"system {_cut(report.system, WIDTH - 7)}"
     yield ""
-    rows = [_sum_row(each.name, each.host or "-", each.load) for each in report.components]
-    rows += [_sum_row(f"host {each.name}", each.transport, each.load) for each in report.hosts]
+    rows = [
+        (_cut(name, _NAME), _cut(host, _MESSAGE - 6), *figures)
+        for name, host, *figures in sums(report, ("judp", "ip"))
+    ]
     yield from _table(_SUMS, rows, _LEFT_OF_SUMS)
     for component in report.components:
         for warning in component.warnings:
@@ -157,21 +177,6 @@ def _lines(report: Report) -> Iterator[str]:
     yield ""
     for note in notes(report.assumptions):
         yield from _wrapped(note, "")
-
-
-def _sum_row(name: str, host: str, load: Load) -> tuple[str, ...]:
-    return (
-        _cut(name, _NAME),
-        _cut(host, _MESSAGE - 6),
-        number(load.messages_sent),
-        number(load.messages_received),
-        number(load.sent.packets),
-        number(load.received.packets),
-        kilobytes(load.sent.judp),
-        kilobytes(load.received.judp),
-        kilobytes(load.sent.ip),
-        kilobytes(load.received.ip),
-    )
 
 
 def _bridge(bridge: ComponentReport) -> Iterator[str]:
@@ -204,11 +209,9 @@ def _row(connection: ConnectionReport) -> tuple[str, ...]:
 
 
 def _details(connection: ConnectionReport) -> Iterator[str]:
-    ends = f"{connection.message} and {connection.type}"
-    peers = ", ".join(connection.peers) or "nobody"
-    topics = ", ".join((*connection.topics, *(f"{each} (joined)" for each in connection.joins)))
     ros = size(connection.ros.bytes)
-    yield from _wrapped(f"{connection.name}: {ends} ({ros} bytes); {peers}; {topics}", "  ")
+    named = f"{connection.message} and {connection.type} ({ros} bytes)"
+    yield from _wrapped(f"{connection.name}: {named}; {ends(connection)}", "  ")
     for budget in connection.budgets:
         head = f"{CASES[budget.case]:<15} {time(budget):>9}  "
         yield from _wrapped(f"{steps(budget)}", f"    {head}")

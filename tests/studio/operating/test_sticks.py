@@ -7,11 +7,10 @@ from queue import Queue
 
 import pytest
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.journal import Journal
-from jausml.authoring.studio.operating.leases import Lease, Stick, StickOverError
-from jausml.authoring.studio.operating.sticks import Sticks
+from jausml.authoring.studio.operating.sticks import Lease, Stick, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
-from jausml.authoring.studio.operating.watching import UnitError
 from jausml.live.messages import load_catalogue
 from jausml.runtime import JausAddress
 
@@ -59,7 +58,7 @@ def test_nothing_follows_the_stop_of_a_stick(held):
     stick.move("left")
     stick.end("released")
     stick.end("released twice")
-    with pytest.raises(StickOverError):
+    with pytest.raises(AnswerError):
         stick.move("right")
     assert told(said, 3) == ["left", "stop", "released"]
     assert said.empty()
@@ -68,7 +67,7 @@ def test_nothing_follows_the_stop_of_a_stick(held):
 def test_a_stick_whose_page_is_silent_is_stopped(held):
     stick, said = held(0.05)
     assert told(said, 2) == ["stop", "the page said nothing for 0.05 s"]
-    with pytest.raises(StickOverError):
+    with pytest.raises(AnswerError):
         stick.move("left")
     stick.end("released")
     assert said.empty()
@@ -138,7 +137,7 @@ def test_an_old_stop_does_not_come_into_a_new_stick(unit):
 
 def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
     old = unit.begin()
-    with pytest.raises(UnitError):
+    with pytest.raises(AnswerError):
         unit.begin()
     unit.sticks.end("control is lost", OTHER)
     assert unit.stops == []
@@ -147,7 +146,7 @@ def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
     assert [each["text"] for each in unit.journal.alarms] == ["stopped: control is lost"]
     number = unit.begin()
     for late in (lambda: unit.sticks.move(old, {}), lambda: unit.sticks.release(old)):
-        with pytest.raises(UnitError):
+        with pytest.raises(AnswerError):
             late()
     assert (len(unit.stops), unit.sent) == (1, [])
     unit.sticks.end("stop")
@@ -157,6 +156,6 @@ def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
 
 def test_nobody_holds_a_stick_of_what_is_not_controlled(unit):
     unit.is_in_control = False
-    with pytest.raises(UnitError, match="not controlled"):
+    with pytest.raises(AnswerError, match="not controlled"):
         unit.begin()
     assert unit.sticks.held is None

@@ -1,0 +1,117 @@
+"""A running system that is heard and asked, on a thread of its own."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from threading import Event, Lock, Thread
+from typing import TYPE_CHECKING
+
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import CatalogueError, load_catalogue
+from jausml.live.peers.network import fault, identified, silence_log
+from jausml.live.peers.operator import running_operator
+from jausml.live.peers.query_client import NoAnswer
+from jausml.live.systems.folding import expected
+from jausml.live.systems.monitoring import Monitor, listening, polling
+from jausml.live.systems.state import components_of, declarations_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from jausml.language.model import Model
+    from jausml.live.messages import Catalogue
+    from jausml.live.peers.network import Network
+    from jausml.live.peers.operator import Identity, Operator
+    from jausml.live.systems.ros_diagnostics import RosDiagnostics
+
+PERIOD = 0.25
+"""Seconds from one look at the state to the next."""
+
+LONGEST = 1.0
+"""Seconds after which a state is told that has not changed: its ages have."""
+
+_REMEDY = "End it, or let it share the port"
+
+
+class RunningSystem:
+    """One running system, from `start` to `stop`; what cannot be heard is part of its state."""
+
+    def __init__(
+        self,
+        network: Network,
+        model: Model | None,
+        catalogue: Callable[[], Catalogue],
+        timeout: float,
+        identity: Identity | None = None,
+    ) -> None:
+        """Sends nothing before `start` (`timeout`: seconds that a question waits)."""
+        self.monitor = Monitor(
+            expected(
+                declarations_of(model) if model is not None else (),
+                components_of(model) if model is not None else {},
+                time.monotonic(),
+            )
+        )
+        self._network, self._catalogue = network, catalogue
+        self._timeout, self._identity = timeout, identity
+        self._beginning = Lock()
+        self._end = Event()
+        self._thread = Thread(target=self._run, name="running system", daemon=True)
+
+    def start(self) -> None:
+        """Begins, once."""
+        with self._beginning:
+            if self._thread.ident is None:
+                self._thread.start()
+
+    def stop(self) -> None:
+        """Ends it: nobody is asked any more, and nothing subscribed to."""
+        with self._beginning:
+            has_begun = self._thread.ident is not None
+        self._end.set()
+        if has_begun:
+            self._thread.join()
+
+    def _run(self) -> None:
+        with ExitStack() as stack:
+            ros = stack.enter_context(listening(self.monitor))
+            self._enter(self._operator(stack), ros)
+            stack.callback(self._leave)
+            while not self._end.wait(PERIOD):
+                self._look()
+
+    def _operator(self, stack: ExitStack) -> Operator | None:
+        """Returns who asks, None where JAUS has no network; the state says why."""
+        silence_log()
+        try:
+            network = stack.enter_context(identified(self._network))
+            operator = stack.enter_context(
+                running_operator(network, self._catalogue(), self._timeout, self._identity)
+            )
+        except NoAnswer as error:
+            self.monitor.take_source("JAUS", str(error))
+        except OSError as error:
+            self.monitor.take_source("JAUS", fault(error, self._network, _REMEDY))
+        else:
+            stack.enter_context(polling(self.monitor, operator))
+            return operator
+        return None
+
+    def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
+        """Takes who asks and who listens, as far as there are any."""
+
+    def _leave(self) -> None:
+        """Is called before both end."""
+
+    def _look(self) -> None:
+        """Is called once in `PERIOD`."""
+
+
+def messages_of(path: Path, root: Path) -> Catalogue:
+    """Returns the messages that are known: of a model with errors those of the library alone."""
+    try:
+        return load_catalogue([path], project_root=root, notations=NOTATIONS)
+    except CatalogueError:
+        return load_catalogue()
