@@ -8,10 +8,10 @@ import hashlib
 from html import escape
 from typing import TYPE_CHECKING
 
-import jinja2
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+
+    import jinja2
 
 
 def page(
@@ -34,6 +34,8 @@ def page(
 @functools.cache
 def _environment(package: str) -> jinja2.Environment:
     """Returns the templates of a package, and those that all pages share."""
+    import jinja2  # noqa: PLC0415 - tables do without it
+
     loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
     return jinja2.Environment(
         loader=jinja2.ChoiceLoader(loaders),
