@@ -178,8 +178,13 @@ CALLS = "/_service_event"
 DIAGNOSTICS = "/diagnostics"
 """Where bridges tell how they are, with the accounts of connections and peers."""
 
-ACTION_TOPICS = ("/_action/feedback", "/_action/status")
-"""What follows the name of an action in the topics on which others see what it does."""
+ACTION_TOPICS = (
+    "/_action/feedback",
+    "/_action/status",
+    *(f"/_action/{each}{CALLS}" for each in ("send_goal", "cancel_goal", "get_result")),
+)
+"""What follows the name of an action in the topics on which others see what it does; the last ones
+where it is introspected."""
 
 
 def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
