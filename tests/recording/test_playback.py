@@ -304,8 +304,8 @@ def _kept_translation():
     with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
 
         @cache
-        def kept(*of):
-            made = KeptTranslation(*of)
+        def kept(*of, **more):
+            made = KeptTranslation(*of, **more)
             stack.callback(made._worker.close)
             return made
 

@@ -323,7 +323,8 @@ def _show_counts(
         lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
         click.echo(f"  {number} on {topic}{lost}", err=True)
     for topic in sorted(set(ros.wanted or ()) - set(recorder.topics) - set(ros.missing)):
-        why = ": its node does not publish its calls" if topic.endswith(CALLS) else ""
+        is_unheard = topic.endswith(CALLS) and topic not in ros.heard
+        why = ": its node does not publish its calls" if is_unheard else ""
         click.echo(f"  none on {topic}{why}", err=True)
     for topic, kind in sorted(ros.missing.items()):
         click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.dropped import dropped_message, times
+from jausml.live.systems.dropped import AROUND, NEAR, dropped_message, times
 from jausml.live.systems.playback import NO_ROS
+from jausml.live.systems.recorded_calls import ANSWERED, GOT, events_of, kind_of, last_of
 from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.tables import shown_name, state_text
 from jausml.live.systems.ways import ways_of
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
+    from jausml.live.systems.recorded_calls import RecordedCall
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
     from jausml.live.systems.ways import Ways
 
@@ -47,7 +49,7 @@ MEANINGS: Mapping[str, str] = {
     "not_translated": "a call could not be translated",
     "out_of_range": "a value did not fit its field, and the map drops such a message",
     "over_rate": "its source sent more than the rate cap of the connection",
-    "rejected": "the JAUS component rejected it",
+    "rejected": "who was asked refused it",
     "stale_join": "a topic or report that is joined to it had nothing fresh",
     "timed_out": "no answer came in time",
     "too_long": "the list had more elements than one goal may have",
@@ -155,7 +157,8 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
 def _states(state: SystemState, connection: ConnectionState, at: float) -> Iterator[str]:
     values = dict(connection.values)
     because = f": {connection.reason}" if connection.reason else ""
-    yield f"At {at:.1f} s, the connection was {state_text(connection)}{because}."
+    what = "status" if connection.concerns_bridge else "connection"
+    yield f"At {at:.1f} s, the {what} was {state_text(connection)}{because}."
     yield from _bridge(state, connection)
     for key, text in connection.peers.items():
         address = key.partition(" ")[2]
@@ -240,15 +243,51 @@ def _sides(
 
     Those of ROS come first.
     """
-    ways = None if model is None or connection is None else ways_of(system, model, connection)
-    if model is None or connection is None or ways is None:
-        text = ("Which messages it takes and gives says the model, which has no such connection.",)
+    several = () if model is None or connection is None else ways_of(system, model, connection)
+    if model is None or connection is None or not several:
+        is_status = connection is not None and connection.concerns_bridge
+        text = (_OF_A_BRIDGE if is_status else _NOT_MODELLED,)
         return text, text
-    dropped = dropped_message(system, model, connection, ways, risen) if risen else None
+    ways, dropped = several[0], None
+    if risen:
+        ways, dropped = dropped_message(system, model, connection, several, risen)
+    if dropped is not None and dropped.call is not None:
+        return _sides_of_call(system, ways, dropped.call)
     moment = at if dropped is None else dropped.time
     taken = tuple(_source_lines(system, ways, risen, moment, dropped))
-    given = tuple(_message_at(system, ways.target, moment, "The last on this side: "))
+    head = "The last on this side: "
+    given = tuple(_message_at(system, ways.target, moment, head, ways.events_of_target))
     return (given, taken) if ways.is_to_ros else (taken, given)
+
+
+_NOT_MODELLED = "Which messages it takes and gives says the model, which has no such connection."
+_OF_A_BRIDGE = "This is a status of the bridge itself, which carries no messages."
+
+
+def _sides_of_call(
+    system: RecordedSystem, ways: Ways, call: RecordedCall
+) -> tuple[Lines, Lines]:
+    """Returns a call that failed as both sides have it: its request, and what answered it."""
+    asked, end = call.asked, call.answered or call.asked + AROUND
+    ros, answer = (ways.target, GOT) if ways.is_to_ros else (ways.source, ANSWERED)
+    jaus = ways.source if ways.is_to_ros else ways.target
+    lines = ["This call failed, and no response to it is in the recording."]
+    if call.answered is not None:
+        why = f": {call.reason}" if call.reason else ""
+        lines = [f"This call failed, as its response says{why}."]
+    lines += _message_at(system, ros, asked, "Its request: ", ways.event)
+    if call.answered is not None:
+        lines += _message_at(system, ros, end, "Its response: ", answer)
+    if ways.is_to_ros:
+        return tuple(lines), tuple(_message_at(system, jaus, asked, "It was made of: "))
+    passed = [*events_of(system, jaus, asked - NEAR, end, None)]
+    if not passed:
+        return tuple(lines), ("Nothing of it was passed on.",)
+    first = min(at for at, _ in passed)
+    made = [*_message_at(system, jaus, first, "It was passed on as: ")]
+    if any(True for _ in events_of(system, ways.answers, first, end, None)):
+        made += _message_at(system, ways.answers, end, "What answered it: ")
+    return tuple(lines), tuple(made)
 
 
 def _source_lines(
@@ -259,7 +298,7 @@ def _source_lines(
     dropped: Dropped | None,
 ) -> Iterator[str]:
     if risen:
-        count = len(times(system, ways.source, risen[0].since, risen[0].time))
+        count = len(times(system, ways, risen[0].since, risen[0].time))
         yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
     if dropped is not None and dropped.guess:
         yield (
@@ -274,16 +313,20 @@ def _source_lines(
         yield f"Which it was is not known: the recording does not have {ways.missing}."
     elif risen and count > 1:
         yield "Which of them was not passed on, the recording does not tell; this is the last."
-    yield from _message_at(system, ways.source, at, "")
+    yield from _message_at(system, ways.source, at, "", ways.events_of_source)
 
 
 def _message_at(
-    system: RecordedSystem, topics: Sequence[str], at: float, head: str
+    system: RecordedSystem,
+    topics: Sequence[str],
+    at: float,
+    head: str,
+    event: int | None = None,
 ) -> Iterator[str]:
     found = [
         (*last, each)
         for each in topics
-        if each in system.recording.topics and (last := system.recording.last(each, at)) is not None
+        if each in system.recording.topics and (last := last_of(system, each, at, event))
     ]
     if not found:
         names = " or ".join(topics) or "such a message"
@@ -308,6 +351,9 @@ def _span(mark: Mark) -> str:
 def message_lines(system: RecordedSystem, found: Found) -> list[str]:
     """Returns the fields of a message as lines."""
     value = system.recording.value_of(found)
+    if kind_of(found) is not None:
+        value = next((value[each][0] for each in ("request", "response") if value[each]), {})
+        return value_lines(value)[:MOST_LINES] or ["(no fields)"]
     fields: dict[str, Any] = value
     if found[1].topic.startswith(JAUS_TOPICS) and isinstance(value.get("fields"), dict):
         fields = value["fields"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
@@ -12,6 +12,15 @@ from jausml.language.semantics.connections.topics import endpoints, resolve_topi
 from jausml.live.recording.recorder import ACTION_TOPICS, CALLS
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.inspection import placed, reporters_of, topic_of
+from jausml.live.systems.recorded_calls import (
+    ANSWERED,
+    GOT,
+    RECEIVED,
+    REQUEST_AT,
+    RESPONSE_AT,
+    SENT,
+    has_contents,
+)
 from jausml.live.systems.state import TopicName, node_of
 from jausml.runtime.messages import SetElement
 
@@ -33,9 +42,11 @@ class Ways:
         carried: What messages of the source go through; None where no model says so, or where they
             are in no recording.
         like: The connection of the model, whose policies and quantities count.
-        missing: What recordings do not have, so that both sides cannot be compared; empty if they
-            can.
-        has_elements: Whether the source gives lists, of which each element is a message.
+        missing: What the recording does not have, so that both sides cannot be compared; empty if
+            they can.
+        has_elements: Whether the source gives messages that hold those that are translated.
+        event: On the side of ROS, which events of calls are meant; None where it has messages.
+        answers: Topics of what answers the target, where it asks.
     """
 
     source: tuple[str, ...]
@@ -45,23 +56,47 @@ class Ways:
     like: Element | None = None
     missing: str = ""
     has_elements: bool = False
+    event: int | None = None
+    answers: tuple[str, ...] = ()
+
+    @property
+    def offset(self) -> int:
+        """Where messages of ROS stand in the bytes of events; 0 for messages by themselves."""
+        if self.event is None:
+            return 0
+        return REQUEST_AT if self.event in (SENT, RECEIVED) else RESPONSE_AT
+
+    @property
+    def events_of_source(self) -> int | None:
+        """Which events are meant on the side that is taken from."""
+        return None if self.is_to_ros else self.event
+
+    @property
+    def events_of_target(self) -> int | None:
+        """Which events are meant on the other side."""
+        return self.event if self.is_to_ros else None
 
 
-def ways_of(system: RecordedSystem, model: Model, connection: ConnectionState) -> Ways | None:
-    """Returns the topics of both sides of a connection, None where the model has none such."""
+def ways_of(
+    system: RecordedSystem, model: Model, connection: ConnectionState
+) -> tuple[Ways, ...]:
+    """Returns the topics of both sides of a connection, none where the model has none such.
+
+    Calls go two ways: that of requests comes first.
+    """
     declaration = connection.declaration
     found = _modelled(model, declaration.key) if declaration is not None else None
     if declaration is None or found is None:
-        return None
+        return ()
     if isinstance(found, bridge.RosServiceConnection):
         return _ways_of_calls(system, connection, found)
     if isinstance(found, bridge.RosActionConnection):
-        return _ways_of_lists(system, connection, found)
+        return (_ways_of_lists(system, connection, found),)
     ros = (topic_of(connection, declaration).name,) if declaration.topics else ()
     jaus = _jaus_topics(system, reporters_of(connection, declaration), declaration.message)
     is_to_ros = declaration.direction == "to ROS"
     source, target = (jaus, ros) if is_to_ros else (ros, jaus)
-    return Ways(source, target, is_to_ros, found, found)
+    return (Ways(source, target, is_to_ros, found, found),)
 
 
 def _modelled(model: Model, key: tuple[str, str]) -> Element | None:
@@ -82,18 +117,34 @@ def _jaus_topics(system: RecordedSystem, senders: Iterable[str], message: str) -
 
 def _ways_of_calls(
     system: RecordedSystem, connection: ConnectionState, call: bridge.RosServiceConnection
-) -> Ways:
-    """Returns those of the half that comes from JAUS: requests of ROS are not recorded as such."""
-    half = next((each for each in calls.halves(call) if each.to_ros), None)
-    taken = calls.answering(call) if calls.serves(call) else calls.asking(call)
-    return Ways(
-        _taken_from(system, call.peers, taken),
-        _ros_names(connection, call, str(call.service), (CALLS,)),
-        is_to_ros=True,
-        carried=None if half is None else calls.as_connection(call, half),
-        like=call,
-        missing=f"the requests and responses of the ROS service {call.service} as they came",
+) -> tuple[Ways, ...]:
+    serves, peers = calls.serves(call), [str(each.address) for each in call.peers]
+    askers, answerers = ((connection.jaus_id,), peers) if serves else (peers, (connection.jaus_id,))
+    answers = [calls.answering(call), *call.rejections]
+    name = dict(connection.values).get("service") or str(call.service)
+    ros = _ros_names(connection, call, name, (CALLS,))
+    missing = f"the requests and responses of the ROS service {name} as they came"
+    asked, answered = (
+        tuple(topic for each in messages for topic in _topics_from(system, senders, each))
+        for senders, messages in ((askers, [calls.asking(call)]), (answerers, answers))
     )
+    halves = {each.kind: calls.as_connection(call, each) for each in calls.halves(call)}
+    requests = Ways(
+        *((ros, asked) if serves else (asked, ros)),
+        is_to_ros=not serves,
+        carried=halves.get(calls.REQUEST),
+        like=call,
+        missing="" if any(has_contents(system, each) for each in ros) else missing,
+        event=RECEIVED if serves else SENT,
+        answers=answered,
+    )
+    usual = _topics_from(system, answerers, answers[0])
+    source, target = (usual, ros) if serves else (ros, usual)
+    event, carried = (ANSWERED if serves else GOT), halves.get(calls.RESPONSE)
+    responses = replace(
+        requests, source=source, target=target, is_to_ros=serves, event=event, carried=carried
+    )
+    return requests, responses
 
 
 def _ways_of_lists(
@@ -101,11 +152,14 @@ def _ways_of_lists(
 ) -> Ways:
     missing = f"the goals of the ROS action {action.action}"
     ros = _ros_names(connection, action, str(action.action), ACTION_TOPICS)
+    messages = calls.driver_messages(action.driver)
+    is_mission = messages is not None and messages.spooler
+    holder = calls.SPOOLER[0] if is_mission else SetElement.NAME
     if action.direction.name != "jausToRos":
-        given = _jaus_topics(system, (connection.jaus_id,), SetElement.NAME)
+        given = _jaus_topics(system, (connection.jaus_id,), holder)
         return Ways(ros, given, is_to_ros=False, like=action, missing=missing)
     peers = [str(each.address) for each in action.peers]
-    taken = _jaus_topics(system, peers, SetElement.NAME)
+    taken = _jaus_topics(system, peers, holder)
     carried = calls.of_elements(action)
     return Ways(
         taken,
@@ -118,12 +172,10 @@ def _ways_of_lists(
     )
 
 
-def _taken_from(
-    system: RecordedSystem, peers: Iterable[jaus.Component], message: jaus.MessageDef | None
+def _topics_from(
+    system: RecordedSystem, senders: Iterable[str], message: jaus.MessageDef | None
 ) -> tuple[str, ...]:
-    if message is None:
-        return ()
-    return _jaus_topics(system, [str(each.address) for each in peers], str(message.name))
+    return () if message is None else _jaus_topics(system, senders, str(message.name))
 
 
 def _ros_names(
