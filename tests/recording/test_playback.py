@@ -151,6 +151,7 @@ def test_of_two_messages_close_to_each_other_the_one_that_was_refused_is_named(o
 ROOT = MODEL.parents[3]
 LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
+ROUTES = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"
 CALLER = "20.1.1"
 
 
@@ -228,6 +229,36 @@ def test_of_lists_the_elements_are_translated_again(tmp_path):
     assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
     assert found.jaus[2].endswith("SetElement at 0.500 s")
     assert found.ros[0].startswith("Up to")
+    assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
+
+
+def test_of_missions_the_messages_of_tasks_are_translated_again(tmp_path):
+    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
+    data = load_catalogue().encode(point)
+    source = {"ComponentID": 1, "NodeID": 1, "SubsystemID": 20}
+    receiver = {"ComponentID": 4, "NodeID": 1, "SubsystemID": 10}
+
+    def task(number, *messages, below=()):
+        named = {"TaskInfo": {"TaskID": number}, "JAUSMessages": [
+            {"UID": uid, "DestinationID": receiver, "JausMessage": {"hex": each.hex()}, "Blocking": 1}
+            for uid, each in enumerate(messages, 1)
+        ]}  # fmt: skip
+        below = [{"ChildTaskIndex": each} for each in below]
+        return {"TaskData": named, "SubTasks": below}
+
+    plans = [task(1, data)], [task(1, data, below=[1]), task(2, data, data[:-1])]
+    messages = [
+        (0.2 + 0.3 * index, CALLER, "10.1.4", "SpoolMission", {
+            "MissionInfo": {"MissionID": 1, "SourceID": source}, "MissionPlan": plan,
+        })
+        for index, plan in enumerate(plans)
+    ]  # fmt: skip
+    found = explained_traffic(
+        tmp_path / "missions.mcap", ROUTES, ("/robot/spooler", "10.1.4"), "follow", messages,
+        (), (("dropped: not_decodable", "1"),),
+    )  # fmt: skip
+    assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
+    assert found.jaus[2].endswith("SpoolMission at 0.500 s")
     assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
 
 
