@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-import subprocess
-import sys
-
 import pytest
 from ports import free_domain
 
@@ -14,10 +10,10 @@ pytest.importorskip("rclpy")
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import explained
-from jausml.live.systems.playback import indexed
 
 from .bridge_support import generate, wait_for
 from .lamp_system import MODEL, System
+from .recorder import Recorder
 
 pytestmark = [
     pytest.mark.live,
@@ -25,25 +21,7 @@ pytestmark = [
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
-PATIENCE = 90.0
 INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
-
-
-class Recorder:
-    """`jausml record` of the system of a test."""
-
-    def __init__(self, folder, port):
-        self.path, self.log = folder / "calls.mcap", folder / "record.log"
-        words = ("record", str(MODEL), "--output", str(self.path), "--port", str(port))
-        with self.log.open("wb") as stream:
-            self.process = subprocess.Popen([sys.executable, "-m", "jausml", *words], stderr=stream)
-        wait_for(lambda: "recording" in self.log.read_text(), "recorder", PATIENCE)
-        if "multicast" in self.log.read_text():
-            pytest.skip("no capture here: CAP_NET_RAW is missing")
-
-    def end(self):
-        self.process.send_signal(signal.SIGTERM)
-        assert self.process.wait(timeout=PATIENCE) == 0, self.log.read_text()
 
 
 def provoke(system):
@@ -89,22 +67,15 @@ def recorded(tmp_path_factory):
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", free_domain())
         system = System(generate(MODEL), folder, *INTROSPECTION)
-        recorder = None
         try:
-            recorder = Recorder(folder, system.port)
-            topics = ("/read_lamp", "/switch_lamp", "/lamp/switch")
-            for each in topics:
-                name = f"{each}/_service_event"
-                wait_for(lambda name=name: system.ros.node.count_subscribers(name) > 0, name)
-            provoke(system)
-            recorder.end()
+            with Recorder(folder, MODEL, system.port) as recorder:
+                for topic in ("/read_lamp", "/switch_lamp", "/lamp/switch"):
+                    name = f"{topic}/_service_event"
+                    wait_for(lambda name=name: system.ros.node.count_subscribers(name), name)
+                provoke(system)
+                found = recorder.end()
         finally:
-            if recorder is not None:
-                recorder.process.kill()
-                recorder.process.wait()
-                sys.stderr.write(recorder.log.read_text())
             system.close()
-    found = indexed(str(recorder.path))
     yield found
     found.recording.close()
 
