@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -16,16 +17,20 @@ PATIENCE = 90.0
 
 
 class Recorder:
-    """It records from the beginning of the block until `end`, which returns what it has."""
+    """It records from the beginning of the block until `end`, which returns what it has.
 
-    def __init__(self, folder, model, port):
+    `environment`: variables that it has besides.
+    """
+
+    def __init__(self, folder, model, port, **environment):
+        self._environment = {**os.environ, **environment}
         self._path, self._log = folder / "recorded.mcap", folder / "record.log"
         self._words = ("record", str(model), "--output", str(self._path), "--port", str(port))
 
     def __enter__(self):
         line = [sys.executable, "-m", "jausml", *self._words]
         with self._log.open("wb") as stream:
-            self._process = subprocess.Popen(line, stderr=stream)
+            self._process = subprocess.Popen(line, stderr=stream, env=self._environment)
         wait_for(lambda: "recording" in self._log.read_text(), "recorder", PATIENCE)
         if "multicast" in self._log.read_text():
             pytest.skip("no capture here: CAP_NET_RAW is missing")

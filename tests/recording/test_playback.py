@@ -152,6 +152,7 @@ ROOT = MODEL.parents[3]
 LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
 ROUTES = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"
+CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 CALLER = "20.1.1"
 
 
@@ -197,6 +198,22 @@ def test_of_calls_the_half_that_comes_from_jaus_is_translated_again(
     assert f"{topic}/_service_event is not in the recording" in found.ros[0]
 
 
+def test_a_command_that_did_not_come_as_far_as_its_connection(tmp_path):
+    messages = [
+        (0.3, "200.1.1", "100.1.2", "SetVelocityCommand", {"CommandType": 0, "Velocity_X": 6.0})
+    ]
+    told = "cruise_speed", (("not taken: refused", "2"),), (("not taken: refused", "3"),)
+    found = explained_traffic(
+        tmp_path / "refused.mcap", CATVEHICLE, ("/bridge", "100.1.2"), told[0], messages, *told[1:]
+    )
+    assert found.counter[0].endswith("its counter “refused” rose from 2 to 3.")
+    assert "its sender might not command, or not in that state" in found.counter[1]
+    assert found.jaus[1:3] == (
+        "This one was not passed on: what it becomes is not on the other side.",
+        "/jaus/200.1.1/SetVelocityCommand at 0.300 s",
+    )
+
+
 def test_of_a_call_that_failed_on_its_way_nothing_is_guessed(tmp_path):
     messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 100})]
     found = explained_traffic(
@@ -240,7 +257,8 @@ def test_of_missions_the_messages_of_tasks_are_translated_again(tmp_path):
 
     def task(number, *messages, below=()):
         named = {"TaskInfo": {"TaskID": number}, "JAUSMessages": [
-            {"UID": uid, "DestinationID": receiver, "JausMessage": {"hex": each.hex()}, "Blocking": 1}
+            {"UID": uid, "DestinationID": receiver, "JausMessage": {"hex": each.hex()},
+             "Blocking": 1}
             for uid, each in enumerate(messages, 1)
         ]}  # fmt: skip
         below = [{"ChildTaskIndex": each} for each in below]

@@ -330,7 +330,9 @@ def _show_counts(
         lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
         early = f"; {ros.early[topic]} came before it was heard" if ros.early[topic] else ""
         click.echo(f"  {number} on {topic}{lost}{early}", err=True)
-    for topic in filter(_is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing})):
+    for topic in filter(
+        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing})
+    ):
         is_unheard = topic.endswith(CALLS) and topic not in ros.heard
         why = ": its node does not publish its calls" if is_unheard else ""
         click.echo(f"  none on {topic}{why}", err=True)

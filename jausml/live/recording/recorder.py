@@ -178,10 +178,14 @@ CALLS = "/_service_event"
 DIAGNOSTICS = "/diagnostics"
 """Where bridges tell how they are, with the accounts of connections and peers."""
 
+GOALS = f"/_action/send_goal{CALLS}"
+"""What follows the name of an action in the topic of its goals, where it is introspected."""
+
 ACTION_TOPICS = (
     "/_action/feedback",
     "/_action/status",
-    *(f"/_action/{each}{CALLS}" for each in ("send_goal", "cancel_goal", "get_result")),
+    GOALS,
+    *(f"/_action/{each}{CALLS}" for each in ("cancel_goal", "get_result")),
 )
 """What follows the name of an action in the topics on which others see what it does; the last ones
 where it is introspected."""

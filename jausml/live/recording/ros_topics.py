@@ -136,9 +136,7 @@ class RosTopics:
         )
         self._subscribed = time.monotonic()
 
-    def _noting(
-        self, topic: str, kind: str, *, is_late: bool
-    ) -> Callable[[bytes, Any], None]:
+    def _noting(self, topic: str, kind: str, *, is_late: bool) -> Callable[[bytes, Any], None]:
         """Returns what takes the messages of a topic, and counts those that did not come."""
         expected = None
 

@@ -10,7 +10,6 @@ from itertools import islice, pairwise
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
@@ -21,6 +20,7 @@ from jausml.live.systems.ways import topics_of_joins
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
@@ -81,11 +81,9 @@ def dropped_message(
         several: The ways of the connection; that of the message is returned, else the first.
     """
     requests = several[0]
-    if isinstance(requests.like, bridge.RosServiceConnection) and not requests.missing:
-        (topic,) = requests.target if requests.is_to_ros else requests.source
-        call = failed_call(system, requests.like, topic, risen)
-        if call is not None:
-            return requests, Dropped(call.asked, call=call)
+    call = None if requests.calls is None else failed_call(system, requests.calls, risen)
+    if call is not None:
+        return requests, Dropped(call.asked, call=call)
     for ways in several:
         found = _dropped_on(system, model, connection, ways, risen)
         if found is not None:
@@ -107,9 +105,7 @@ def _dropped_on(
         if ways.missing:
             return None  # a time alone would tell nothing
         sources = [_Source(at, UNKNOWN, None) for at in times(system, ways, since, time)]
-        found = events_of(
-            system, ways.target, since - NEAR, time + NEAR, ways.events_of_target
-        )
+        found = events_of(system, ways.target, since - NEAR, time + NEAR, ways.events_of_target)
         given, why = sorted(at for at, _ in found), str(error)
     else:
         why = _NOT_KNOWN if any(each.made is UNKNOWN for each in sources) else _OF_SEVERAL

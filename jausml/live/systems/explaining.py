@@ -10,8 +10,17 @@ from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.dropped import AROUND, NEAR, dropped_message, times
 from jausml.live.systems.playback import NO_ROS
-from jausml.live.systems.recorded_calls import ANSWERED, GOT, events_of, kind_of, last_of
+from jausml.live.systems.recorded_calls import (
+    ANSWERED,
+    GOT,
+    RECEIVED,
+    SENT,
+    events_of,
+    kind_of,
+    last_of,
+)
 from jausml.live.systems.recorded_facts import BRIDGE
+from jausml.live.systems.state import declarations_of
 from jausml.live.systems.tables import shown_name, state_text
 from jausml.live.systems.ways import ways_of
 
@@ -22,7 +31,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
-    from jausml.live.systems.recorded_calls import RecordedCall
+    from jausml.live.systems.recorded_calls import CallEnd, RecordedCall
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
     from jausml.live.systems.ways import Ways
 
@@ -146,6 +155,9 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
             f"its counter \u201c{each.counter}\u201d rose from {each.before} to {each.after}."
         )
         why = meaning(each.counter)
+        if not why and connection.concerns_bridge:
+            yield "A message is counted there by the bridge, before it comes to a connection."
+            continue
         yield (
             f"A message is counted there because {why}."
             if why
@@ -181,15 +193,13 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
     """Yields how the bridge was, as it told itself or as others heard it."""
     told = state.connections.get((connection.bridge, BRIDGE))
-    if told is not None:
-        values = dict(told.values)
+    component = state.components.get(connection.jaus_id)
+    if told is not None and component is not None:  # who may have said something since
         yield (
-            f"The bridge {connection.jaus_id} was {values.get('node', 'unknown')} and in "
-            f"{values.get('jaus', 'no state').upper()}, controlled by "
-            f"{_nobody(values.get('controller', ''))}."
+            f"The bridge {connection.jaus_id} was {dict(told.values).get('node', 'unknown')} and in "
+            f"{component.state or 'no state'}, controlled by {_nobody(component.controller or '')}."
         )
         return
-    component = state.components.get(connection.jaus_id)
     if component is None or component.told is None:
         yield (
             f"In which state the bridge {connection.jaus_id} was, the recording does not tell: "
@@ -251,40 +261,56 @@ def _sides(
     ways, dropped = several[0], None
     if risen:
         ways, dropped = dropped_message(system, model, connection, several, risen)
-    if dropped is not None and dropped.call is not None:
-        return _sides_of_call(system, ways, dropped.call)
+    if dropped is not None and dropped.call is not None and ways.calls is not None:
+        return _sides_of_call(system, ways, ways.calls, dropped.call)
     moment = at if dropped is None else dropped.time
     taken = tuple(_source_lines(system, ways, risen, moment, dropped))
-    head = "The last on this side: "
+    others = " or ".join(_giving_alike(model, connection))
+    head = f"The last on this side, of this connection or {others}: " if others else _LAST
     given = tuple(_message_at(system, ways.target, moment, head, ways.events_of_target))
     return (given, taken) if ways.is_to_ros else (taken, given)
 
 
+_LAST = "The last on this side: "
 _NOT_MODELLED = "Which messages it takes and gives says the model, which has no such connection."
 _OF_A_BRIDGE = "This is a status of the bridge itself, which carries no messages."
 
 
+def _giving_alike(model: Model, connection: ConnectionState) -> Iterator[str]:
+    """Yields the connections of the same bridge whose messages stand where those of this one do."""
+    own = connection.declaration
+    for each in declarations_of(model) if own is not None else ():
+        if own is None or each.bridge != own.bridge or each.name == own.name:
+            continue
+        is_shared = (
+            each.message == own.message
+            if own.direction == "to JAUS"
+            else not {*each.topics}.isdisjoint(own.topics)
+        )
+        if is_shared and each.direction == own.direction:
+            yield each.name
+
+
 def _sides_of_call(
-    system: RecordedSystem, ways: Ways, call: RecordedCall
+    system: RecordedSystem, ways: Ways, by: CallEnd, call: RecordedCall
 ) -> tuple[Lines, Lines]:
     """Returns a call that failed as both sides have it: its request, and what answered it."""
     asked, end = call.asked, call.answered or call.asked + AROUND
-    ros, answer = (ways.target, GOT) if ways.is_to_ros else (ways.source, ANSWERED)
-    jaus = ways.source if ways.is_to_ros else ways.target
+    request, answer = (RECEIVED, ANSWERED) if by.serves else (SENT, GOT)
     lines = ["This call failed, and no response to it is in the recording."]
     if call.answered is not None:
         why = f": {call.reason}" if call.reason else ""
         lines = [f"This call failed, as its response says{why}."]
-    lines += _message_at(system, ros, asked, "Its request: ", ways.event)
+    lines += _message_at(system, [by.topic], asked, "Its request: ", request)
     if call.answered is not None:
-        lines += _message_at(system, ros, end, "Its response: ", answer)
-    if ways.is_to_ros:
-        return tuple(lines), tuple(_message_at(system, jaus, asked, "It was made of: "))
-    passed = [*events_of(system, jaus, asked - NEAR, end, None)]
+        lines += _message_at(system, [by.topic], end, "Its response: ", answer)
+    if not by.serves:
+        return tuple(lines), tuple(_message_at(system, ways.source, asked, "It was made of: "))
+    passed = [*events_of(system, ways.target, asked - NEAR, end, None)]
     if not passed:
         return tuple(lines), ("Nothing of it was passed on.",)
     first = min(at for at, _ in passed)
-    made = [*_message_at(system, jaus, first, "It was passed on as: ")]
+    made = [*_message_at(system, ways.target, first, "It was passed on as: ")]
     if any(True for _ in events_of(system, ways.answers, first, end, None)):
         made += _message_at(system, ways.answers, end, "What answered it: ")
     return tuple(lines), tuple(made)

@@ -6,14 +6,12 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.connections.calls import maps_success, serves
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.recorder import CALLS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
 
@@ -52,6 +50,24 @@ def has_contents(system: RecordedSystem, topic: str) -> bool:
 
 
 @dataclass(frozen=True)
+class CallEnd:
+    """The end that a bridge has of the calls of a service.
+
+    Attributes:
+        serves: Whether it answers; else it asks.
+        timeout: Seconds after which it waits no more.
+        success: Path of what says in a response whether all went well; empty where nothing does.
+        reason: Path of why it did not.
+    """
+
+    topic: str
+    serves: bool
+    timeout: float
+    success: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True)
 class RecordedCall:
     """A call at the end that the bridge has.
 
@@ -68,48 +84,34 @@ class RecordedCall:
     reason: str = ""
 
 
-def failed_call(
-    system: RecordedSystem,
-    call: bridge.RosServiceConnection,
-    topic: str,
-    risen: Sequence[Mark],
-) -> RecordedCall | None:
+def failed_call(system: RecordedSystem, end: CallEnd, risen: Sequence[Mark]) -> RecordedCall | None:
     """Returns the first call that failed, as counters rose; None if nobody knows.
 
     Those are known if exactly as many failed as were counted.
     """
     since, time, count = risen[0].since, risen[0].time, sum(each.count for each in risen)
-    longest = _PATIENCES * call.timeout + 1.0
+    longest = _PATIENCES * end.timeout + 1.0
     try:
-        calls = _calls(system, call, topic, since - longest, time + longest)
+        calls = _calls(system, end, since - longest, time + longest)
     except RecordingError:
         return None
-    found = [each for each in calls if _has_failed(call, each, since, time)]
+    found = [each for each in calls if _has_failed(each, since, time)]
     return found[0] if len(found) == count else None
 
 
-def _has_failed(
-    call: bridge.RosServiceConnection, each: RecordedCall, since: float, time: float
-) -> bool:
-    if each.answered is None:
-        return each.asked <= time
-    is_told = each.is_success is False and not maps_success(call)
-    return is_told and since < each.answered <= time
+def _has_failed(call: RecordedCall, since: float, time: float) -> bool:
+    if call.answered is None:
+        return call.asked <= time
+    return call.is_success is False and since < call.answered <= time
 
 
-def _calls(
-    system: RecordedSystem,
-    call: bridge.RosServiceConnection,
-    topic: str,
-    start: float,
-    end: float,
-) -> list[RecordedCall]:
+def _calls(system: RecordedSystem, end: CallEnd, since: float, until: float) -> list[RecordedCall]:
     """Returns the calls of a time; none where several clients cannot be told apart."""
-    begins, ends = (RECEIVED, ANSWERED) if serves(call) else (SENT, GOT)
+    begins, ends = (RECEIVED, ANSWERED) if end.serves else (SENT, GOT)
     asked: dict[object, float] = {}
     answers: dict[object, tuple[float, dict[str, Any]]] = {}
     seen: Counter[object] = Counter()
-    for time, found in system.recording.between(topic, start, end):
+    for time, found in system.recording.between(end.topic, since, until):
         kind = kind_of(found)
         if kind not in (begins, ends):
             continue
@@ -121,27 +123,24 @@ def _calls(
             seen[client] += 1
         else:
             answers[key] = time, event
-    if not serves(call) and len(seen) > 1:
+    if not end.serves and len(seen) > 1:
         return []
-    return [_call(call, at, answers.get(key)) for key, at in asked.items()]
+    return [_call(end, at, answers.get(key)) for key, at in asked.items()]
 
 
-def _call(
-    call: bridge.RosServiceConnection, asked: float, answer: tuple[float, dict[str, Any]] | None
-) -> RecordedCall:
+def _call(end: CallEnd, asked: float, answer: tuple[float, dict[str, Any]] | None) -> RecordedCall:
     if answer is None:
         return RecordedCall(asked)
     time, event = answer
     response = next(iter(event["response"]), {})
-    success = _member(response, call.successMember)
-    reason = _member(response, call.reasonMember)
+    success, reason = _member(response, end.success), _member(response, end.reason)
     return RecordedCall(
         asked, time, None if success is None else bool(success), "" if reason is None else reason
     )
 
 
-def _member(value: Any, path: str | None) -> Any:
-    for name in (path or "").split("."):
+def _member(value: Any, path: str) -> Any:
+    for name in path.split("."):
         value = value.get(name) if isinstance(value, dict) else None
     return value
 

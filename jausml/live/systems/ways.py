@@ -9,7 +9,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.live.recording.recorder import ACTION_TOPICS, CALLS
+from jausml.live.recording.recorder import ACTION_TOPICS, CALLS, GOALS
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.inspection import placed, reporters_of, topic_of
 from jausml.live.systems.recorded_calls import (
@@ -19,6 +19,7 @@ from jausml.live.systems.recorded_calls import (
     REQUEST_AT,
     RESPONSE_AT,
     SENT,
+    CallEnd,
     has_contents,
 )
 from jausml.live.systems.state import TopicName, node_of
@@ -47,6 +48,7 @@ class Ways:
         has_elements: Whether the source gives messages that hold those that are translated.
         event: On the side of ROS, which events of calls are meant; None where it has messages.
         answers: Topics of what answers the target, where it asks.
+        calls: The end of calls that the recording has; None where it has none.
     """
 
     source: tuple[str, ...]
@@ -58,6 +60,7 @@ class Ways:
     has_elements: bool = False
     event: int | None = None
     answers: tuple[str, ...] = ()
+    calls: CallEnd | None = None
 
     @property
     def offset(self) -> int:
@@ -77,9 +80,7 @@ class Ways:
         return self.event if self.is_to_ros else None
 
 
-def ways_of(
-    system: RecordedSystem, model: Model, connection: ConnectionState
-) -> tuple[Ways, ...]:
+def ways_of(system: RecordedSystem, model: Model, connection: ConnectionState) -> tuple[Ways, ...]:
     """Returns the topics of both sides of a connection, none where the model has none such.
 
     Calls go two ways: that of requests comes first.
@@ -129,14 +130,18 @@ def _ways_of_calls(
         for senders, messages in ((askers, [calls.asking(call)]), (answerers, answers))
     )
     halves = {each.kind: calls.as_connection(call, each) for each in calls.halves(call)}
+    is_recorded = has_contents(system, *ros)
+    success = "" if calls.maps_success(call) else call.successMember or ""
+    end = CallEnd(*ros, serves, call.timeout, success, call.reasonMember or "")
     requests = Ways(
         *((ros, asked) if serves else (asked, ros)),
         is_to_ros=not serves,
         carried=halves.get(calls.REQUEST),
         like=call,
-        missing="" if any(has_contents(system, each) for each in ros) else missing,
+        missing="" if is_recorded else missing,
         event=RECEIVED if serves else SENT,
         answers=answered,
+        calls=end if is_recorded else None,
     )
     usual = _topics_from(system, answerers, answers[0])
     source, target = (usual, ros) if serves else (ros, usual)
@@ -155,9 +160,14 @@ def _ways_of_lists(
     messages = calls.driver_messages(action.driver)
     is_mission = messages is not None and messages.spooler
     holder = calls.SPOOLER[0] if is_mission else SetElement.NAME
-    if action.direction.name != "jausToRos":
+    serves = action.direction.name != "jausToRos"
+    goals = next(each for each in ros if each.endswith(GOALS))
+    end = None
+    if has_contents(system, goals):
+        end, missing = CallEnd(goals, serves, action.timeout, "accepted"), ""
+    if serves:
         given = _jaus_topics(system, (connection.jaus_id,), holder)
-        return Ways(ros, given, is_to_ros=False, like=action, missing=missing)
+        return Ways(ros, given, is_to_ros=False, like=action, missing=missing, calls=end)
     peers = [str(each.address) for each in action.peers]
     taken = _jaus_topics(system, peers, holder)
     carried = calls.of_elements(action)
@@ -169,6 +179,7 @@ def _ways_of_lists(
         like=action,
         missing=missing,
         has_elements=True,
+        calls=end,
     )
 
 

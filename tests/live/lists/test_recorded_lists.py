@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 pytest.importorskip("rclpy")
+
+from rclpy.action import ActionClient
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import explained
 
-from ..bridge_support import wait_for
+from ..bridge_support import ROOT, wait_for
 from ..recorder import Recorder
-from .list_system import LIVE, PATIENCE, order, wait_goal
+from .conftest import operator_of
+from .list_system import LIVE, PATIENCE, facts, order, wait_goal
 
 pytestmark = [
     pytest.mark.live,
@@ -21,28 +26,64 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 MODEL = LIVE / "waypoint_lists.ros2jaus"
+INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
+HAS_GOALS = hasattr(ActionClient, "configure_introspection")
+"""Whether rclpy publishes goals and results: since Kilted."""
 
 
-def test_all(system, operator, tmp_path, packages, monkeypatch):
-    import os
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([packages[-1], os.environ.get("PYTHONPATH", "")]))
+@pytest.fixture
+def operator(system):
+    system.start_ros_robot()
+    yield from operator_of(system, "robot", *INTROSPECTION)
+
+
+@pytest.fixture
+def recorder(system, operator, packages, tmp_path):
+    """A recorder that knows the types of the action too."""
+    del operator  # whose bridge is to be heard
+    (tmp_path / "share").symlink_to(ROOT / "tools" / "ros_definitions")
+    path = os.pathsep.join([packages[-1], os.environ.get("PYTHONPATH", "")])
+    with Recorder(
+        tmp_path, MODEL, system.port, PYTHONPATH=path, AMENT_PREFIX_PATH=str(tmp_path)
+    ) as made:
+        yield made
+
+
+def explanation(recorded, counter):
+    (drop,) = [
+        each
+        for each in recorded.marks
+        if each.subject == ("/robot/robot", "follow") and each.counter == counter
+    ]
     model = read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
-    with Recorder(tmp_path, MODEL, system.port) as recorder:
-        operator.give(1, 2)
-        operator.execute()
-        wait_goal(system)
-        operator.wait_active(1)
-        order(system, "abort")
-        wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
-        import time
-        time.sleep(3)
-        recorded = recorder.end()
+    return explained(recorded, model, drop.subject, drop.time)
+
+
+def counted(system, counter):
+    wait_for(lambda: f"bridge.follow.{counter}" in system.log_of("robot"), counter, PATIENCE)
+
+
+def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, recorder):
+    order(system, "refuse")
+    wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
+    operator.give(1, 2)
+    operator.execute()
+    wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
+    order(system, "accept")
+    wait_for(lambda: facts(system, "accept"), "acceptance", PATIENCE)
+    operator.execute()
+    wait_goal(system)
+    order(system, "abort")
+    wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
+    import time
+    time.sleep(3)
+    recorded = recorder.end()
     for t, n in sorted(recorded.recording.topics.items()):
         print(n, t)
     for m in recorded.marks:
         print(m)
         if m.kind == "drop":
-            e = explained(recorded, model, m.subject, m.time)
+            e = explanation(recorded, m.counter)
             for part in (e.counter, e.state, e.ros, e.jaus):
                 print("\n".join(part))
                 print("--")
