@@ -21,17 +21,20 @@ from recorded_systems import (
 
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
+from jausml.language.semantics.connections.calls import of_elements
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import load_catalogue
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.passing import RecordedTranslation
+from jausml.live.recording.passing import RecordedTranslation, Taken
 from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
 from jausml.live.systems import dropped, playback
 from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
 from jausml.live.systems.state import SystemState, components_of, declarations_of
+from jausml.runtime.bridge.ends.ros_side import Outcome
 
 DRIVE = ("/loop_bridge", "drive")
 REFUSED = "PropulsiveLinearEffortX: 500.0 is outside -100.0 .. 100.0"
@@ -249,6 +252,31 @@ def test_of_lists_the_elements_are_translated_again(tmp_path):
     assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
 
 
+def test_messages_that_a_list_holds_are_taken_out_whether_they_can_be_read_or_not():
+    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
+    catalogue = load_catalogue()
+    data = catalogue.encode(point)
+    element = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
+    whole = catalogue.encode({"message": "SetElement", "fields": {
+        "SetElementSeq": {
+            "RequestIDRec": {"RequestID": 1},
+            "ElementList": [
+                {**element, "ElementData": {"format": 0, "hex": each.hex()}}
+                for each in (data, data[:-1], b"\x01\x02")
+            ],
+        },
+    }})  # fmt: skip
+    lists = read_models([LISTS], notations=NOTATIONS, allow_outside=True).model
+    (action,) = (
+        each
+        for each in lists.instances(bridge.RosActionConnection, library=False)
+        if each.name == "waypoints"
+    )
+    holder = catalogue.message("SetElement")
+    found = dropped._sources(Taken(0, 20, whole), of_elements(action), holder)
+    assert [each.data for each in found] == [data, data[:-1]]
+
+
 def test_of_missions_the_messages_of_tasks_are_translated_again(tmp_path):
     point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
     data = load_catalogue().encode(point)
@@ -452,3 +480,4 @@ def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():
     assert meaning("lost on the way, at most") == MEANINGS["lost on the way"]
     assert meaning("refused SetWrenchEffort") == MEANINGS["refused"]
     assert meaning("of another make") == ""
+    assert all(meaning(each.value) for each in Outcome if each is not Outcome.SUCCEEDED)

@@ -11,6 +11,8 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.jaus.services import code
+from jausml.live.messages import Catalogue, MessageError
+from jausml.live.messages.entries import as_it_is
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
 from jausml.live.recording.seeking import JAUS_TOPICS
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
+    from jausml.live.messages import MessageEntry
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
     from jausml.live.systems.recorded_calls import RecordedCall
@@ -152,10 +155,11 @@ def _compared(
     with RecordedTranslation(
         model.metamodels, ways.carried, ways.like, offset=ways.offset
     ) as translation:
+        entry = None if ways.holder is None else Catalogue(model).entry(ways.holder)
         taken = [
             (at, each)
             for at, found in _around(system, ways.source, ways.events_of_source, since, time)
-            for each in _sources(system, ways, found)
+            for each in _sources(_taken(system, found), ways.carried, entry)
         ]
         joins = _joined(system, connection, ways.carried, since, time)
         messages = sorted([*joins, *(each for _, each in taken)], key=lambda each: each.nanoseconds)
@@ -212,14 +216,19 @@ def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
     return Taken(message.log_time, subsystem, _data(system, found)[1], join)
 
 
-def _sources(system: RecordedSystem, ways: Ways, found: Found) -> Iterator[Taken]:
-    """Yields a message, or what the elements of a list hold that the connection carries."""
-    whole = _taken(system, found)
-    if not ways.has_elements or ways.carried is None:
+def _sources(
+    whole: Taken, carried: bridge.Connection, holder: MessageEntry | None
+) -> Iterator[Taken]:
+    """Yields a message, or those in it that the connection carries."""
+    if holder is None:
         yield whole
         return
-    for data in _held(system.recording.value_of(found)["fields"]):
-        if int.from_bytes(data[:2], "little") == code(ways.carried.map.message):
+    try:
+        fields = holder.decode(whole.data, as_it_is)
+    except MessageError as error:
+        raise RecordingError(f"{holder.name} cannot be read: {error}") from error
+    for data in _held(fields):
+        if int.from_bytes(data[:2], "little") == code(carried.map.message):
             yield replace(whole, data=data)
 
 

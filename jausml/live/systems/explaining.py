@@ -39,12 +39,15 @@ MOST_LINES = 60
 """Lines of a message that are shown."""
 
 MEANINGS: Mapping[str, str] = {
+    "aborted": "whoever executed the goal or the list gave it up",
     "absent_field": "a field that the map needs was absent",
     "answer_not_delivered": "the answer to a call could not be delivered",
+    "canceled": "the goal or the list was canceled",
     "empty_goal": "the goal of the action had no element",
     "ended": "the bridge ended while a call was under way",
     "filtered": "the translation gave no message, as its map or override decides",
     "inactive": "the bridge was inactive, as somebody wanted it",
+    "lost": "nobody knew of the goal or the list any more",
     "no_action_server": "no server of the ROS action was there",
     "no_counterpart": "a value has no counterpart on the other side",
     "no_peer": "no JAUS component was there to send it to",
@@ -68,7 +71,7 @@ MEANINGS: Mapping[str, str] = {
     "unanswered": "a call was not answered",
     "unasked": "the peer sent it unasked, and the connection asks for events",
     "unexpected_source": "it came from a sender that the connection does not take",
-    "refused": "its sender might not command, or not in that state",
+    "refused": "its sender might not command, or not in that state; of a goal, nobody wanted it",
     "unreadable": "it could not be decoded",
     "unknown": "neither the component nor a connection takes it",
     "dropped by the kernel": "the sockets of the bridge had no room for it",

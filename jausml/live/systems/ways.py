@@ -9,6 +9,8 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.language.semantics.jaus.commands import named
+from jausml.language.semantics.jaus.services import lineage
 from jausml.live.recording.recorder import ACTION_TOPICS, CALLS, GOALS
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.inspection import placed, reporters_of, topic_of
@@ -45,7 +47,7 @@ class Ways:
         like: The connection of the model, whose policies and quantities count.
         missing: What the recording does not have, so that both sides cannot be compared; empty if
             they can.
-        has_elements: Whether the source gives messages that hold those that are translated.
+        holder: What the source gives, where it holds the messages that are translated.
         event: On the side of ROS, which events of calls are meant; None where it has messages.
         answers: Topics of what answers the target, where it asks.
         calls: The end of calls that the recording has; None where it has none.
@@ -57,7 +59,7 @@ class Ways:
     carried: bridge.Connection | None = None
     like: Element | None = None
     missing: str = ""
-    has_elements: bool = False
+    holder: jaus.MessageDef | None = None
     event: int | None = None
     answers: tuple[str, ...] = ()
     calls: CallEnd | None = None
@@ -159,17 +161,19 @@ def _ways_of_lists(
     ros = _ros_names(connection, action, str(action.action), ACTION_TOPICS)
     messages = calls.driver_messages(action.driver)
     is_mission = messages is not None and messages.spooler
-    holder = calls.SPOOLER[0] if is_mission else SetElement.NAME
+    name = calls.SPOOLER[0] if is_mission else SetElement.NAME
+    inputs = (each for service in lineage(action.driver) for each in service.inputs)
+    holder = named(name, inputs)
     serves = action.direction.name != "jausToRos"
     goals = next(each for each in ros if each.endswith(GOALS))
     end = None
     if has_contents(system, goals):
         end, missing = CallEnd(goals, serves, action.timeout, "accepted"), ""
     if serves:
-        given = _jaus_topics(system, (connection.jaus_id,), holder)
+        given = _jaus_topics(system, (connection.jaus_id,), name)
         return Ways(ros, given, is_to_ros=False, like=action, missing=missing, calls=end)
     peers = [str(each.address) for each in action.peers]
-    taken = _jaus_topics(system, peers, holder)
+    taken = _jaus_topics(system, peers, name)
     carried = calls.of_elements(action)
     return Ways(
         taken,
@@ -178,7 +182,7 @@ def _ways_of_lists(
         carried=carried,
         like=action,
         missing=missing,
-        has_elements=True,
+        holder=holder,
         calls=end,
     )
 

@@ -76,6 +76,7 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     order(system, "abort")
     wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
     import time
+
     time.sleep(3)
     recorded = recorder.end()
     for t, n in sorted(recorded.recording.topics.items()):
