@@ -181,11 +181,15 @@ DIAGNOSTICS = "/diagnostics"
 GOALS = f"/_action/send_goal{CALLS}"
 """What follows the name of an action in the topic of its goals, where it is introspected."""
 
+RESULTS = f"/_action/get_result{CALLS}"
+"""The same of its results."""
+
 ACTION_TOPICS = (
     "/_action/feedback",
     "/_action/status",
     GOALS,
-    *(f"/_action/{each}{CALLS}" for each in ("cancel_goal", "get_result")),
+    RESULTS,
+    f"/_action/cancel_goal{CALLS}",
 )
 """What follows the name of an action in the topics on which others see what it does; the last ones
 where it is introspected."""

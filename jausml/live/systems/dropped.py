@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
-    from jausml.live.systems.recorded_calls import RecordedCall
+    from jausml.live.systems.recorded_calls import CallEnd, RecordedCall
     from jausml.live.systems.state import ConnectionState
     from jausml.live.systems.ways import Ways
 
@@ -55,13 +55,13 @@ class Dropped:
     Attributes:
         reason: Why its translation refused it; empty where it did not.
         guess: Why only its time tells that it was this one; empty where its content does.
-        call: The call that failed, where both its ends are recorded.
+        call: The call that failed, with the end that it was recorded at.
     """
 
     time: float
     reason: str = ""
     guess: str = ""
-    call: RecordedCall | None = None
+    call: tuple[CallEnd, RecordedCall] | None = None
 
 
 @dataclass(frozen=True)
@@ -84,9 +84,10 @@ def dropped_message(
         several: The ways of the connection; that of the message is returned, else the first.
     """
     requests = several[0]
-    call = None if requests.calls is None else failed_call(system, requests.calls, risen)
-    if call is not None:
-        return requests, Dropped(call.asked, call=call)
+    for end in requests.calls:
+        call = failed_call(system, end, risen)
+        if call is not None:
+            return requests, Dropped(call.asked, call=(end, call))
     for ways in several:
         found = _dropped_on(system, model, connection, ways, risen)
         if found is not None:

@@ -198,9 +198,10 @@ def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
     told = state.connections.get((connection.bridge, BRIDGE))
     component = state.components.get(connection.jaus_id)
     if told is not None and component is not None:  # who may have said something since
+        node = dict(told.values).get("node", "unknown")
         yield (
-            f"The bridge {connection.jaus_id} was {dict(told.values).get('node', 'unknown')} and in "
-            f"{component.state or 'no state'}, controlled by {_nobody(component.controller or '')}."
+            f"The bridge {connection.jaus_id} was {node} and in {component.state or 'no state'}, "
+            f"controlled by {_nobody(component.controller or '')}."
         )
         return
     if component is None or component.told is None:
@@ -264,8 +265,8 @@ def _sides(
     ways, dropped = several[0], None
     if risen:
         ways, dropped = dropped_message(system, model, connection, several, risen)
-    if dropped is not None and dropped.call is not None and ways.calls is not None:
-        return _sides_of_call(system, ways, ways.calls, dropped.call)
+    if dropped is not None and dropped.call is not None:
+        return _sides_of_call(system, ways, *dropped.call)
     moment = at if dropped is None else dropped.time
     taken = tuple(_source_lines(system, ways, risen, moment, dropped))
     others = " or ".join(_giving_alike(model, connection))
@@ -339,7 +340,7 @@ def _source_lines(
     elif dropped is not None:
         yield "This one was not passed on: what it becomes is not on the other side."
     elif risen and ways.missing:
-        yield f"Which it was is not known: the recording does not have {ways.missing}."
+        yield f"Which it was is not known: {ways.missing}."
     elif risen and count > 1:
         yield "Which of them was not passed on, the recording does not tell; this is the last."
     yield from _message_at(system, ways.source, at, "", ways.events_of_source)

@@ -58,6 +58,8 @@ class CallEnd:
         timeout: Seconds after which it waits no more.
         success: Path of what says in a response whether all went well; empty where nothing does.
         reason: Path of why it did not.
+        succeeded: What is there where all went well.
+        counters: Those that count such calls; none for all.
     """
 
     topic: str
@@ -65,6 +67,8 @@ class CallEnd:
     timeout: float
     success: str = ""
     reason: str = ""
+    succeeded: object = True
+    counters: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -89,14 +93,15 @@ def failed_call(system: RecordedSystem, end: CallEnd, risen: Sequence[Mark]) -> 
 
     Those are known if exactly as many failed as were counted.
     """
-    since, time, count = risen[0].since, risen[0].time, sum(each.count for each in risen)
+    since, time = risen[0].since, risen[0].time
+    count = sum(each.count for each in risen if not end.counters or each.counter in end.counters)
     longest = _PATIENCES * end.timeout + 1.0
     try:
         calls = _calls(system, end, since - longest, time + longest)
     except RecordingError:
         return None
     found = [each for each in calls if _has_failed(each, since, time)]
-    return found[0] if len(found) == count else None
+    return found[0] if found and len(found) == count else None
 
 
 def _has_failed(call: RecordedCall, since: float, time: float) -> bool:
@@ -134,9 +139,8 @@ def _call(end: CallEnd, asked: float, answer: tuple[float, dict[str, Any]] | Non
     time, event = answer
     response = next(iter(event["response"]), {})
     success, reason = _member(response, end.success), _member(response, end.reason)
-    return RecordedCall(
-        asked, time, None if success is None else bool(success), "" if reason is None else reason
-    )
+    is_success = None if success is None else bool(success == end.succeeded)
+    return RecordedCall(asked, time, is_success, "" if reason is None else reason)
 
 
 def _member(value: Any, path: str) -> Any:

@@ -11,7 +11,7 @@ from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.jaus.commands import named
 from jausml.language.semantics.jaus.services import lineage
-from jausml.live.recording.recorder import ACTION_TOPICS, CALLS, GOALS
+from jausml.live.recording.recorder import ACTION_TOPICS, CALLS, GOALS, RESULTS
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.inspection import placed, reporters_of, topic_of
 from jausml.live.systems.recorded_calls import (
@@ -25,6 +25,7 @@ from jausml.live.systems.recorded_calls import (
     has_contents,
 )
 from jausml.live.systems.state import TopicName, node_of
+from jausml.runtime.bridge.ends.ros_side import Outcome
 from jausml.runtime.messages import SetElement
 
 if TYPE_CHECKING:
@@ -37,6 +38,16 @@ if TYPE_CHECKING:
     from jausml.live.workers.worker import Element
 
 
+_SUCCEEDED = 4
+"""Status of a goal that succeeded (action_msgs/msg/GoalStatus)."""
+
+_REFUSING = frozenset(
+    {"absent_field", "empty_goal", "filtered", "inactive", "no_counterpart", "no_peer", "no_speed"}
+    | {"not_encodable", "not_ready", "out_of_range", "too_long", "translation_failed"}
+)
+"""How a bridge that serves an action counts goals that it does not accept."""
+
+
 @dataclass(frozen=True)
 class Ways:
     """Where the messages of a connection stand.
@@ -45,12 +56,11 @@ class Ways:
         carried: What messages of the source go through; None where no model says so, or where they
             are in no recording.
         like: The connection of the model, whose policies and quantities count.
-        missing: What the recording does not have, so that both sides cannot be compared; empty if
-            they can.
+        missing: Why both sides cannot be compared; empty if they can.
         holder: What the source gives, where it holds the messages that are translated.
         event: On the side of ROS, which events of calls are meant; None where it has messages.
         answers: Topics of what answers the target, where it asks.
-        calls: The end of calls that the recording has; None where it has none.
+        calls: The ends of calls that the recording has.
     """
 
     source: tuple[str, ...]
@@ -62,7 +72,7 @@ class Ways:
     holder: jaus.MessageDef | None = None
     event: int | None = None
     answers: tuple[str, ...] = ()
-    calls: CallEnd | None = None
+    calls: tuple[CallEnd, ...] = ()
 
     @property
     def offset(self) -> int:
@@ -126,7 +136,8 @@ def _ways_of_calls(
     answers = [calls.answering(call), *call.rejections]
     name = dict(connection.values).get("service") or str(call.service)
     ros = _ros_names(connection, call, name, (CALLS,))
-    missing = f"the requests and responses of the ROS service {name} as they came"
+    requests_of = f"the requests and responses of the ROS service {name} as they came"
+    missing = f"the recording does not have {requests_of}"
     asked, answered = (
         tuple(topic for each in messages for topic in _topics_from(system, senders, each))
         for senders, messages in ((askers, [calls.asking(call)]), (answerers, answers))
@@ -143,7 +154,7 @@ def _ways_of_calls(
         missing="" if is_recorded else missing,
         event=RECEIVED if serves else SENT,
         answers=answered,
-        calls=end if is_recorded else None,
+        calls=(end,) if is_recorded else (),
     )
     usual = _topics_from(system, answerers, answers[0])
     source, target = (usual, ros) if serves else (ros, usual)
@@ -157,7 +168,7 @@ def _ways_of_calls(
 def _ways_of_lists(
     system: RecordedSystem, connection: ConnectionState, action: bridge.RosActionConnection
 ) -> Ways:
-    missing = f"the goals of the ROS action {action.action}"
+    missing = f"the recording does not have the goals of the ROS action {action.action}"
     ros = _ros_names(connection, action, str(action.action), ACTION_TOPICS)
     messages = calls.driver_messages(action.driver)
     is_mission = messages is not None and messages.spooler
@@ -165,13 +176,17 @@ def _ways_of_lists(
     inputs = (each for service in lineage(action.driver) for each in service.inputs)
     holder = named(name, inputs)
     serves = action.direction.name != "jausToRos"
-    goals = next(each for each in ros if each.endswith(GOALS))
-    end = None
-    if has_contents(system, goals):
-        end, missing = CallEnd(goals, serves, action.timeout, "accepted"), ""
+    ends = tuple(
+        CallEnd(each, serves, action.timeout, *told)
+        for each in ros
+        for ending, told in _tellers(action, serves=serves).items()
+        if each.endswith(ending) and has_contents(system, each)
+    )
+    if ends:
+        missing = "a list is not compared with its goal"
     if serves:
         given = _jaus_topics(system, (connection.jaus_id,), name)
-        return Ways(ros, given, is_to_ros=False, like=action, missing=missing, calls=end)
+        return Ways(ros, given, is_to_ros=False, like=action, missing=missing, calls=ends)
     peers = [str(each.address) for each in action.peers]
     taken = _jaus_topics(system, peers, name)
     carried = calls.of_elements(action)
@@ -183,8 +198,24 @@ def _ways_of_lists(
         like=action,
         missing=missing,
         holder=holder,
-        calls=end,
+        calls=ends,
     )
+
+
+def _tellers(
+    action: bridge.RosActionConnection, *, serves: bool
+) -> dict[str, tuple[str, str, object, frozenset[str]]]:
+    """Returns where it is told of goals that came to nothing: before they begin, and at the end.
+
+    Each with the paths of success and reason, what says success, and how bridges count the others.
+    """
+    ended = frozenset({Outcome.ABORTED.value, Outcome.CANCELED.value})
+    refused = _REFUSING if serves else frozenset({Outcome.REFUSED.value})
+    reason = f"result.{action.reasonMember}" if action.reasonMember else ""
+    return {
+        GOALS: ("accepted", "", True, refused),
+        RESULTS: ("status", reason, _SUCCEEDED, ended),
+    }
 
 
 def _topics_from(

@@ -14,7 +14,7 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import explained
 
-from ..bridge_support import ROOT, wait_for
+from ..bridge_support import ROOT, RosPeer, wait_for
 from ..recorder import Recorder
 from .conftest import operator_of
 from .list_system import LIVE, PATIENCE, facts, order, wait_goal
@@ -49,6 +49,17 @@ def recorder(system, operator, packages, tmp_path):
         yield made
 
 
+@pytest.fixture
+def listener(packages):
+    """The diagnostics that came to another node."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    del packages  # they set the domain
+    peer = RosPeer()
+    yield peer.listen(DiagnosticArray, "/diagnostics")
+    peer.close()
+
+
 def explanation(recorded, counter):
     (drop,) = [
         each
@@ -59,11 +70,7 @@ def explanation(recorded, counter):
     return explained(recorded, model, drop.subject, drop.time)
 
 
-def counted(system, counter):
-    wait_for(lambda: f"bridge.follow.{counter}" in system.log_of("robot"), counter, PATIENCE)
-
-
-def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, recorder):
+def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, recorder, listener):
     order(system, "refuse")
     wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
     operator.give(1, 2)
@@ -75,17 +82,27 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     wait_goal(system)
     order(system, "abort")
     wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
-    import time
-
-    time.sleep(3)
+    wait_for(lambda: told(listener, "dropped: aborted"), "diagnostics", PATIENCE)
     recorded = recorder.end()
-    for t, n in sorted(recorded.recording.topics.items()):
-        print(n, t)
-    for m in recorded.marks:
-        print(m)
-        if m.kind == "drop":
-            e = explanation(recorded, m.counter)
-            for part in (e.counter, e.state, e.ros, e.jaus):
-                print("\n".join(part))
-                print("--")
-    assert 0
+    refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
+    assert any("of a goal, nobody wanted it" in each for each in refused.counter)
+    assert any("gave it up" in each for each in aborted.counter)
+    for each in refused, aborted:
+        assert any("SetElement at " in line for line in each.jaus)
+    if not HAS_GOALS:
+        why = "the recording does not have the goals of the ROS action follow_waypoints"
+        assert refused.jaus[1] == f"Which it was is not known: {why}."
+        return
+    events = [each for each in refused.ros if "send_goal/_service_event at" in each]
+    assert refused.ros[0] == "This call failed, as its response says."
+    assert [each.partition(":")[0] for each in events] == ["Its request", "Its response"]
+    assert "accepted: False" in refused.ros
+    assert "    poses[0]:" in refused.ros or "  poses[0]:" in refused.ros
+    recorded.recording.close()
+
+
+def told(listener, key):
+    """Whether diagnostics have had a value."""
+    return any(
+        each.key == key for array in listener for status in array.status for each in status.values
+    )
