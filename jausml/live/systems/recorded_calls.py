@@ -137,7 +137,7 @@ def _call(end: CallEnd, asked: float, answer: tuple[float, dict[str, Any]] | Non
     if answer is None:
         return RecordedCall(asked)
     time, event = answer
-    response = next(iter(event["response"]), {})
+    response: dict[str, Any] = next(iter(event["response"]), {})
     success, reason = _member(response, end.success), _member(response, end.reason)
     is_success = None if success is None else bool(success == end.succeeded)
     return RecordedCall(asked, time, is_success, "" if reason is None else reason)

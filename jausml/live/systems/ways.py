@@ -143,9 +143,9 @@ def _ways_of_calls(
         for senders, messages in ((askers, [calls.asking(call)]), (answerers, answers))
     )
     halves = {each.kind: calls.as_connection(call, each) for each in calls.halves(call)}
-    is_recorded = has_contents(system, *ros)
+    is_recorded = has_contents(system, ros[0])
     success = "" if calls.maps_success(call) else call.successMember or ""
-    end = CallEnd(*ros, serves, call.timeout, success, call.reasonMember or "")
+    end = CallEnd(ros[0], serves, call.timeout, success, call.reasonMember or "")
     requests = Ways(
         *((ros, asked) if serves else (asked, ros)),
         is_to_ros=not serves,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import closing
 
 import pytest
 
@@ -84,7 +85,8 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
     wait_for(lambda: told(listener, "dropped: aborted"), "diagnostics", PATIENCE)
     recorded = recorder.end()
-    refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
+    with closing(recorded.recording):
+        refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
     assert any("of a goal, nobody wanted it" in each for each in refused.counter)
     assert any("gave it up" in each for each in aborted.counter)
     for each in refused, aborted:
@@ -98,7 +100,6 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     assert [each.partition(":")[0] for each in events] == ["Its request", "Its response"]
     assert "accepted: False" in refused.ros
     assert "    poses[0]:" in refused.ros or "  poses[0]:" in refused.ros
-    recorded.recording.close()
 
 
 def told(listener, key):

@@ -30,8 +30,6 @@ from .parameters import as_parameter_error
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ...base.loop import Loop
-    from ...guardian.ward import Ward
     from ..ends.ros_side import GoalTaker, GoalWatcher, ListAction
     from .introspection import CallIntrospection
 
@@ -376,16 +374,8 @@ class NodeServedGoal:
 class NodeActions:
     """The actions of one node."""
 
-    def __init__(
-        self,
-        node: Any,
-        executor: Any,
-        loop: Loop,
-        ward: Ward | None,
-        introspection: CallIntrospection,
-    ) -> None:
-        self._work = ActionWork(node, executor, loop, ward)
-        self._introspection = introspection
+    def __init__(self, work: ActionWork, introspection: CallIntrospection) -> None:
+        self._work, self._introspection = work, introspection
         self._ends: list[Any] = []
 
     def client(self, action: ListAction) -> NodeActionClient:

@@ -214,14 +214,14 @@ class RosNode:
 
     def _node_actions(self) -> NodeActions:
         # Bridges without actions do not wait for what rclpy imports for them.
+        from .action_work import ActionWork  # noqa: PLC0415
         from .actions import NodeActions  # noqa: PLC0415
 
         if self._loop is None or self._introspection is None:
             raise RuntimeError("no loop is attached")
         if self._actions is None:
-            self._actions = NodeActions(
-                self._node, self._executor, self._loop, self.ward, self._introspection
-            )
+            work = ActionWork(self._node, self._executor, self._loop, self.ward)
+            self._actions = NodeActions(work, self._introspection)
         return self._actions
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
