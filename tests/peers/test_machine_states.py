@@ -214,3 +214,22 @@ def test_what_one_provided_that_was_replaced_is_forgotten(network, catalogue, fr
             assert not any("mobility" in each.urn for each in operator.services(target))
             if answers:
                 wait_for(lambda: seen(lambda each: each.services))
+
+
+def test_who_was_replaced_before_it_was_missed_is_another_one(network, catalogue, free_port):
+    """The other one has the same name and answers no Discovery; only its packets tell of it."""
+    monitor, target = Monitor(SystemState()), JausAddress(100, 1, 7)
+
+    def seen(condition):
+        found = monitor.state().components.get(str(target))
+        return found if found is not None and condition(found) else None
+
+    with running_operator(network, catalogue) as operator, polling(monitor, operator):
+        with rover(free_port, "rover", [*CORE, DISCOVERY, "urn:jaus:jss:mobility:X"]):
+            wait_for(lambda: seen(lambda each: any("mobility" in e for e in each.services)))
+            heard = operator.lives()[target]
+        with rover(free_port, "rover", CORE):
+            found = wait_for(lambda: seen(lambda each: not each.services))
+            assert not found.is_gone
+            assert operator.lives()[target] == heard + 1
+            assert not operator.services(target)

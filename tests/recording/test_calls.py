@@ -42,6 +42,7 @@ def installation(tmp_path):
         ("yard_msgs", "msg", "Point", "float64 x\n"),
         ("yard_msgs", "srv", "Stop", "---\nbool done\n"),
         ("unique_identifier_msgs", "msg", "UUID", "uint8[16] uuid\n"),
+        ("builtin_interfaces", "msg", "Time", "int32 sec\nuint32 nanosec\n"),
         ("service_msgs", "msg", "ServiceEventInfo", "uint8 event_type\n"),
     ):
         folder = tmp_path / package / kind
@@ -66,6 +67,38 @@ def test_feedback_of_an_action(installation):
     }
 
 
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        (
+            "Dig_SendGoal",
+            {
+                "Dig_SendGoal_Request": ["goal_id", "goal"],
+                "Dig_SendGoal_Response": ["accepted", "stamp"],
+                "Dig_Goal": ["depth"],
+                "Time": ["sec", "nanosec"],
+            },
+        ),
+        (
+            "Dig_GetResult",
+            {
+                "Dig_GetResult_Request": ["goal_id"],
+                "Dig_GetResult_Response": ["status", "result"],
+                "Dig_Result": ["structure_needs_at_least_one_member"],
+            },
+        ),
+    ],
+)
+def test_calls_of_the_services_of_an_action(installation, name, parts):
+    text = installed_definition(f"yard_msgs/action/{name}_Event", installation)
+    assert fields(text, f"yard_msgs/msg/{name}_Event") == {
+        f"{name}_Event": ["info", "request", "response"],
+        "ServiceEventInfo": ["event_type"],
+        "UUID": ["uuid"],
+        **parts,
+    }
+
+
 def test_calls_of_a_service_with_a_request_without_fields(installation):
     text = installed_definition("yard_msgs/srv/Stop_Event", installation)
     assert fields(text, "yard_msgs/msg/Stop_Event") == {
@@ -86,9 +119,8 @@ def test_topics_of_a_model_are_those_of_its_calls_too(request):
     assert "/switch_lamp/_service_event" in topics_of(read(live / "services.ros2jaus"))
     assert "/diagnostics" in topics_of(read(live / "services.ros2jaus"))
     lists = topics_of(read(live / "waypoint_lists.ros2jaus"))
-    assert {f"/robot/follow_waypoints/_action/{each}" for each in ("feedback", "status")} <= set(
-        lists
-    )
+    topics = ("feedback", "status", "send_goal/_service_event", "get_result/_service_event")
+    assert {f"/robot/follow_waypoints/_action/{each}" for each in topics} <= set(lists)
 
 
 @pytest.mark.live

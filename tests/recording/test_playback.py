@@ -21,17 +21,20 @@ from recorded_systems import (
 
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
+from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
+from jausml.language.semantics.connections.calls import of_elements
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import load_catalogue
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.passing import RecordedTranslation
+from jausml.live.recording.passing import RecordedTranslation, Taken
 from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
 from jausml.live.systems import dropped, playback
 from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
 from jausml.live.systems.state import SystemState, components_of, declarations_of
+from jausml.runtime.bridge.ends.ros_side import Outcome
 
 DRIVE = ("/loop_bridge", "drive")
 REFUSED = "PropulsiveLinearEffortX: 500.0 is outside -100.0 .. 100.0"
@@ -151,6 +154,8 @@ def test_of_two_messages_close_to_each_other_the_one_that_was_refused_is_named(o
 ROOT = MODEL.parents[3]
 LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
+ROUTES = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"
+CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 CALLER = "20.1.1"
 
 
@@ -196,6 +201,22 @@ def test_of_calls_the_half_that_comes_from_jaus_is_translated_again(
     assert f"{topic}/_service_event is not in the recording" in found.ros[0]
 
 
+def test_a_command_that_did_not_come_as_far_as_its_connection(tmp_path):
+    messages = [
+        (0.3, "200.1.1", "100.1.2", "SetVelocityCommand", {"CommandType": 0, "Velocity_X": 6.0})
+    ]
+    told = "cruise_speed", (("not taken: refused", "2"),), (("not taken: refused", "3"),)
+    found = explained_traffic(
+        tmp_path / "refused.mcap", CATVEHICLE, ("/bridge", "100.1.2"), told[0], messages, *told[1:]
+    )
+    assert found.counter[0].endswith("its counter “refused” rose from 2 to 3.")
+    assert "its sender might not command, or not in that state" in found.counter[1]
+    assert found.jaus[1:3] == (
+        "This one was not passed on: what it becomes is not on the other side.",
+        "/jaus/200.1.1/SetVelocityCommand at 0.300 s",
+    )
+
+
 def test_of_a_call_that_failed_on_its_way_nothing_is_guessed(tmp_path):
     messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 100})]
     found = explained_traffic(
@@ -228,6 +249,62 @@ def test_of_lists_the_elements_are_translated_again(tmp_path):
     assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
     assert found.jaus[2].endswith("SetElement at 0.500 s")
     assert found.ros[0].startswith("Up to")
+    assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
+
+
+def test_messages_that_a_list_holds_are_taken_out_whether_they_can_be_read_or_not():
+    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
+    catalogue = load_catalogue()
+    data = catalogue.encode(point)
+    element = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
+    whole = catalogue.encode({"message": "SetElement", "fields": {
+        "SetElementSeq": {
+            "RequestIDRec": {"RequestID": 1},
+            "ElementList": [
+                {**element, "ElementData": {"format": 0, "hex": each.hex()}}
+                for each in (data, data[:-1], b"\x01\x02")
+            ],
+        },
+    }})  # fmt: skip
+    lists = read_models([LISTS], notations=NOTATIONS, allow_outside=True).model
+    (action,) = (
+        each
+        for each in lists.instances(bridge.RosActionConnection, library=False)
+        if each.name == "waypoints"
+    )
+    holder = catalogue.message("SetElement")
+    found = dropped._sources(Taken(0, 20, whole), of_elements(action), holder)
+    assert [each.data for each in found] == [data, data[:-1]]
+
+
+def test_of_missions_the_messages_of_tasks_are_translated_again(tmp_path):
+    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
+    data = load_catalogue().encode(point)
+    source = {"ComponentID": 1, "NodeID": 1, "SubsystemID": 20}
+    receiver = {"ComponentID": 4, "NodeID": 1, "SubsystemID": 10}
+
+    def task(number, *messages, below=()):
+        named = {"TaskInfo": {"TaskID": number}, "JAUSMessages": [
+            {"UID": uid, "DestinationID": receiver, "JausMessage": {"hex": each.hex()},
+             "Blocking": 1}
+            for uid, each in enumerate(messages, 1)
+        ]}  # fmt: skip
+        below = [{"ChildTaskIndex": each} for each in below]
+        return {"TaskData": named, "SubTasks": below}
+
+    plans = [task(1, data)], [task(1, data, below=[1]), task(2, data, data[:-1])]
+    messages = [
+        (0.2 + 0.3 * index, CALLER, "10.1.4", "SpoolMission", {
+            "MissionInfo": {"MissionID": 1, "SourceID": source}, "MissionPlan": plan,
+        })
+        for index, plan in enumerate(plans)
+    ]  # fmt: skip
+    found = explained_traffic(
+        tmp_path / "missions.mcap", ROUTES, ("/robot/spooler", "10.1.4"), "follow", messages,
+        (), (("dropped: not_decodable", "1"),),
+    )  # fmt: skip
+    assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
+    assert found.jaus[2].endswith("SpoolMission at 0.500 s")
     assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
 
 
@@ -304,8 +381,8 @@ def _kept_translation():
     with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
 
         @cache
-        def kept(*of):
-            made = KeptTranslation(*of)
+        def kept(*of, **more):
+            made = KeptTranslation(*of, **more)
             stack.callback(made._worker.close)
             return made
 
@@ -403,3 +480,4 @@ def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():
     assert meaning("lost on the way, at most") == MEANINGS["lost on the way"]
     assert meaning("refused SetWrenchEffort") == MEANINGS["refused"]
     assert meaning("of another make") == ""
+    assert all(meaning(each.value) for each in Outcome if each is not Outcome.SUCCEEDED)

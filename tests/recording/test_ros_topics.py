@@ -105,3 +105,24 @@ def test_messages_for_which_there_was_no_time_are_counted(publisher):
     finally:
         go_on.set()
         ros.stop()
+
+
+def test_messages_before_a_publisher_was_heard_are_counted(publisher):
+    from std_msgs.msg import String
+
+    came, published = [], 0
+    ros = RosTopics(TrafficFilter())
+    ros.open()
+    ros.begin(["/description"], lambda *message: came.append(message))
+    try:
+        made = publisher(depth=10)
+        end = time.monotonic() + PATIENCE
+        while not came and time.monotonic() < end:
+            made.publish(String(data=str(published)))
+            published += 1
+            time.sleep(0.02)
+        wait_for(lambda: len(came) + ros.early["/description"] == published, "all accounted for")
+    finally:
+        ros.stop()
+    assert ros.early["/description"] > 0
+    assert not ros.lost

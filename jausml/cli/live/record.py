@@ -173,7 +173,7 @@ def command(
         if speaks_ros and (types or is_any):
             ros.begin(None if is_any else types, recorder.take_topic)
             stack.callback(ros.stop)
-        _show_awaited(ros.unpublished())
+        _show_awaited([*filter(_is_usual, ros.unpublished())])
         click.echo(what, err=True)
         reader = UdpReader(port)
         with step("recording") as progress:
@@ -304,6 +304,13 @@ def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:
         yield None
 
 
+def _is_usual(topic: str) -> bool:
+    """Tells whether a topic may be missed: before Kilted, nobody can publish goals and results."""
+    from jausml.live.recording.recorder import ACTION_TOPICS, CALLS
+
+    return not (topic.endswith(ACTION_TOPICS) and topic.endswith(CALLS))
+
+
 def _show_awaited(topics: Sequence[str]) -> None:
     for topic in topics[:_NAMED]:
         click.echo(f"nobody publishes {topic} yet", err=True)
@@ -321,9 +328,13 @@ def _show_counts(
     click.echo(f"{recorder.captured.count} JAUS messages{hint}", err=True)
     for topic, number in sorted(recorder.topics.items()):
         lost = f", {ros.lost[topic]} were lost before" if ros.lost[topic] else ""
-        click.echo(f"  {number} on {topic}{lost}", err=True)
-    for topic in sorted(set(ros.wanted or ()) - set(recorder.topics) - set(ros.missing)):
-        why = ": its node does not publish its calls" if topic.endswith(CALLS) else ""
+        early = f"; {ros.early[topic]} came before it was heard" if ros.early[topic] else ""
+        click.echo(f"  {number} on {topic}{lost}{early}", err=True)
+    for topic in filter(
+        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing})
+    ):
+        is_unheard = topic.endswith(CALLS) and topic not in ros.heard
+        why = ": its node does not publish its calls" if is_unheard else ""
         click.echo(f"  none on {topic}{why}", err=True)
     for topic, kind in sorted(ros.missing.items()):
         click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)

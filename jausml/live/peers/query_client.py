@@ -76,6 +76,12 @@ class QueryClient:
         self._heard = heard
         self._half_silent: set[JausAddress] = set()
 
+    def lives(self) -> dict[JausAddress, int]:
+        """Returns how often each peer began its numbers anew: as often it was another process."""
+        component = self._component
+        found = component.transport.traffic(component.address)
+        return {each.peer: each.restarts for each in found}
+
     @property
     def own(self) -> JausAddress:
         """Our JAUS id."""

@@ -89,11 +89,13 @@ class RecordedTranslation:
         metamodels: Metamodels,
         connection: bridge.Connection,
         *others: Element,
+        offset: int = 0,
     ) -> None:
         """Starts the process.
 
         Args:
             others: Those of the model whose policies and quantities count too.
+            offset: Where a message of ROS stands in the bytes of another one; 0 for one by itself.
 
         Raises:
             RecordingError: The map of the connection has errors, or there is none.
@@ -111,6 +113,7 @@ class RecordedTranslation:
             "base": view.base_name,
             "bridge": view.class_name,
             "connection": view.connections[0].name,
+            "offset": offset,
             "joins": [
                 {**plan_of_join(each), "senders": not self.is_to_ros}
                 for each in view.connections[0].translated.joins

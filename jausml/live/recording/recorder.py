@@ -178,8 +178,21 @@ CALLS = "/_service_event"
 DIAGNOSTICS = "/diagnostics"
 """Where bridges tell how they are, with the accounts of connections and peers."""
 
-ACTION_TOPICS = ("/_action/feedback", "/_action/status")
-"""What follows the name of an action in the topics on which others see what it does."""
+GOALS = f"/_action/send_goal{CALLS}"
+"""What follows the name of an action in the topic of its goals, where it is introspected."""
+
+RESULTS = f"/_action/get_result{CALLS}"
+"""The same of its results."""
+
+ACTION_TOPICS = (
+    "/_action/feedback",
+    "/_action/status",
+    GOALS,
+    RESULTS,
+    f"/_action/cancel_goal{CALLS}",
+)
+"""What follows the name of an action in the topics on which others see what it does; the last ones
+where it is introspected."""
 
 
 def topics_of(model: Model) -> dict[str, ros.MessageType | None]:

@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 _LOOK = 0.1
 """Seconds from one look for publishers to the next."""
 
-_KNOWN, _MATCHED, _PATIENCE = 1.0, 0.5, 5.0
+_KNOWN, _MATCHED, _PATIENCE = 3.2, 0.5, 6.0
 """Seconds after which a node knows who publishes, after which publishers know a subscription, and
-for which both is waited at most."""
+for which both is waited at most. Where multicast does not pass, a participant of DDS hears of
+others only when they announce themselves again, every 3 seconds."""
 
 _DEPTH = 1000
 
@@ -39,16 +40,20 @@ class RosTopics:
     Attributes:
         wanted: Full names of the topics that are wanted, None for all of the selection.
         lost: How many messages of each topic did not come, as their numbers tell.
+        early: How many of each topic were published before its publisher was heard, as the number
+            of the first tells; of those that were not there from the beginning.
     """
 
     def __init__(self, selection: TrafficFilter) -> None:
         """Does nothing before `open`."""
         self.lost: Counter[str] = Counter()
+        self.early: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
         self.wanted: frozenset[str] | None = None
         self._selection = selection
         self._latched: set[str] = set()
+        self._known: set[str] = set()
         self._repeats = False
         self._take: Take = _drop
         self._quiet = QuietNode("record")
@@ -124,12 +129,14 @@ class RosTopics:
         asked = offered_profile(offered, _DEPTH)
         if qos_of(asked).durability == "transient_local":
             self._latched.add(topic)
+        is_late = self._is_settled.is_set() and topic not in self._known
+        self._known.add(topic)
         self.heard[topic] = self._quiet.node.create_subscription(
-            cls, topic, self._noting(topic, kind), asked, raw=True
+            cls, topic, self._noting(topic, kind, is_late=is_late), asked, raw=True
         )
         self._subscribed = time.monotonic()
 
-    def _noting(self, topic: str, kind: str) -> Callable[[bytes, Any], None]:
+    def _noting(self, topic: str, kind: str, *, is_late: bool) -> Callable[[bytes, Any], None]:
         """Returns what takes the messages of a topic, and counts those that did not come."""
         expected = None
 
@@ -138,9 +145,10 @@ class RosTopics:
             number = info.get("publication_sequence_number")
             if number is not None:
                 # Nothing tells whose a message is: a gap is one where a single one publishes.
-                is_gap = expected is not None and number > expected
-                if is_gap and self._quiet.node.count_publishers(topic) == 1:
-                    self.lost[topic] += number - expected
+                gap = number - (1 if expected is None else expected)
+                is_told = expected is not None or is_late
+                if gap > 0 and is_told and self._quiet.node.count_publishers(topic) == 1:
+                    (self.early if expected is None else self.lost)[topic] += gap
                 expected = number + 1
             self._take(topic, kind, bytes(data), time.time_ns(), info["source_timestamp"])
 

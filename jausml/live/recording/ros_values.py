@@ -39,6 +39,12 @@ _CODES = {
 """Codes of numbers for `struct`."""
 
 _PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
+_PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9]*)+", re.MULTILINE)
+"""A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`."""
+
+_NO_MEMBER = "structure_needs_at_least_one_member"
+"""What stands in a definition that ROS makes of a type without fields."""
+
 _HEAD = 4
 _ORDERS = {0: ">", 1: "<"}
 _DEEPEST = 32
@@ -93,10 +99,13 @@ class RosReader:
         Raises:
             RecordingError: It is none, or lacks a type.
         """
-        first, *rest = _PART.split(definition)
-        parts = {_short(name): first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+        first, *rest = _PART.split(
+            _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
+        )
+        own = _in_camel_case(_short(name))
+        parts = {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
         self._name = name
-        self._read = _record(_short(name), parts, 0)
+        self._read = _record(own, parts, 0)
 
     def read(self, data: bytes) -> dict[str, Any]:
         """Returns the fields of a message.
@@ -109,6 +118,12 @@ class RosReader:
         except (RecordingError, struct.error) as error:
             raise RecordingError(f"a message of {self._name} cannot be read: {error}") from error
         return found
+
+
+def _in_camel_case(name: str) -> str:
+    """Returns a type that ROS makes of a call as definitions may name types: in CamelCase."""
+    package, slash, own = name.rpartition("/")
+    return package + slash + own.replace("_", "")
 
 
 def _short(name: str) -> str:
@@ -126,7 +141,7 @@ def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
     section = definition.sections[0]
     package = name.partition("/")[0]
     members = [(each.name, _field(each.type, package, parts, depth)) for each in section.fields]
-    if not members:
+    if [name for name, _ in members] in ([], [_NO_MEMBER]):
         return _nothing
 
     def read(source: _Bytes) -> dict[str, Any]:

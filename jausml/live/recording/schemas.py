@@ -96,20 +96,30 @@ _LINE = "=" * 80
 _NO_FIELD = "uint8 structure_needs_at_least_one_member"
 """What rosidl gives a type without fields, on the wire too."""
 
-_ROLES = {
-    ("srv", "Event"): (
-        "service_msgs/ServiceEventInfo",
-        "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response",
-        ((0, "Request"), (1, "Response")),
-    ),
-    ("action", "FeedbackMessage"): (
-        "unique_identifier_msgs/UUID",
-        "unique_identifier_msgs/UUID goal_id\n{0}_Feedback feedback",
-        ((2, "Feedback"),),
-    ),
+_GOAL_ID = "unique_identifier_msgs/UUID goal_id"
+_CALL = "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response"
+
+_ROLES: dict[tuple[str, str], dict[str, str | int]] = {
+    ("srv", "Event"): {"Event": _CALL, "Request": 0, "Response": 1},
+    ("action", "FeedbackMessage"): {
+        "FeedbackMessage": f"{_GOAL_ID}\n{{0}}_Feedback feedback",
+        "Feedback": 2,
+    },
+    ("action", "SendGoal_Event"): {
+        "SendGoal_Event": _CALL.replace("{0}", "{0}_SendGoal"),
+        "SendGoal_Request": f"{_GOAL_ID}\n{{0}}_Goal goal",
+        "SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp",
+        "Goal": 0,
+    },
+    ("action", "GetResult_Event"): {
+        "GetResult_Event": _CALL.replace("{0}", "{0}_GetResult"),
+        "GetResult_Request": _GOAL_ID,
+        "GetResult_Response": "int8 status\n{0}_Result result",
+        "Result": 1,
+    },
 }
-"""Types of topics of services and actions: another type in them, their fields, and the sections
-of the file whose types are in them too (REP 2012, rosidl action type support)."""
+"""Types of topics of services and actions, and those in them: each has fields, or a section of the
+file (REP 2012, rosidl action type support)."""
 
 Part = tuple[str, list[str]]
 """The text of a definition, and the types in it, e.g. `std_msgs/Header`."""
@@ -165,12 +175,14 @@ def _made(package: str, kind: str, own: str, installation: Installation) -> dict
         raise ValueError(f"{package}/{kind}/{own}")
     text = _text(installation, package, kind, base)
     sections = re.split(r"^---[ \t]*$", text, flags=re.MULTILINE)
-    shared, template, names = _ROLES[kind, role]
-    made = {f"{package}/{own}": (template.format(f"{package}/{base}"), [shared])}
-    for index, suffix in names:
-        short = f"{package}/{base}_{suffix}"
-        made[f"{package}/{own}"][1].append(short)
-        made[short] = _part(sections[index].strip("\n"), package, _NO_FIELD)
+    made: dict[str, Part] = {}
+    for suffix, of in _ROLES[kind, role].items():
+        if isinstance(of, int):
+            found = _part(sections[of].strip("\n"), package, _NO_FIELD)
+        else:
+            fields = of.format(f"{package}/{base}")
+            found = fields, re.findall(r"^\w+/\w+", fields, re.MULTILINE)
+        made[f"{package}/{base}_{suffix}"] = found
     return made
 
 

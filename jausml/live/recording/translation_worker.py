@@ -10,10 +10,12 @@ import json
 import sys
 import time
 import typing
+from functools import partial
 from importlib import import_module
 
 from jausml_runtime.bridge.connections.connection import FILTERED
 from jausml_runtime.bridge.connections.translations import transcoder
+from jausml_runtime.bridge.messages import cdr
 from jausml_runtime.bridge.messages.limits import StaleJoinError
 from jausml_runtime.bridge.reports.diagnostics import reason_of
 from jausml_runtime.conversions import Time
@@ -76,8 +78,10 @@ class ConnectionTranslation:
         self.joins = {
             each["name"]: LatestReports(each, kinds[each["parameter"]]) for each in plan["joins"]
         }
-        decode = _decoder(kinds["source"])
-        self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
+        offset = plan.get("offset", 0)
+        decode = _decoder(kinds["source"], offset)
+        encode = partial(_encode, offset=offset)
+        self._run = transcoder(translate, decode, encode, _ignore, time.monotonic)
         self._clock, self._ahead = clock, plan.get("ahead", 0)
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
@@ -101,14 +105,26 @@ def _class_of(hint: typing.Any) -> typing.Any:
     return inner[0] if inner else hint
 
 
-def _decoder(kind: typing.Any) -> typing.Any:
-    """Returns what reads messages of a class of either side."""
-    return getattr(kind, "from_cdr", None) or kind.decode
+def _decoder(kind: typing.Any, offset: int = 0) -> typing.Any:
+    """Returns what reads messages of a class of either side, those of ROS at an offset."""
+    if not hasattr(kind, "from_cdr"):
+        return kind.decode
+    return partial(_inside, kind, offset) if offset else kind.from_cdr
 
 
-def _encode(target: typing.Any) -> bytes:
-    data: bytes = target.to_cdr() if hasattr(target, "to_cdr") else target.encode()
-    return data
+def _inside(kind: typing.Any, offset: int, data: bytes) -> typing.Any:
+    return kind._read(data, offset, cdr.ORDERS[data[:2]])[0]  # noqa: SLF001 - as nested ones are read
+
+
+def _encode(target: typing.Any, *, offset: int = 0) -> bytes:
+    if not hasattr(target, "to_cdr"):
+        found: bytes = target.encode()
+        return found
+    if not offset:
+        return bytes(target.to_cdr())
+    parts: list[bytes] = []
+    target._write(parts.append, offset)  # noqa: SLF001 - as nested ones are written
+    return b"".join(parts)
 
 
 def _ignore(_seconds: float) -> None:

@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 _PUBLISHED: dict[str, dict[str, tuple[str, ...]]] = {
     "msg": {"": ()},
     "srv": {"Event": ("Event",)},
-    "action": {"FeedbackMessage": ("Impl", "FeedbackMessage")},
+    "action": {
+        "FeedbackMessage": ("Impl", "FeedbackMessage"),
+        "SendGoal_Event": ("Impl", "SendGoalService", "Event"),
+        "GetResult_Event": ("Impl", "GetResultService", "Event"),
+    },
 }
 """What of an interface is published: how its type name ends, and where the class is in rclpy."""
 

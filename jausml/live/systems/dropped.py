@@ -6,25 +6,28 @@ The time of a message decides only where that does not.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.jaus.services import code
+from jausml.live.messages import Catalogue, MessageError
+from jausml.live.messages.entries import as_it_is
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
 from jausml.live.recording.seeking import JAUS_TOPICS
+from jausml.live.systems.recorded_calls import events_of, failed_call, kind_of, part_of
 from jausml.live.systems.ways import topics_of_joins
-from jausml.runtime.messages import SetElement
-from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.model import Model
+    from jausml.live.messages import MessageEntry
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.playback import Mark, RecordedSystem
+    from jausml.live.systems.recorded_calls import CallEnd, RecordedCall
     from jausml.live.systems.state import ConnectionState
     from jausml.live.systems.ways import Ways
 
@@ -52,11 +55,13 @@ class Dropped:
     Attributes:
         reason: Why its translation refused it; empty where it did not.
         guess: Why only its time tells that it was this one; empty where its content does.
+        call: The call that failed, with the end that it was recorded at.
     """
 
     time: float
     reason: str = ""
     guess: str = ""
+    call: tuple[CallEnd, RecordedCall] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,18 +75,42 @@ def dropped_message(
     system: RecordedSystem,
     model: Model,
     connection: ConnectionState,
+    several: Sequence[Ways],
+    risen: Sequence[Mark],
+) -> tuple[Ways, Dropped | None]:
+    """Returns the first message that was not passed on, as counters rose; None if nobody knows.
+
+    Args:
+        several: The ways of the connection; that of the message is returned, else the first.
+    """
+    requests = several[0]
+    for end in requests.calls:
+        call = failed_call(system, end, risen)
+        if call is not None:
+            return requests, Dropped(call.asked, call=(end, call))
+    for ways in several:
+        found = _dropped_on(system, model, connection, ways, risen)
+        if found is not None:
+            return ways, found
+    return requests, None
+
+
+def _dropped_on(
+    system: RecordedSystem,
+    model: Model,
+    connection: ConnectionState,
     ways: Ways,
     risen: Sequence[Mark],
 ) -> Dropped | None:
-    """Returns the first message that was not passed on, as counters rose; None if nobody knows."""
     since, time, count = risen[0].since, risen[0].time, sum(each.count for each in risen)
     try:
         sources, given = _compared(system, model, connection, ways, since, time)
     except RecordingError as error:
         if ways.missing:
             return None  # a time alone would tell nothing
-        sources = [_Source(at, UNKNOWN, None) for at in times(system, ways.source, since, time)]
-        given, why = times(system, ways.target, since - NEAR, time + NEAR), str(error)
+        sources = [_Source(at, UNKNOWN, None) for at in times(system, ways, since, time)]
+        found = events_of(system, ways.target, since - NEAR, time + NEAR, ways.events_of_target)
+        given, why = sorted(at for at, _ in found), str(error)
     else:
         why = _NOT_KNOWN if any(each.made is UNKNOWN for each in sources) else _OF_SEVERAL
     counters = {each.counter for each in risen}
@@ -124,18 +153,21 @@ def _compared(
         raise RecordingError(f"{override} is an override, which is not run here")
     if ways.carried is None or ways.like is None:
         raise RecordingError("nothing that is recorded is translated")
-    with RecordedTranslation(model.metamodels, ways.carried, ways.like) as translation:
+    with RecordedTranslation(
+        model.metamodels, ways.carried, ways.like, offset=ways.offset
+    ) as translation:
+        entry = None if ways.holder is None else Catalogue(model).entry(ways.holder)
         taken = [
             (at, each)
-            for at, found in _around(system, ways.source, since, time)
-            for each in _sources(system, ways, found)
+            for at, found in _around(system, ways.source, ways.events_of_source, since, time)
+            for each in _sources(_taken(system, found), ways.carried, entry)
         ]
         joins = _joined(system, connection, ways.carried, since, time)
         messages = sorted([*joins, *(each for _, each in taken)], key=lambda each: each.nanoseconds)
         made = translation.made_of(messages)
         given = [
             (at, _given(system, found, translation))
-            for at, found in _around(system, ways.target, since, time)
+            for at, found in _around(system, ways.target, ways.events_of_target, since, time)
         ]
     told = passed(made, [each for _, each in given])
     sources = [
@@ -163,22 +195,19 @@ def _joined(
 
 
 def _around(
-    system: RecordedSystem, topics: Sequence[str], since: float, time: float
+    system: RecordedSystem, topics: Sequence[str], event: int | None, since: float, time: float
 ) -> list[tuple[float, Found]]:
-    found = []
-    for topic in topics:
-        for each in system.recording.between(topic, since - AROUND, time + AROUND):
-            found.append(each)
-            if len(found) > MOST_COMPARED:
-                raise RecordingError(_TOO_MANY)
+    events = events_of(system, topics, since - AROUND, time + AROUND, event)
+    found = list(islice(events, MOST_COMPARED + 1))
+    if len(found) > MOST_COMPARED:
+        raise RecordingError(_TOO_MANY)
     return sorted(found, key=lambda each: each[0])
 
 
-def times(system: RecordedSystem, topics: Sequence[str], start: float, end: float) -> list[float]:
-    """Returns when messages came."""
-    return sorted(
-        time for topic in topics for time, _ in system.recording.between(topic, start, end)
-    )
+def times(system: RecordedSystem, ways: Ways, start: float, end: float) -> list[float]:
+    """Returns when messages came that were to be passed on."""
+    found = events_of(system, ways.source, start, end, ways.events_of_source)
+    return sorted(time for time, _ in found)
 
 
 def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
@@ -188,24 +217,39 @@ def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
     return Taken(message.log_time, subsystem, _data(system, found)[1], join)
 
 
-def _sources(system: RecordedSystem, ways: Ways, found: Found) -> Iterator[Taken]:
-    """Yields a message, or what the elements of a list hold that the connection carries."""
-    whole = _taken(system, found)
-    if not ways.has_elements or ways.carried is None:
+def _sources(
+    whole: Taken, carried: bridge.Connection, holder: MessageEntry | None
+) -> Iterator[Taken]:
+    """Yields a message, or those in it that the connection carries."""
+    if holder is None:
         yield whole
         return
     try:
-        elements = SetElement.decode(whole.data).element_list
-    except DecodeError as error:
-        raise RecordingError(f"a list cannot be read: {error}") from error
-    for each in elements:
-        data = bytes(each.element_data.data)
-        if int.from_bytes(data[:2], "little") == code(ways.carried.map.message):
+        fields = holder.decode(whole.data, as_it_is)
+    except MessageError as error:
+        raise RecordingError(f"{holder.name} cannot be read: {error}") from error
+    for data in _held(fields):
+        if int.from_bytes(data[:2], "little") == code(carried.map.message):
             yield replace(whole, data=data)
+
+
+def _held(fields: Any) -> Iterator[bytes]:
+    """Yields the messages in the elements of a list, or in the tasks of a mission."""
+    if isinstance(fields, list):
+        for each in fields:
+            yield from _held(each)
+    elif isinstance(fields, dict):
+        text = fields.get("hex")
+        if isinstance(text, str):
+            yield bytes.fromhex(text)
+        else:
+            yield from _held([*fields.values()])
 
 
 def _given(system: RecordedSystem, found: Found, translation: RecordedTranslation) -> Given:
     receiver, data = _data(system, found)
+    if kind_of(found) is not None:
+        data = part_of(data)
     return Given(receiver, translation.comparable(data))
 
 

@@ -8,9 +8,19 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import value_lines
 from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.dropped import dropped_message, times
+from jausml.live.systems.dropped import AROUND, NEAR, dropped_message, times
 from jausml.live.systems.playback import NO_ROS
+from jausml.live.systems.recorded_calls import (
+    ANSWERED,
+    GOT,
+    RECEIVED,
+    SENT,
+    events_of,
+    kind_of,
+    last_of,
+)
 from jausml.live.systems.recorded_facts import BRIDGE
+from jausml.live.systems.state import declarations_of
 from jausml.live.systems.tables import shown_name, state_text
 from jausml.live.systems.ways import ways_of
 
@@ -21,6 +31,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import Found
     from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
+    from jausml.live.systems.recorded_calls import CallEnd, RecordedCall
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
     from jausml.live.systems.ways import Ways
 
@@ -28,12 +39,15 @@ MOST_LINES = 60
 """Lines of a message that are shown."""
 
 MEANINGS: Mapping[str, str] = {
+    "aborted": "whoever executed the goal or the list gave it up",
     "absent_field": "a field that the map needs was absent",
     "answer_not_delivered": "the answer to a call could not be delivered",
+    "canceled": "the goal or the list was canceled",
     "empty_goal": "the goal of the action had no element",
     "ended": "the bridge ended while a call was under way",
     "filtered": "the translation gave no message, as its map or override decides",
     "inactive": "the bridge was inactive, as somebody wanted it",
+    "lost": "nobody knew of the goal or the list any more",
     "no_action_server": "no server of the ROS action was there",
     "no_counterpart": "a value has no counterpart on the other side",
     "no_peer": "no JAUS component was there to send it to",
@@ -47,7 +61,7 @@ MEANINGS: Mapping[str, str] = {
     "not_translated": "a call could not be translated",
     "out_of_range": "a value did not fit its field, and the map drops such a message",
     "over_rate": "its source sent more than the rate cap of the connection",
-    "rejected": "the JAUS component rejected it",
+    "rejected": "who was asked refused it",
     "stale_join": "a topic or report that is joined to it had nothing fresh",
     "timed_out": "no answer came in time",
     "too_long": "the list had more elements than one goal may have",
@@ -57,7 +71,7 @@ MEANINGS: Mapping[str, str] = {
     "unanswered": "a call was not answered",
     "unasked": "the peer sent it unasked, and the connection asks for events",
     "unexpected_source": "it came from a sender that the connection does not take",
-    "refused": "its sender might not command, or not in that state",
+    "refused": "its sender might not command, or not in that state; of a goal, nobody wanted it",
     "unreadable": "it could not be decoded",
     "unknown": "neither the component nor a connection takes it",
     "dropped by the kernel": "the sockets of the bridge had no room for it",
@@ -144,6 +158,9 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
             f"its counter \u201c{each.counter}\u201d rose from {each.before} to {each.after}."
         )
         why = meaning(each.counter)
+        if not why and connection.concerns_bridge:
+            yield "A message is counted there by the bridge, before it comes to a connection."
+            continue
         yield (
             f"A message is counted there because {why}."
             if why
@@ -155,7 +172,8 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
 def _states(state: SystemState, connection: ConnectionState, at: float) -> Iterator[str]:
     values = dict(connection.values)
     because = f": {connection.reason}" if connection.reason else ""
-    yield f"At {at:.1f} s, the connection was {state_text(connection)}{because}."
+    what = "status" if connection.concerns_bridge else "connection"
+    yield f"At {at:.1f} s, the {what} was {state_text(connection)}{because}."
     yield from _bridge(state, connection)
     for key, text in connection.peers.items():
         address = key.partition(" ")[2]
@@ -178,15 +196,14 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
     """Yields how the bridge was, as it told itself or as others heard it."""
     told = state.connections.get((connection.bridge, BRIDGE))
-    if told is not None:
-        values = dict(told.values)
+    component = state.components.get(connection.jaus_id)
+    if told is not None and component is not None:  # who may have said something since
+        node = dict(told.values).get("node", "unknown")
         yield (
-            f"The bridge {connection.jaus_id} was {values.get('node', 'unknown')} and in "
-            f"{values.get('jaus', 'no state').upper()}, controlled by "
-            f"{_nobody(values.get('controller', ''))}."
+            f"The bridge {connection.jaus_id} was {node} and in {component.state or 'no state'}, "
+            f"controlled by {_nobody(component.controller or '')}."
         )
         return
-    component = state.components.get(connection.jaus_id)
     if component is None or component.told is None:
         yield (
             f"In which state the bridge {connection.jaus_id} was, the recording does not tell: "
@@ -240,15 +257,67 @@ def _sides(
 
     Those of ROS come first.
     """
-    ways = None if model is None or connection is None else ways_of(system, model, connection)
-    if model is None or connection is None or ways is None:
-        text = ("Which messages it takes and gives says the model, which has no such connection.",)
+    several = () if model is None or connection is None else ways_of(system, model, connection)
+    if model is None or connection is None or not several:
+        is_status = connection is not None and connection.concerns_bridge
+        text = (_OF_A_BRIDGE if is_status else _NOT_MODELLED,)
         return text, text
-    dropped = dropped_message(system, model, connection, ways, risen) if risen else None
+    ways, dropped = several[0], None
+    if risen:
+        ways, dropped = dropped_message(system, model, connection, several, risen)
+    if dropped is not None and dropped.call is not None:
+        return _sides_of_call(system, ways, *dropped.call)
     moment = at if dropped is None else dropped.time
     taken = tuple(_source_lines(system, ways, risen, moment, dropped))
-    given = tuple(_message_at(system, ways.target, moment, "The last on this side: "))
+    others = " or ".join(_giving_alike(model, connection))
+    head = f"The last on this side, of this connection or {others}: " if others else _LAST
+    given = tuple(_message_at(system, ways.target, moment, head, ways.events_of_target))
     return (given, taken) if ways.is_to_ros else (taken, given)
+
+
+_LAST = "The last on this side: "
+_NOT_MODELLED = "Which messages it takes and gives says the model, which has no such connection."
+_OF_A_BRIDGE = "This is a status of the bridge itself, which carries no messages."
+
+
+def _giving_alike(model: Model, connection: ConnectionState) -> Iterator[str]:
+    """Yields the connections of the same bridge whose messages stand where those of this one do."""
+    own = connection.declaration
+    for each in declarations_of(model) if own is not None else ():
+        if own is None or each.bridge != own.bridge or each.name == own.name:
+            continue
+        is_shared = (
+            each.message == own.message
+            if own.direction == "to JAUS"
+            else not {*each.topics}.isdisjoint(own.topics)
+        )
+        if is_shared and each.direction == own.direction:
+            yield each.name
+
+
+def _sides_of_call(
+    system: RecordedSystem, ways: Ways, by: CallEnd, call: RecordedCall
+) -> tuple[Lines, Lines]:
+    """Returns a call that failed as both sides have it: its request, and what answered it."""
+    asked, end = call.asked, call.answered or call.asked + AROUND
+    request, answer = (RECEIVED, ANSWERED) if by.serves else (SENT, GOT)
+    lines = ["This call failed, and no response to it is in the recording."]
+    if call.answered is not None:
+        why = f": {call.reason}" if call.reason else ""
+        lines = [f"This call failed, as its response says{why}."]
+    lines += _message_at(system, [by.topic], asked, "Its request: ", request)
+    if call.answered is not None:
+        lines += _message_at(system, [by.topic], end, "Its response: ", answer)
+    if not by.serves:
+        return tuple(lines), tuple(_message_at(system, ways.source, asked, "It was made of: "))
+    passed = [*events_of(system, ways.target, asked - NEAR, end, None)]
+    if not passed:
+        return tuple(lines), ("Nothing of it was passed on.",)
+    first = min(at for at, _ in passed)
+    made = [*_message_at(system, ways.target, first, "It was passed on as: ")]
+    if any(True for _ in events_of(system, ways.answers, first, end, None)):
+        made += _message_at(system, ways.answers, end, "What answered it: ")
+    return tuple(lines), tuple(made)
 
 
 def _source_lines(
@@ -259,7 +328,7 @@ def _source_lines(
     dropped: Dropped | None,
 ) -> Iterator[str]:
     if risen:
-        count = len(times(system, ways.source, risen[0].since, risen[0].time))
+        count = len(times(system, ways, risen[0].since, risen[0].time))
         yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
     if dropped is not None and dropped.guess:
         yield (
@@ -271,19 +340,23 @@ def _source_lines(
     elif dropped is not None:
         yield "This one was not passed on: what it becomes is not on the other side."
     elif risen and ways.missing:
-        yield f"Which it was is not known: the recording does not have {ways.missing}."
+        yield f"Which it was is not known: {ways.missing}."
     elif risen and count > 1:
         yield "Which of them was not passed on, the recording does not tell; this is the last."
-    yield from _message_at(system, ways.source, at, "")
+    yield from _message_at(system, ways.source, at, "", ways.events_of_source)
 
 
 def _message_at(
-    system: RecordedSystem, topics: Sequence[str], at: float, head: str
+    system: RecordedSystem,
+    topics: Sequence[str],
+    at: float,
+    head: str,
+    event: int | None = None,
 ) -> Iterator[str]:
     found = [
         (*last, each)
         for each in topics
-        if each in system.recording.topics and (last := system.recording.last(each, at)) is not None
+        if each in system.recording.topics and (last := last_of(system, each, at, event))
     ]
     if not found:
         names = " or ".join(topics) or "such a message"
@@ -308,6 +381,9 @@ def _span(mark: Mark) -> str:
 def message_lines(system: RecordedSystem, found: Found) -> list[str]:
     """Returns the fields of a message as lines."""
     value = system.recording.value_of(found)
+    if kind_of(found) is not None:
+        value = next((value[each][0] for each in ("request", "response") if value[each]), {})
+        return value_lines(value)[:MOST_LINES] or ["(no fields)"]
     fields: dict[str, Any] = value
     if found[1].topic.startswith(JAUS_TOPICS) and isinstance(value.get("fields"), dict):
         fields = value["fields"]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -39,10 +40,12 @@ _OF_A_BRIDGE = (
 )
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
 _OF_A_PEER = "account of "
-_FAILURES = ("dropped", "failed: ")
-"""How counts of messages begin that were not passed on, and those of calls."""
+_FAILURES = ("dropped: ", "failed: ", "not taken: ")
+"""How counts of messages begin that were not passed on, those of calls, and those of messages that
+did not come as far as their connection."""
 
 _LOSSES = (
+    "dropped by the kernel",
     "lost in queue",
     "lost on the way",
     "lost on the way, at most",
@@ -121,12 +124,12 @@ def cut(text: str) -> str:
 
 
 def _drops(values: Iterable[tuple[str, str]]) -> dict[str, int]:
-    found = {}
+    found: Counter[str] = Counter()
     for key, value in values:
-        is_loss = key.startswith(_FAILURES) or key in _LOSSES
-        if is_loss and _COUNT.fullmatch(value) and int(value):
-            found[key.removeprefix("dropped: ").removeprefix("failed: ")] = int(value)
-    return found
+        is_failure = key.startswith(_FAILURES)
+        if (is_failure or key in _LOSSES) and _COUNT.fullmatch(value) and int(value):
+            found[key.partition(": ")[2] if is_failure else key] += int(value)
+    return dict(found)
 
 
 def _latency(values: Iterable[tuple[str, str]]) -> dict[str, float]:

@@ -82,6 +82,7 @@ class JausObserver:
         self._untold: dict[JausAddress, int] = {}
         self._followed: dict[JausAddress, EventSubscription] = {}
         self._quiet: dict[JausAddress, int] = {}
+        self._lives: dict[JausAddress, int] = {}
         self._turn = 0
         self._end = Event()
         self._thread = Thread(target=self._run, name="jaus observer", daemon=True)
@@ -110,6 +111,7 @@ class JausObserver:
                 self._ask(number)
             if self._end.wait(ROUND):
                 return
+            self._forget_replaced()
             self._tell_found()
             number += 1
 
@@ -215,8 +217,16 @@ class JausObserver:
                 self._forget(sender)
             self._take(answer)
 
+    def _forget_replaced(self) -> None:
+        """Forgets who was replaced without being missed, as the numbers of its packets tell."""
+        for address, number in self._operator.lives().items():
+            if number > self._lives.get(address, 0):
+                self._forget(address)
+            self._lives[address] = number
+
     def _forget(self, address: JausAddress) -> None:
         """Forgets what one provides that was gone: it may be another one now, and is asked."""
+        self._unfollow(address)
         self._told.pop(address, None)
         self._operator.survey.forget(address)
         self._operator.survey.ask(address)

@@ -244,6 +244,17 @@ def compiled() -> Parameter:
     return Parameter("compiled", default=True, description=text)
 
 
+def service_introspection(states: Iterable[str]) -> Parameter:
+    """Returns whether the calls of services and actions are published, and what of them."""
+
+    def check(state: str) -> None:
+        if state not in states:
+            raise ValueError(f"{state} is none of {', '.join(states)}")
+
+    text = f"What is published of calls on <service>/_service_event: {', '.join(states)}."
+    return Parameter("service_introspection", "disabled", text, check=check)
+
+
 def lift_emergency(check: Callable[[str], None]) -> Parameter:
     """Returns whose emergencies are to be lifted, by somebody at the robot."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."

@@ -30,9 +30,8 @@ from .parameters import as_parameter_error
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ...base.loop import Loop
-    from ...guardian.ward import Ward
     from ..ends.ros_side import GoalTaker, GoalWatcher, ListAction
+    from .introspection import CallIntrospection
 
 MARK_SIZE = 8
 """Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""
@@ -375,20 +374,22 @@ class NodeServedGoal:
 class NodeActions:
     """The actions of one node."""
 
-    def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
-        self._work = ActionWork(node, executor, loop, ward)
+    def __init__(self, work: ActionWork, introspection: CallIntrospection) -> None:
+        self._work, self._introspection = work, introspection
         self._ends: list[Any] = []
 
     def client(self, action: ListAction) -> NodeActionClient:
         """Returns what sends goals of an action."""
         client = NodeActionClient(self._work, ActionMessages(action), action.name)
         self._ends += [client.handle, client.former]
+        self._introspection.add(client.handle)
         return client
 
     def serve(self, action: ListAction, taker: GoalTaker) -> None:
         """Takes the goals of an action."""
         server = NodeActionServer(self._work, ActionMessages(action), action.name, taker)
         self._ends.append(server.handle)
+        self._introspection.add(server.handle)
 
     def wait(self, deadline: float) -> None:
         """Waits until all goals have ended, but not longer than to a time of the steady clock."""

@@ -34,7 +34,10 @@ NEEDED: dict[str, tuple[str, ...]] = {
     "EventHandle": (*_HANDLE, "take_event"),
     "GuardCondition": (*_HANDLE, "trigger_guard_condition"),
     "Publisher": (*_HANDLE, "publish", "publish_raw", "wait_for_all_acked"),
-    "Service": (*_HANDLE, "service_send_response", "service_take_request"),
+    "Service": (
+        *_HANDLE,
+        *("configure_introspection", "service_send_response", "service_take_request"),
+    ),
     "Subscription": (*_HANDLE, "take_message"),
     "WaitSet": (
         *("add_event", "add_guard_condition", "add_service", "add_subscription", "clear_entities"),

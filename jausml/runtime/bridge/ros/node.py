@@ -27,6 +27,7 @@ from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.limits import RosLostError
 from .internals import Codec, require_internals, spare_generator
+from .introspection import CallIntrospection
 from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .services import NodeServices
@@ -109,6 +110,7 @@ class RosNode:
         self._actions: NodeActions | None = None
         self._topics: NodeTopics | None = None
         self._services: NodeServices | None = None
+        self._introspection: CallIntrospection | None = None
         self._parameters = NodeParameters(self._node)
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
@@ -171,7 +173,8 @@ class RosNode:
         """Chooses how to wait; to be called before there are publishers and subscriptions."""
         self._loop = loop
         self._executor.counters = loop.counters
-        self._services = NodeServices(self._node, loop)
+        self._introspection = CallIntrospection(self._node, loop, self._parameters)
+        self._services = NodeServices(self._node, loop, self._introspection)
         self._topics = NodeTopics(
             self._node, self._context, loop, self._waiting_name, self._parameters, self._age_limit
         )
@@ -211,12 +214,14 @@ class RosNode:
 
     def _node_actions(self) -> NodeActions:
         # Bridges without actions do not wait for what rclpy imports for them.
+        from .action_work import ActionWork  # noqa: PLC0415
         from .actions import NodeActions  # noqa: PLC0415
 
-        if self._loop is None:
+        if self._loop is None or self._introspection is None:
             raise RuntimeError("no loop is attached")
         if self._actions is None:
-            self._actions = NodeActions(self._node, self._executor, self._loop, self.ward)
+            work = ActionWork(self._node, self._executor, self._loop, self.ward)
+            self._actions = NodeActions(work, self._introspection)
         return self._actions
 
     def serve(self, service: RosService, take: TakeRequest) -> None:

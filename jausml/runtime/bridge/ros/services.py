@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ..ends.topics import RosService
+    from .introspection import CallIntrospection
 
     Reply = Callable[[bytes], None]
     TakeRequest = Callable[[bytes, Reply], None]
@@ -40,9 +41,10 @@ _PROFILE = QoSProfile(depth=128)
 class NodeServices:
     """The services of one node."""
 
-    def __init__(self, node: Any, loop: Loop) -> None:
+    def __init__(self, node: Any, loop: Loop, introspection: CallIntrospection) -> None:
         self._node = node
         self._loop = loop
+        self._introspection = introspection
         self._served: list[_Served] = []
         self._clients: list[Any] = []
 
@@ -55,6 +57,7 @@ class NodeServices:
         served = _Served(self._node.default_callback_group, handle, kind, self._loop, take)
         self._served.append(served)
         self._node.add_waitable(served)
+        self._introspection.add(served)
 
     def client(self, service: RosService) -> NodeClient:
         """Returns what calls a service."""
@@ -62,6 +65,7 @@ class NodeServices:
         with as_parameter_error(f"service {service.name!a}: "):
             client = self._node.create_client(kind, service.name, qos_profile=_PROFILE)
         self._clients.append(client)
+        self._introspection.add(client)
         return NodeClient(client, kind, self._loop)
 
     def destroy(self) -> None:
@@ -110,6 +114,11 @@ class _Served(Waitable):
         self._loop = loop
         self._take = take
         self._index: int | None = None
+
+    def configure_introspection(self, clock: Any, profile: QoSProfile, state: Any) -> None:
+        """Has its calls published, as services of rclpy do."""
+        with self.handle:
+            self.handle.configure_introspection(clock.handle, profile.get_c_qos_profile(), state)
 
     def get_num_entities(self) -> Any:
         return NumberOfEntities(num_services=1)

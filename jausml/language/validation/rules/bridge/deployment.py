@@ -45,6 +45,7 @@ PARAMETERS = frozenset(
         "latency",
         "lift_emergency",
         "queue_age_limit",
+        "service_introspection",
         "start_type_description_service",
         "use_sim_time",
     }

@@ -1,0 +1,61 @@
+"""Service introspection: whether a node publishes its calls, for those who record or watch them.
+
+ROS publishes no request and no response of a service unless its ends say so. Each end then has the
+topic `<service>/_service_event`.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import QoSProfile
+from rclpy.service_introspection import ServiceIntrospectionState
+
+from ..ends import parameters
+
+if TYPE_CHECKING:
+    from ...base.loop import Loop
+    from .parameters import NodeParameters
+
+_STATES = {
+    "disabled": ServiceIntrospectionState.OFF,
+    "metadata": ServiceIntrospectionState.METADATA,
+    "contents": ServiceIntrospectionState.CONTENTS,
+}
+
+_PROFILE = QoSProfile(depth=256)
+"""Reliable, with room for both events of more calls than are under way at once."""
+
+
+class CallIntrospection:
+    """Has the ends of calls publish them, as a parameter of their node says."""
+
+    def __init__(self, node: Any, loop: Loop, known: NodeParameters) -> None:
+        self._node = node
+        self._loop = loop
+        self._known = known
+        self._ends: list[Any] = []
+        self._state = ServiceIntrospectionState.OFF
+
+    def add(self, end: Any) -> None:
+        """Takes an end that was made: of a service or, where rclpy has that, of an action."""
+        if not hasattr(end, "configure_introspection"):
+            return  # actions before Kilted
+        if not self._ends:
+            parameter = parameters.service_introspection(_STATES)
+            self._state = _STATES[self._known.declare(parameter, self._change)]
+        self._ends.append(end)
+        if self._state != ServiceIntrospectionState.OFF:
+            self._configure(end)
+
+    def _change(self, word: str) -> None:
+        with self._loop.lock:
+            self._state = _STATES[word]
+            for each in self._ends:
+                self._configure(each)
+
+    def _configure(self, end: Any) -> None:
+        end.configure_introspection(self._node.get_clock(), _PROFILE, self._state)

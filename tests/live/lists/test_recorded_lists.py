@@ -1,0 +1,109 @@
+"""Lists and goals are recorded, and what became of them is explained."""
+
+from __future__ import annotations
+
+import os
+from contextlib import closing
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from rclpy.action import ActionClient
+
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.explaining import explained
+
+from ..bridge_support import ROOT, RosPeer, wait_for
+from ..recorder import Recorder
+from .conftest import operator_of
+from .list_system import LIVE, PATIENCE, facts, order, wait_goal
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.ports,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+MODEL = LIVE / "waypoint_lists.ros2jaus"
+INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
+HAS_GOALS = hasattr(ActionClient, "configure_introspection")
+"""Whether rclpy publishes goals and results: since Kilted."""
+
+
+@pytest.fixture
+def operator(system):
+    system.start_ros_robot()
+    yield from operator_of(system, "robot", *INTROSPECTION)
+
+
+@pytest.fixture
+def recorder(system, operator, packages, tmp_path):
+    """A recorder that knows the types of the action too."""
+    del operator  # whose bridge is to be heard
+    (tmp_path / "share").symlink_to(ROOT / "tools" / "ros_definitions")
+    path = os.pathsep.join([packages[-1], os.environ.get("PYTHONPATH", "")])
+    with Recorder(
+        tmp_path, MODEL, system.port, PYTHONPATH=path, AMENT_PREFIX_PATH=str(tmp_path)
+    ) as made:
+        yield made
+
+
+@pytest.fixture
+def listener(packages):
+    """The diagnostics that came to another node."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    del packages  # they set the domain
+    peer = RosPeer()
+    yield peer.listen(DiagnosticArray, "/diagnostics")
+    peer.close()
+
+
+def explanation(recorded, counter):
+    (drop,) = [
+        each
+        for each in recorded.marks
+        if each.subject == ("/robot/robot", "follow") and each.counter == counter
+    ]
+    model = read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
+    return explained(recorded, model, drop.subject, drop.time)
+
+
+def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, recorder, listener):
+    order(system, "refuse")
+    wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
+    operator.give(1, 2)
+    operator.execute()
+    wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
+    order(system, "accept")
+    wait_for(lambda: facts(system, "accept"), "acceptance", PATIENCE)
+    operator.execute()
+    wait_goal(system)
+    order(system, "abort")
+    wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
+    wait_for(lambda: told(listener, "dropped: aborted"), "diagnostics", PATIENCE)
+    recorded = recorder.end()
+    with closing(recorded.recording):
+        refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
+    assert any("of a goal, nobody wanted it" in each for each in refused.counter)
+    assert any("gave it up" in each for each in aborted.counter)
+    for each in refused, aborted:
+        assert any("SetElement at " in line for line in each.jaus)
+    if not HAS_GOALS:
+        why = "the recording does not have the goals of the ROS action follow_waypoints"
+        assert refused.jaus[1] == f"Which it was is not known: {why}."
+        return
+    events = [each for each in refused.ros if "send_goal/_service_event at" in each]
+    assert refused.ros[0] == "This call failed, as its response says."
+    assert [each.partition(":")[0] for each in events] == ["Its request", "Its response"]
+    assert "accepted: False" in refused.ros
+    assert "    poses[0]:" in refused.ros or "  poses[0]:" in refused.ros
+
+
+def told(listener, key):
+    """Whether diagnostics have had a value."""
+    return any(
+        each.key == key for array in listener for status in array.status for each in status.values
+    )

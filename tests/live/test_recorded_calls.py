@@ -1,0 +1,187 @@
+"""Calls of ROS services are recorded where the bridge publishes them, and failures explained."""
+
+from __future__ import annotations
+
+import pytest
+from ports import free_domain
+
+pytest.importorskip("rclpy")
+
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.explaining import explained
+
+from .bridge_support import generate, wait_for
+from .lamp_system import MODEL, System
+from .recorder import Recorder
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.ports,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
+
+
+def provoke(system):
+    """Has calls succeed, and fail in each way, one after the other."""
+    lamp = system.lamp()
+    assert system.call("read").success
+    system.mode(lamp, "silent")
+    assert "did not answer" in system.call("read").message
+    counted(system, "read", "failed: timed_out")
+    system.mode(lamp, "answer")
+    assert system.switched(data=True).success
+    system.mode(lamp, "refuse")
+    assert "RejectLamp" in system.call("switch", data=False).message
+    counted(system, "switch", "failed: rejected")
+    operator = system.operator()
+    operator.tell("set 100")  # nobody serves what it calls
+    wait_for(lambda: len(operator.of_kind("reject")) == 1, "rejection")
+    counted(system, "switch_robot", "failed: no_service")
+    system.serve(switched)
+    operator.tell("set 100")
+    wait_for(lambda: operator.of_kind("confirm"), "confirmation")
+    operator.tell("set 0")
+    wait_for(lambda: len(operator.of_kind("reject")) == 2, "rejection")
+    counted(system, "switch_robot", "failed: rejected")
+    operator.tell("set 7")  # which has no counterpart
+    wait_for(lambda: len(operator.of_kind("reject")) == 3, "rejection")
+    counted(system, "switch_robot", "failed: not_translated")
+
+
+def switched(request, response):
+    response.success, response.message = request.data, "it is stuck"
+    return response
+
+
+def counted(system, connection, counter):
+    wait_for(lambda: system.value(connection, counter) is not None, counter)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("calls")
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
+        system = System(generate(MODEL), folder, *INTROSPECTION)
+        try:
+            with Recorder(folder, MODEL, system.port) as recorder:
+                for topic in ("/read_lamp", "/switch_lamp", "/lamp/switch"):
+                    name = f"{topic}/_service_event"
+                    wait_for(lambda name=name: system.ros.node.count_subscribers(name), name)
+                provoke(system)
+                found = recorder.end()
+        finally:
+            system.close()
+    yield found
+    found.recording.close()
+
+
+@pytest.fixture(scope="module")
+def model():
+    return read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
+
+
+def explanation(recorded, model, connection, counter):
+    (drop,) = [
+        each
+        for each in recorded.marks
+        if each.subject == ("/front", connection) and each.counter == counter
+    ]
+    return explained(recorded, model, drop.subject, drop.time)
+
+
+def test_a_call_that_nobody_answered(recorded, model):
+    found = explanation(recorded, model, "read", "timed_out")
+    assert found.ros[0] == (
+        "This call failed, as its response says: 100.1.2 did not answer within 1 s."
+    )
+    assert found.ros[1].startswith("Its request: /read_lamp/_service_event at ")
+    assert found.ros[2] == "(no fields)"
+    assert "success: False" in found.ros
+    assert found.jaus[0].startswith("It was passed on as: /jaus/100.1.20/QueryLamp at ")
+    assert not any("What answered it" in each for each in found.jaus)
+
+
+def test_a_command_that_a_jaus_component_refused(recorded, model):
+    found = explanation(recorded, model, "switch", "rejected")
+    assert found.ros[0] == (
+        "This call failed, as its response says: 100.1.2 answered RejectLamp with the code 7."
+    )
+    assert found.ros[2] == "data: False"
+    assert found.jaus[0].startswith("It was passed on as: /jaus/100.1.20/SetLamp at ")
+    assert found.jaus[2] == "Brightness: 0"
+    assert found.jaus[3].startswith("What answered it: /jaus/100.1.2/RejectLamp at ")
+    assert found.jaus[5] == "ResponseCode: 7"
+
+
+def test_a_command_that_a_ros_node_refused(recorded, model):
+    found = explanation(recorded, model, "switch_robot", "rejected")
+    assert found.counter[1] == "A message is counted there because who was asked refused it."
+    assert found.ros[0] == "This call failed, as its response says: it is stuck."
+    assert found.ros[1].startswith("Its request: /lamp/switch/_service_event at ")
+    assert found.jaus[0].startswith("It was made of: /jaus/100.1.3/SetLamp at ")
+    assert found.jaus[2] == "Brightness: 0"
+
+
+def test_a_command_for_which_no_service_was_there(recorded, model):
+    found = explanation(recorded, model, "switch_robot", "no_service")
+    assert found.jaus[1] == (
+        "This one was not passed on: what it becomes is not on the other side."
+    )
+    assert found.jaus[4] == "Brightness: 100"
+
+
+def test_a_command_that_the_map_refuses(recorded, model):
+    found = explanation(recorded, model, "switch_robot", "not_translated")
+    assert found.jaus[1] == (
+        "This one was not passed on, since the translation refuses it: 7 is not in the table."
+    )
+    assert found.jaus[4] == "Brightness: 7"
+
+
+def test_a_bridge_without_the_parameter_publishes_no_calls(system):
+    system.lamp()
+    assert system.call("read").success
+    wait_for(lambda: system.value("read", "calls answered") == "1", "diagnostics")
+    events = [name for name, _ in system.ros.node.get_topic_names_and_types()]
+    assert "/diagnostics" in events
+    assert not [each for each in events if each.endswith("_service_event")]
+
+
+def test_the_parameter_is_set_while_the_bridge_runs(system):
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters
+    from std_srvs.srv import Trigger
+
+    def set_to(word):
+        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=word)
+        parameter = Parameter(name="service_introspection", value=value)
+        request = SetParameters.Request(parameters=[parameter])
+        (result,) = system.ros.call(SetParameters, "/front/set_parameters", request).results
+        return result
+
+    assert "everything is none of disabled, metadata, contents" in set_to("everything").reason
+    system.lamp()
+    assert set_to("metadata").successful
+    events = system.ros.listen_to_publisher(Trigger.Event, "/read_lamp/_service_event")
+    assert system.call("read").success
+    wait_for(lambda: len(events) == 2, "events")
+    assert [each.info.event_type for each in events] == [1, 2]
+    assert not [each for each in events if each.request or each.response]
+    assert set_to("contents").successful
+    wait_for(lambda: system.call("read").success and events[-1].response, "contents")
+    assert events[-1].response[0].message == "dark"
+
+
+@pytest.fixture
+def system(tmp_path):
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
+        made = System(generate(MODEL), tmp_path)
+        yield made
+        made.close()
