@@ -12,6 +12,7 @@ from jausml.language.semantics.connections.reports import freshness_of, holds_st
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, is_sound, source_paths
+from jausml.language.validation.findings import time_findings
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -34,9 +35,9 @@ def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
     fields = {field.name for field in each.type.fields} if each.type is not None else set()
-    used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
+    used = used_joins(each.toJaus)
     for join in each.joins:
-        yield from _join_findings(join, fields, used)
+        yield from join_findings(join, "join", "type", fields, used)
 
 
 @joins.also(bridge.Connection)
@@ -89,15 +90,23 @@ def _made_up(
         return
 
 
-def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
-    if not (math.isfinite(join.freshness) and join.freshness > 0):
+def join_findings(
+    join: bridge.Join | bridge.ReportJoin, kind: str, main: str, fields: set[str], used: set[str]
+) -> Iterator[Finding]:
+    """Yields what is wrong with a join of whatever kind.
+
+    Args:
+        main: Whether the map is for a `message` or a `type`, whose fields have names too.
+        used: What the source paths of the map begin with.
+    """
+    if not 0 < join.freshness < math.inf:
         message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
         yield Finding(join, message, "freshness")
     if join.name in fields:
-        message = f"join '{join.name}' has the name of a field of the main type"
+        message = f"{kind} '{join.name}' has the name of a field of the main {main}"
         yield Finding(join, message, "name", "choose another name")
     elif join.name not in used:
-        message = f"no assignment takes anything of join '{join.name}'"
+        message = f"no assignment takes anything of {kind} '{join.name}'"
         yield Finding(join, message, "name", severity=Severity.WARNING)
 
 
@@ -126,11 +135,14 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
             yield Finding(connection, message, "topics", hint, (note,))
 
 
-def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
+    """Returns what source paths begin with, those in lists included: joins and fields."""
+    found: set[str] = set()
     for each in assignments:
-        yield from source_paths(each)
+        found |= {path.lstrip("/").partition(".")[0] for path in source_paths(each)}
         if isinstance(each, bridge.ListAssignment):
-            yield from _paths(each.assignments)
+            found |= used_joins(each.assignments)
+    return found
 
 
 @rule(
@@ -173,24 +185,18 @@ def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" exchange="periodicEvent" freshness="1.0"`
     """
-    yield from _time_findings(each)
+    yield from time_findings(each, "freshness")
 
 
 @freshness_range.also(bridge.Connection)
 def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    yield from _time_findings(connection)
+    yield from time_findings(connection, "freshness")
     if connection.freshness > 0 and not is_report(connection):
         message = f"'{connection.name}' makes no report of ROS topics"
         yield Finding(connection, message, "freshness", "silenceTimeout is for other connections")
     elif connection.freshness > 0 and connection.silenceTimeout:
         message = f"'{connection.name}' has a freshness and a silenceTimeout"
         yield Finding(connection, message, "freshness", "keep one of them")
-
-
-def _time_findings(element: bridge.AttributeMap | bridge.Connection) -> Iterator[Finding]:
-    if not (math.isfinite(element.freshness) and element.freshness >= 0):
-        message = f"freshness {element.freshness:g} of '{element.name}' is no time"
-        yield Finding(element, message, "freshness")
 
 
 LEAST_RATE = 0.001

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
@@ -16,18 +15,19 @@ from jausml.language.semantics.jaus.services import (
     is_known,
     provided_services,
     provides_access_control,
-    query_name,
     with_inherited,
+)
+from jausml.language.validation.findings import (
+    missing_query,
+    time_findings,
+    unprovided,
 )
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
-
-    AnyConnection = jaus.ServiceConnection | bridge.Connection
 
 MAXIMUM_RATE = 1092.0
 """Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
@@ -137,10 +137,7 @@ def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding
 def _component_numbers_service_connection(
     _: Subject, connection: jaus.ServiceConnection
 ) -> Iterator[Finding]:
-    value = connection.silenceTimeout
-    if not (math.isfinite(value) and value >= 0):
-        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
-        yield Finding(connection, message, "silenceTimeout")
+    yield from time_findings(connection, "silenceTimeout")
 
 
 @rule(
@@ -198,14 +195,7 @@ def connection_provided(subject: Subject, connection: jaus.ServiceConnection) ->
     if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
         return
     if find_output(message, provider) is None:
-        owner = message.eContainer()
-        yield Finding(
-            connection,
-            f"{provider_name(provider)} provides no service that sends {message.name}",
-            "message",
-            f"add {owner.name} to what it provides" if owner is not None else "",
-            (Note(provider, provider_name(provider)),),
-        )
+        yield unprovided(connection, provider, message, "sends", "message")
 
 
 @rule(
@@ -329,29 +319,9 @@ def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
             yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
-def provider_name(provider: Provider) -> str:
-    """Returns how messages name who provides services: a component, or what a search finds."""
-    if isinstance(provider, jaus.PeerSearch):
-        services = " and ".join(str(each.name) for each in provider.services)
-        return f"what the search for {services} finds"
-    return f"'{provider.name}'"
-
-
-def missing_query(
-    connection: AnyConnection, message: jaus.MessageDef, provider: Provider
-) -> Finding:
-    """Returns the finding about a connection whose provider takes no query for the report."""
-    query = connection.query
-    wanted = query.name if query is not None else query_name(message)
-    note = (Note(provider, provider_name(provider)),)
-    text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
-    if query is not None:
-        return Finding(connection, text, "query", related=note)
-    hint = f"let it provide a service with the input {wanted}, or name the query in 'query'"
-    return Finding(connection, text, None, hint, note)
-
-
-def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
+def rate_finding(
+    connection: jaus.ServiceConnection | bridge.Connection,
+) -> Iterator[Finding]:
     """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
     message = f"rate {connection.rate:g} of '{connection.name}'"
     if not 0 < connection.rate <= MAXIMUM_RATE:
