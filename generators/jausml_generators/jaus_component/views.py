@@ -152,12 +152,7 @@ class ComponentView(ProgramView):
     def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:
             return connection.query
-        report = connection.message
-        service = report.eContainer()
-        query = components.query_for(report, [service]) if service is not None else None
-        if query is None:
-            raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
-        return query
+        return components.query_for(connection.message, (), f"connection '{connection.name}'")
 
     # -- methods ---------------------------------------------------------------------------------
 

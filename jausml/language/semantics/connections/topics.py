@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.jaus.commands import is_command
@@ -125,6 +125,24 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
 def is_latched(profile: ros.QoSProfile | None) -> bool:
     """Tells whether a profile is one of late subscriptions that get what was published before."""
     return profile is not None and profile.durability.name == "transient_local"
+
+
+_POLICIES = (
+    "durability",
+    "history",
+    "depth",
+    "deadline",
+    "lifespan",
+    "liveliness",
+    "leaseDuration",
+)
+
+
+def policies(profile: ros.QoSProfile | None) -> dict[str, Any]:
+    """Returns the policies of a profile besides reliability, by feature; the usual ones of none."""
+    known = ros.QoSProfile() if profile is None else profile
+    values = {each: getattr(known, each) for each in _POLICIES}
+    return {feature: getattr(value, "name", value) for feature, value in values.items()}
 
 
 def _stated(profile: ros.QoSProfile | None) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints, policies
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.validation.rule import Finding, Note, rule
@@ -50,17 +50,6 @@ PARAMETERS = frozenset(
     }
 )
 """Parameters that every bridge has."""
-
-_POLICIES: dict[str, object] = {
-    "durability": "volatile",
-    "history": "keep_last",
-    "depth": 10,
-    "deadline": 0.0,
-    "lifespan": 0.0,
-    "liveliness": "automatic",
-    "leaseDuration": 0.0,
-}
-"""Policies besides reliability, and what they are when no profile states them."""
 
 
 @rule(
@@ -109,9 +98,7 @@ def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _quality(end: Endpoint) -> tuple[object, ...]:
-    profile = end.element.qos
-    values = [getattr(profile, name, default) for name, default in _POLICIES.items()]
-    return (end.reliability, *(getattr(value, "name", value) for value in values))
+    return (end.reliability, *policies(end.element.qos).values())
 
 
 @rule(
