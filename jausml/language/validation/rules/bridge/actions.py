@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.calls import driver_messages, knows_speed, takes
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.jaus.services import is_known, lineage, peers_of, services_of
@@ -39,7 +38,7 @@ def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
 _of_lists = partial(rule, each=bridge.RosActionConnection, needs=_ENDS, given=_is_sound)
 
 
-@_of_lists("JML481", Severity.ERROR, "no list driver for the elements")
+@_of_lists("JML481", "no list driver for the elements")
 def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The driver of an action connection executes lists with the message of its map.
 
@@ -62,7 +61,7 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
         yield Finding(each, message, "element", related=(note,))
 
 
-@_of_lists("JML482", Severity.ERROR, "goal without the elements", needs=(*_ENDS, "goalMember"))
+@_of_lists("JML482", "goal without the elements", needs=(*_ENDS, "goalMember"))
 def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The goal of an action has at goalMember a sequence of the ROS type of the map.
 
@@ -80,10 +79,7 @@ def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterato
 
 
 @_of_lists(
-    "JML483",
-    Severity.ERROR,
-    "progress or reason that is none",
-    needs=(*_ENDS, "progressMember", "reasonMember"),
+    "JML483", "progress or reason that is none", needs=(*_ENDS, "progressMember", "reasonMember")
 )
 def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The feedback has at progressMember a number, the result at reasonMember a string.
@@ -112,12 +108,7 @@ def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findin
             yield Finding(each, f"'{path}' is no {noun}", feature)
 
 
-@_of_lists(
-    "JML484",
-    Severity.ERROR,
-    "map of elements without assignments for the direction",
-    is_decision=True,
-)
+@_of_lists("JML484", "map of elements without assignments for the direction", is_decision=True)
 def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The map of an action connection has assignments for the direction of the connection.
 
@@ -135,7 +126,7 @@ def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> I
         yield Finding(each, message, "element", related=(note,))
 
 
-@_of_lists("JML485", Severity.ERROR, "nobody provides the list driver")
+@_of_lists("JML485", "nobody provides the list driver")
 def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The component that executes the list of an action connection provides its driver.
 
@@ -161,7 +152,6 @@ def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Itera
 
 @rule(
     "JML486",
-    Severity.ERROR,
     "figure of an action connection out of range",
     is_decision=True,
     each=bridge.RosActionConnection,
@@ -189,7 +179,6 @@ def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterat
 
 @rule(
     "JML499",
-    Severity.ERROR,
     "mission whose end nobody has decided",
     is_decision=True,
     each=bridge.RosActionConnection,
@@ -219,13 +208,7 @@ def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator
         yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
 
 
-@rule(
-    "JML487",
-    Severity.ERROR,
-    "bad name of a ROS action",
-    each=bridge.RosActionConnection,
-    needs=("action",),
-)
+@rule("JML487", "bad name of a ROS action", each=bridge.RosActionConnection, needs=("action",))
 def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The name of an action is one of ROS: letters, digits, `_` and `/`, no digit first.
 
@@ -240,7 +223,6 @@ def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
 
 @rule(
     "JML488",
-    Severity.ERROR,
     "two lists of one kind in one bridge",
     each=bridge.Bridge,
     needs=("actionConnections",),

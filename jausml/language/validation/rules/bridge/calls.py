@@ -62,7 +62,7 @@ def _fits(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
 _of_calls = partial(rule, each=bridge.RosServiceConnection, needs=_ENDS, given=_is_sound)
 
 
-@_of_calls("JML467", Severity.ERROR, "map that does not fit the service", is_decision=True)
+@_of_calls("JML467", "map that does not fit the service", is_decision=True)
 def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The maps of a service connection are those of the request and the response of its type.
 
@@ -95,7 +95,7 @@ def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Itera
             yield Finding(connection, message, of_message, "leave it out")
 
 
-@_of_calls("JML468", Severity.ERROR, "service without a message that asks")
+@_of_calls("JML468", "service without a message that asks")
 def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A service connection names the message that asks: by a map of the request or by `message`.
 
@@ -110,7 +110,6 @@ def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Itera
 
 @rule(
     "JML469",
-    Severity.ERROR,
     "no service for the messages of a call",
     each=bridge.RosServiceConnection,
     needs=_ENDS,
@@ -138,7 +137,7 @@ def messages_provided(
         yield Finding(connection, message, _feature(connection, asking), "take another message")
 
 
-@_of_calls("JML470", Severity.ERROR, "service without a peer")
+@_of_calls("JML470", "service without a peer")
 def peers_named(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A bridge that serves a ROS service names the peers that it asks, or searches for them.
 
@@ -151,7 +150,7 @@ def peers_named(_: Subject, connection: bridge.RosServiceConnection) -> Iterator
         yield Finding(connection, message, "peers", "name peers or search for them")
 
 
-@_of_calls("JML471", Severity.ERROR, "call of a peer that cannot be controlled")
+@_of_calls("JML471", "call of a peer that cannot be controlled")
 def peers_controllable(
     subject: Subject, connection: bridge.RosServiceConnection
 ) -> Iterator[Finding]:
@@ -172,7 +171,6 @@ def peers_controllable(
 
 @rule(
     "JML472",
-    Severity.ERROR,
     "member that tells of no failure",
     each=bridge.RosServiceConnection,
     needs=("name", "type", "successMember", "reasonMember"),
@@ -197,8 +195,8 @@ def members_tell(subject: Subject, connection: bridge.RosServiceConnection) -> I
 
 @rule(
     "JML473",
-    Severity.WARNING,
     "failures that cannot be told",
+    severity=Severity.WARNING,
     is_decision=True,
     each=bridge.RosServiceConnection,
     needs=("name", "type", "direction", "response", "successMember"),
@@ -246,7 +244,6 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
 
 @rule(
     "JML474",
-    Severity.ERROR,
     "timeout of calls out of range",
     each=bridge.RosServiceConnection,
     needs=("name", "timeout"),
@@ -265,7 +262,7 @@ def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Fi
         yield Finding(connection, message, "timeout")
 
 
-@rule("JML475", Severity.ERROR, "ROS service served twice")
+@rule("JML475", "ROS service served twice")
 def served_once(subject: Subject) -> Iterator[Finding]:
     """A ROS service of a system has one server.
 
@@ -295,7 +292,6 @@ def served_once(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "JML476",
-    Severity.ERROR,
     "illegal name of a ROS service",
     each=bridge.RosServiceConnection,
     needs=("name", "service"),
@@ -353,7 +349,7 @@ def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault 
     return PathFault(f"'{path}' of {ros_name(response)} is no {kind}")
 
 
-@rule("JML367", Severity.INFO, "query that nothing answers", each=bridge.Bridge)
+@rule("JML367", "query that nothing answers", severity=Severity.INFO, each=bridge.Bridge)
 def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge answers the queries of the services that it provides.
 

@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.topics import find_loops, flow_of
 from jausml.language.semantics.jaus.commands import is_command
@@ -48,9 +47,7 @@ def _is_owned(subject: Subject, connection: bridge.Connection) -> bool:
 _of_connections = partial(rule, each=bridge.Connection, needs=_ENDS, given=_is_owned)
 
 
-@_of_connections(
-    "JML421", Severity.ERROR, "map without assignments for the direction", is_decision=True
-)
+@_of_connections("JML421", "map without assignments for the direction", is_decision=True)
 def direction_assigned(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The map of a connection has assignments for the direction of the connection.
 
@@ -72,7 +69,7 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
         yield Finding(connection, message, "map", hint, (note,))
 
 
-@_of_connections("JML422", Severity.ERROR, "no service for the message")
+@_of_connections("JML422", "no service for the message")
 def message_provided(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A service at the right end of a connection has the message of its map.
 
@@ -96,7 +93,7 @@ def message_provided(subject: Subject, connection: bridge.Connection) -> Iterato
             yield replace(finding, hint=", or ".join(hints))
 
 
-@_of_connections("JML423", Severity.ERROR, "connection without a peer")
+@_of_connections("JML423", "connection without a peer")
 def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that asks for reports or sends messages names its peers, or searches for them.
 
@@ -119,7 +116,7 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
-@_of_connections("JML424", Severity.ERROR, "connection of a bridge without a query")
+@_of_connections("JML424", "connection of a bridge without a query")
 def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A report that crosses by events or queries is asked for by a query that its sender takes.
 
@@ -146,11 +143,7 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
 
 
 @rule(
-    "JML425",
-    Severity.ERROR,
-    "rate of a bridge's connection out of range",
-    each=bridge.Connection,
-    needs=("name",),
+    "JML425", "rate of a bridge's connection out of range", each=bridge.Connection, needs=("name",)
 )
 def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
@@ -177,7 +170,7 @@ def _rate_range_connection(_: Subject, connection: bridge.Connection) -> Iterato
         yield Finding(connection, message, "rate", "state one of them")
 
 
-@_of_connections("JML427", Severity.ERROR, "command to a peer that cannot be controlled")
+@_of_connections("JML427", "command to a peer that cannot be controlled")
 def peers_controllable(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that controls its peers has peers that provide AccessControl.
 
@@ -193,7 +186,7 @@ def peers_controllable(subject: Subject, connection: bridge.Connection) -> Itera
     yield from uncontrollable(subject, connection, peers_of(connection))
 
 
-@rule("JML428", Severity.ERROR, "bridges feed each other")
+@rule("JML428", "bridges feed each other")
 def loops(subject: Subject) -> Iterator[Finding]:
     """A message that a bridge publishes does not return to its source.
 

@@ -54,7 +54,6 @@ PARAMETERS = frozenset(
 
 @rule(
     "JML466",
-    Severity.ERROR,
     "bridge that carries nothing",
     each=bridge.Bridge,
     needs=("name", "bridgeConnections", "serviceConnections", "actionConnections"),
@@ -73,7 +72,7 @@ def something_carried(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
         yield Finding(owner, message, "bridgeConnections", "give it a connection")
 
 
-@rule("JML419", Severity.WARNING, "topic published to in two ways", each=bridge.Bridge)
+@rule("JML419", "topic published to in two ways", severity=Severity.WARNING, each=bridge.Bridge)
 def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
 
@@ -101,13 +100,7 @@ def _quality(end: Endpoint) -> tuple[object, ...]:
     return (end.reliability, *policies(end.element.qos).values())
 
 
-@rule(
-    "JML420",
-    Severity.ERROR,
-    "quantity with the name of another parameter",
-    each=bridge.Quantity,
-    needs=(),
-)
+@rule("JML420", "quantity with the name of another parameter", each=bridge.Quantity, needs=())
 def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
     """A quantity is a parameter of the node of its bridge, which has others already.
 
@@ -124,13 +117,7 @@ LEAST_RATE = 0.001
 """Least rate in hertz that a cap can have, as the runtime has it."""
 
 
-@rule(
-    "JML477",
-    Severity.ERROR,
-    "allowed host that is none",
-    each=bridge.Bridge,
-    needs=("name", "allowedHosts"),
-)
+@rule("JML477", "allowed host that is none", each=bridge.Bridge, needs=("name", "allowedHosts"))
 def allowed_hosts(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """An allowed host is an IPv4 address, or a network of such addresses.
 
@@ -161,7 +148,7 @@ def _fault(text: str) -> str:
     return f"is an address within the network {meant}, not the network"
 
 
-@rule("JML478", Severity.WARNING, "sources that nobody looks at", each=system.System)
+@rule("JML478", "sources that nobody looks at", severity=Severity.WARNING, each=system.System)
 def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
@@ -184,8 +171,8 @@ def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
 
 @rule(
     "JML479",
-    Severity.INFO,
     "command of anybody in control",
+    severity=Severity.INFO,
     each=bridge.Connection,
     needs=("name", "direction", "exchange", "map", "peers", "search", "documentation"),
 )
@@ -219,7 +206,6 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
 
 @rule(
     "JML480",
-    Severity.ERROR,
     "cap of what one source sends",
     each=bridge.Connection,
     needs=("name", "direction", "exchange", "rateCap"),
@@ -258,7 +244,7 @@ _NO_LIMIT = ("amplificationLimit", "idleTimeout")
 """Budgets for which 0 means that there is none."""
 
 
-@rule("JML489", Severity.ERROR, "budget out of range", each=bridge.Bridge, needs=("name",))
+@rule("JML489", "budget out of range", each=bridge.Bridge, needs=("name",))
 def budgets(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What a bridge lends to strangers leaves room for those that it is for.
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML442", Severity.ERROR, "join used wrongly", each=bridge.AttributeMap)
+@rule("JML442", "join used wrongly", each=bridge.AttributeMap)
 def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
@@ -46,7 +46,7 @@ def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterat
         yield from _topic_findings(connection)
 
 
-@rule("JML457", Severity.ERROR, "mandatory field that would be made up", each=DIRECTED)
+@rule("JML457", "mandatory field that would be made up", each=DIRECTED)
 def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A mandatory JAUS field whose source may lack has a default, or the message is dropped.
 
@@ -147,8 +147,8 @@ def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
 
 @rule(
     "JML455",
-    Severity.WARNING,
     "report that outlives its sensor",
+    severity=Severity.WARNING,
     is_decision=True,
     each=bridge.Connection,
 )
@@ -174,7 +174,7 @@ def outlived_sensors(subject: Subject, connection: bridge.Connection) -> Iterato
         yield Finding(connection, message, "freshness", hint)
 
 
-@rule("JML456", Severity.ERROR, "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
+@rule("JML456", "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
 def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A freshness is a time in seconds, in a connection that makes a report from ROS topics.
 
@@ -205,7 +205,7 @@ LONGEST_TIME = 3600.0
 """What parameters of the runtime take too."""
 
 
-@rule("JML490", Severity.ERROR, "shaping out of range", each=bridge.Connection, needs=("name",))
+@rule("JML490", "shaping out of range", each=bridge.Connection, needs=("name",))
 def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is 0 or at least 0.001 Hz, a decimation 1 to 1000000, an ageLimit 0 to 3600 s.
 
@@ -225,9 +225,7 @@ def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
         yield Finding(each, message, "ageLimit")
 
 
-@rule(
-    "JML491", Severity.ERROR, "shaping of what is asked for", each=bridge.Connection, given=is_sound
-)
+@rule("JML491", "shaping of what is asked for", each=bridge.Connection, given=is_sound)
 def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A connection that uses queries determines with its rate how many messages come.
 
@@ -248,8 +246,8 @@ def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
 @rule(
     "JML492",
-    Severity.WARNING,
     "maxRate that changes nothing",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )
@@ -276,8 +274,8 @@ def rates_reached(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
 @rule(
     "JML493",
-    Severity.WARNING,
     "shaping that loses the last word",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )

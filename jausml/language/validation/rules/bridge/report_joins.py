@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML494", Severity.ERROR, "report join used wrongly", each=bridge.AttributeMap)
+@rule("JML494", "report join used wrongly", each=bridge.AttributeMap)
 def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A report join has a unique name, a time after which it is stale, and a use.
 
@@ -69,7 +69,7 @@ def _report_joins_ros_service_connection(
     yield from _unfed(service, "response")
 
 
-@rule("JML495", Severity.ERROR, "joined report from nowhere", each=bridge.Connection)
+@rule("JML495", "joined report from nowhere", each=bridge.Connection)
 def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection from JAUS to ROS says where each joined report of its map comes from, once.
 
@@ -98,7 +98,7 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
             yield from _rate_findings(report)
 
 
-@rule("JML496", Severity.ERROR, "ROS field that a silent report would make up", each=DIRECTED)
+@rule("JML496", "ROS field that a silent report would make up", each=DIRECTED)
 def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS field that a joined report feeds has a default, or the message is dropped without it.
 

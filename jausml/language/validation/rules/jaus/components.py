@@ -46,13 +46,7 @@ _NUMBERS = {
 }
 
 
-@rule(
-    "JML301",
-    Severity.ERROR,
-    "JAUS address out of range",
-    each=jaus.Component,
-    needs=("name", "address"),
-)
+@rule("JML301", "JAUS address out of range", each=jaus.Component, needs=("name", "address"))
 def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
 
@@ -72,8 +66,8 @@ def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
 
 @rule(
     "JML309",
-    Severity.WARNING,
     "subsystem id that Junior takes for a wildcard",
+    severity=Severity.WARNING,
     each=jaus.Component,
     needs=("name", "address"),
 )
@@ -93,7 +87,7 @@ def address_bytes(_: Subject, component: jaus.Component) -> Iterator[Finding]:
         yield Finding(component, message, "address")
 
 
-@rule("JML302", Severity.ERROR, "JAUS address used twice")
+@rule("JML302", "JAUS address used twice")
 def address_unique(subject: Subject) -> Iterator[Finding]:
     """Each component of a system has its own address; bridges are components too.
 
@@ -116,7 +110,7 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
 
 
-@rule("JML303", Severity.ERROR, "number out of range", each=jaus.Component, needs=("name",))
+@rule("JML303", "number out of range", each=jaus.Component, needs=("name",))
 def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
 
@@ -142,7 +136,6 @@ def _component_numbers_service_connection(
 
 @rule(
     "JML353",
-    Severity.ERROR,
     "command that nobody can give",
     each=jaus.Component,
     needs=("name", "external", "provides", "coreServices"),
@@ -176,7 +169,6 @@ def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator
 
 @rule(
     "JML304",
-    Severity.ERROR,
     "connection to a report that the provider does not send",
     each=jaus.ServiceConnection,
     needs=_ENDS,
@@ -198,9 +190,7 @@ def connection_provided(subject: Subject, connection: jaus.ServiceConnection) ->
         yield unprovided(connection, provider, message, "sends", "message")
 
 
-@rule(
-    "JML305", Severity.ERROR, "connection without a query", each=jaus.ServiceConnection, needs=_ENDS
-)
+@rule("JML305", "connection without a query", each=jaus.ServiceConnection, needs=_ENDS)
 def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """A report is asked for by a query that the provider takes.
 
@@ -223,11 +213,7 @@ def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> It
 
 
 @rule(
-    "JML306",
-    Severity.ERROR,
-    "rate out of range",
-    each=jaus.ServiceConnection,
-    needs=("name", "exchange", "rate"),
+    "JML306", "rate out of range", each=jaus.ServiceConnection, needs=("name", "exchange", "rate")
 )
 def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """The rate of a periodic connection is above 0 and at most 1092 per second.
@@ -244,7 +230,6 @@ def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[
 
 @rule(
     "JML307",
-    Severity.ERROR,
     "control of a component that cannot be controlled",
     each=jaus.Component,
     needs=("name", "controls"),
@@ -271,13 +256,7 @@ def controls_access(subject: Subject, component: jaus.Component) -> Iterator[Fin
             )
 
 
-@rule(
-    "JML308",
-    Severity.ERROR,
-    "service provided twice",
-    each=jaus.Component,
-    needs=("name", "provides"),
-)
+@rule("JML308", "service provided twice", each=jaus.Component, needs=("name", "provides"))
 def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component provides one service of a URN.
 
@@ -301,7 +280,12 @@ def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
             yield Finding(component, message, "provides", position=second)
 
 
-@rule("JML352", Severity.WARNING, "state machine that a bridge does not run", each=bridge.Bridge)
+@rule(
+    "JML352",
+    "state machine that a bridge does not run",
+    severity=Severity.WARNING,
+    each=bridge.Bridge,
+)
 def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge translates messages and runs no state machine of the services that it provides.
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
-from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
 from jausml.language.semantics.names import DEVICES
 from jausml.language.semantics.paths.attributes import constant_fault, primitive
@@ -39,11 +38,7 @@ _SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...]
 
 
 @rule(
-    "JML406",
-    Severity.ERROR,
-    "illegal ROS interface",
-    each=tuple(kind for kind, *_ in _SPELLINGS),
-    needs=("name",),
+    "JML406", "illegal ROS interface", each=tuple(kind for kind, *_ in _SPELLINGS), needs=("name",)
 )
 def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
@@ -78,7 +73,7 @@ def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
         yield Finding(field, message, "arraySize")
 
 
-@rule("JML408", Severity.ERROR, "impossible constant", each=ros.Constant, needs=("name", "type"))
+@rule("JML408", "impossible constant", each=ros.Constant, needs=("name", "type"))
 def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
     """The value of a constant of an interface is of its type.
 
@@ -96,7 +91,7 @@ def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
         yield Finding(constant, message, "value")
 
 
-@rule("JML410", Severity.ERROR, "impossible default", each=ros.PrimitiveField, needs=_TYPE)
+@rule("JML410", "impossible default", each=ros.PrimitiveField, needs=_TYPE)
 def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
     """A default has the type of its field, and can be written in an interface definition.
 
@@ -118,7 +113,7 @@ def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
         yield Finding(field, message, "defaultValue")
 
 
-@rule("JML430", Severity.ERROR, "ROS type that is too large")
+@rule("JML430", "ROS type that is too large")
 def type_extents(subject: Subject) -> Iterator[Finding]:
     """A ROS type has an end: at most 64 levels, 16384 parts and 4194304 values.
 

@@ -36,7 +36,7 @@ _PROMISED = ("deadline", "leaseDuration")
 """Times of a publisher that are at most those that a subscription asks for."""
 
 
-@rule("JML401", Severity.ERROR, "illegal ROS name", each=ros.TopicEndpoint, needs=())
+@rule("JML401", "illegal ROS name", each=ros.TopicEndpoint, needs=())
 def ros_names(_: Subject, end: ros.TopicEndpoint) -> Iterator[Finding]:
     """Topic and service names and namespaces obey the rules of ROS 2.
 
@@ -68,7 +68,7 @@ def _ros_names_node(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Find
         yield Finding(node, message, "namespace")
 
 
-@rule("JML402", Severity.ERROR, "topic of two types")
+@rule("JML402", "topic of two types")
 def topic_types(subject: Subject) -> Iterator[Finding]:
     """All publishers and subscriptions of a topic have one type, bridges included.
 
@@ -93,7 +93,7 @@ def topic_types(subject: Subject) -> Iterator[Finding]:
                 )
 
 
-@rule("JML403", Severity.WARNING, "incompatible quality of service")
+@rule("JML403", "incompatible quality of service", severity=Severity.WARNING)
 def qos_compatible(subject: Subject) -> Iterator[Finding]:
     """A subscription asks for no more than the publishers of its topic offer.
 
@@ -131,13 +131,7 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
                     )
 
 
-@rule(
-    "JML404",
-    Severity.ERROR,
-    "impossible quality of service",
-    each=ros.QoSProfile,
-    needs=("history",),
-)
+@rule("JML404", "impossible quality of service", each=ros.QoSProfile, needs=("history",))
 def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
     """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
 
@@ -164,13 +158,7 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
             yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
-@rule(
-    "JML405",
-    Severity.ERROR,
-    "impossible parameter value",
-    each=ros.Parameter,
-    needs=("name", "type"),
-)
+@rule("JML405", "impossible parameter value", each=ros.Parameter, needs=("name", "type"))
 def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
     """The default of a parameter is of its type and within its range.
 
@@ -190,13 +178,7 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
             yield Finding(parameter, message, feature)
 
 
-@rule(
-    "JML407",
-    Severity.ERROR,
-    "impossible frequency",
-    each=(ros.Node, bridge.Bridge),
-    needs=("name",),
-)
+@rule("JML407", "impossible frequency", each=(ros.Node, bridge.Bridge), needs=("name",))
 def frequencies(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
     """A frequency in calls each second is finite, not negative and at most 1000.
 
