@@ -31,7 +31,9 @@ class DefinitionSection(Section):
     def lines(self) -> list[str]:
         """The lines of the section: its comment, its constants and its fields."""
         elements: list[ConstantDefinition | FieldDefinition] = [*self.constants, *self.fields]
-        lines = [line for each in elements for line in (*comment_lines(each.comment), code_of(each))]
+        lines = [
+            line for each in elements for line in (*comment_lines(each.comment), code_of(each))
+        ]
         head = comment_lines(self.comment)
         # A comment at the very head would be one of the section.
         is_parted = bool(lines) and (bool(head) or lines[0].startswith("#"))

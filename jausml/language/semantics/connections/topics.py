@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
@@ -138,11 +139,17 @@ _POLICIES = (
 )
 
 
-def policies(profile: ros.QoSProfile | None) -> dict[str, Any]:
+def policies(profile: ros.QoSProfile | None) -> Mapping[str, Any]:
     """Returns the policies of a profile besides reliability, by feature; the usual ones of none."""
-    known = ros.QoSProfile() if profile is None else profile
-    values = {each: getattr(known, each) for each in _POLICIES}
+    if profile is None:
+        return _usual_policies()
+    values = {each: getattr(profile, each) for each in _POLICIES}
     return {feature: getattr(value, "name", value) for feature, value in values.items()}
+
+
+@cache
+def _usual_policies() -> Mapping[str, Any]:
+    return policies(ros.QoSProfile())
 
 
 def _stated(profile: ros.QoSProfile | None) -> str:
