@@ -248,7 +248,7 @@ class MessageScope:
             attribute=scope.claim(names.snake_case(bits.name)),
             low=bits.low,
             mask=bits.mask,
-            value=scalars.legal_integer("", bits.legal),
+            value=scalars.legal_integer("", bits),
             documentation=docs.clean(bits.documentation),
             enumeration=self.enumeration(bits.name, bits.legal.listed),
         )
