@@ -15,8 +15,9 @@ from jausml.generation import FileTask, Target, render
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Model, read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
+from jausml_generators.python.codec.examples import example_bytes
 from jausml_generators.python.codec.message_builder import build_messages
-from jausml_generators.python.codec.messages import MessagesModule, MessageView, example_bytes
+from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.package import PACKAGE_TEMPLATES
 
 if TYPE_CHECKING:

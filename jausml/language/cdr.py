@@ -7,11 +7,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, TEXTS
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.ros_types import package_of
 
-SINGLE, FIXED, BOUNDED = "single", "fixedArray", "boundedSequence"
-TEXTS = ("string", "wstring")
 LARGEST_INLINED = 64
 """Most fields of messages inside a message that are read and written together with its own."""
 

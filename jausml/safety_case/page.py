@@ -19,7 +19,7 @@ from markupsafe import Markup
 
 from jausml.views.diagrams.layout.sheet import Box, Course, Engine, Line, Places, Point, Sheet
 from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
-from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, text_element
+from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, opening, text_element
 from jausml.views.pages import page
 
 if TYPE_CHECKING:
@@ -39,12 +39,7 @@ STYLE = style("light") + (
     ".against .body{stroke-dasharray:6 4}.hollow{fill:#FFFFFF;stroke:#6B6B6B}"
     ".undeveloped{fill:none;stroke:#6B6B6B;stroke-width:1.5}"
 )
-_MARKERS = "".join(
-    f'<marker id="{name}" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" '
-    f'markerUnits="userSpaceOnUse" orient="auto"><path class="{kind}" d="M0 0.8 8 4 0 7.2z"/>'
-    "</marker>"
-    for name, kind in (("supported", "head"), ("context", "hollow"))
-)
+_ARROWS = {"supported": "head", "context": "hollow"}
 
 
 @dataclass(frozen=True)
@@ -161,11 +156,7 @@ def _svg(argument: _Argument, places: Places) -> Iterator[str]:
     title = cut(argument.title, 90)
     least = max(places.width, width(title, 16, bold=True), width(_LEGEND, SMALL))
     wide, high = round(least + 2 * MARGIN, 1), round(places.height + TOP + MARGIN, 1)
-    size = f'width="{wide}" height="{high}"'
-    yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="0 0 {wide} {high}" role="img" '
-    yield f'class="diagram"><title>{escape(title, quote=False)}</title>'
-    yield f"<style>{STYLE}</style><defs>{_MARKERS}</defs>"
-    yield f'<rect class="ground" {size}/>{text_element(MARGIN, 26, title, 16, "title", bold=True)}'
+    yield from opening((wide, high), title, STYLE, _ARROWS)
     yield text_element(MARGIN, 41, _LEGEND, SMALL, "muted")
     yield f'<g transform="translate({MARGIN} {TOP})">'
     for line in argument.lines.values():

@@ -14,8 +14,8 @@ from jausml.language.model import read_models
 from jausml.language.semantics.connections import stops
 from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.base.settings import TransportSettings
+from jausml_generators.bringup.processes import SETTINGS
 from jausml_generators.bringup.target import TARGET as BRINGUP
-from jausml_generators.bringup.views import SETTINGS
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
 

@@ -32,8 +32,8 @@ from jausml_generators.cpp.types import (
     cpp_number,
     support,
 )
+from jausml_generators.python.codec.examples import example_bytes
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.messages import example_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

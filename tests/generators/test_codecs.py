@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from jausml.runtime.wire.message import DecodeError, EncodeError, optional_fields
-from jausml_generators.python.codec.messages import example_bytes
+from jausml_generators.python.codec.examples import example_bytes
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 FEW = settings(

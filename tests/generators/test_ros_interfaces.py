@@ -14,10 +14,15 @@ from jausml import generation
 from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
 from jausml.language.interfaces import parse_definition
-from jausml.language.interfaces.definitions import PRIMITIVES, FieldType
+from jausml.language.interfaces.definitions import (
+    PRIMITIVES,
+    ConstantDefinition,
+    FieldDefinition,
+    FieldType,
+)
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import library_root, read_models
-from jausml_generators.ros_interfaces.definitions import ConstantLine, FieldLine
+from jausml_generators.ros_interfaces.definitions import code_of
 from jausml_generators.ros_interfaces.jaus_types import (
     MessagesPackage,
     constant_name,
@@ -304,33 +309,33 @@ def test_names_of_constants():
 @pytest.mark.parametrize(
     "line",
     [
-        FieldLine("x", FieldType("string"), "", "a # b"),
-        FieldLine("x", FieldType("string"), "", "a = b"),
-        FieldLine("x", FieldType("string"), "", "a\nb"),
-        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", '[" a"]'),
-        ConstantLine("X", "string", "a # b"),
+        FieldDefinition("x", FieldType("string"), "a # b"),
+        FieldDefinition("x", FieldType("string"), "a = b"),
+        FieldDefinition("x", FieldType("string"), "a\nb"),
+        FieldDefinition("x", FieldType("string", "", 0, "unboundedSequence"), '[" a"]'),
+        ConstantDefinition("X", "string", "a # b"),
     ],
 )
 def test_what_no_definition_can_say_is_an_error(line):
     with pytest.raises(GenerationError, match=r"no definition can hold|are lost"):
-        assert line.code
+        assert code_of(line)
 
 
 @pytest.mark.parametrize(
     "line",
     [
-        FieldLine("x", FieldType("float64"), "", "much"),
-        FieldLine("x", FieldType("uint8"), "", "256"),
-        FieldLine("x", FieldType("string", string_bound=2), "", "abc"),
-        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "no list"),
-        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "[1]"),
-        FieldLine("x", FieldType("bool", "", 0, "fixedArray", 2), "", "[true]"),
-        ConstantLine("x", "int8", ""),
+        FieldDefinition("x", FieldType("float64"), "much"),
+        FieldDefinition("x", FieldType("uint8"), "256"),
+        FieldDefinition("x", FieldType("string", string_bound=2), "abc"),
+        FieldDefinition("x", FieldType("string", "", 0, "unboundedSequence"), "no list"),
+        FieldDefinition("x", FieldType("string", "", 0, "unboundedSequence"), "[1]"),
+        FieldDefinition("x", FieldType("bool", "", 0, "fixedArray", 2), "[true]"),
+        ConstantDefinition("x", "int8", ""),
     ],
 )
 def test_a_value_of_another_type_is_an_error(line):
     with pytest.raises(GenerationError, match=r"value .* of .x. "):
-        assert line.code
+        assert code_of(line)
 
 
 def test_the_targets_make_the_same_again(model, tmp_path):

@@ -15,7 +15,7 @@ from jausml_generators.bridge.checks.module import TestModule as Tests
 from jausml_generators.bridge.translation import maps
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.bringup import target as bringup
-from jausml_generators.bringup.views import ConfigView
+from jausml_generators.bringup.processes import ConfigView
 
 EVERY_POLICY = Path(__file__).with_name("checked_bridge.ros2jaus").read_text(encoding="utf-8")
 MESSAGES_IN_MESSAGES = """

@@ -9,6 +9,8 @@ from jausml.language.model.diagnostics import Severity
 
 FIELD = '<fixed_field name="F" field_type="unsigned byte" field_units="one" optional="false"/>'
 
+VECTOR = '<presence_vector field_type_unsigned="unsigned byte"/>'
+
 
 def one(fields, *others, types="", references=""):
     """Imports a service with a record and checks its markers; returns the only finding."""
@@ -249,9 +251,11 @@ class TestMessages:
         text = service().replace("<message_def", "⟦JML621⟧<message_def", 1)
         marked(text.replace(' is_command="true"', ""))
 
-    @pytest.mark.parametrize("part", ["header", "footer"])
-    def test_what_the_codec_would_not_write_is_refused(self, part):
-        extra = f'<{part} name="H">⟦JML613⟧{record(FIELD)}</{part}>'
+    @pytest.mark.parametrize(
+        ("part", "inside"), [("header", FIELD), ("footer", FIELD), ("header", VECTOR)]
+    )
+    def test_what_the_codec_would_not_write_is_refused(self, part, inside):
+        extra = f'<{part} name="H">⟦JML613⟧{record(inside)}</{part}>'
         text = service().replace('<body name="Body">', extra + '<body name="Body">', 1)
         marked(text)
 

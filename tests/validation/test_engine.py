@@ -113,7 +113,7 @@ def test_findings_are_in_one_order_whatever_the_order_of_files(tmp_path):
 
 
 def test_library_is_checked_only_when_it_is_named(tmp_path):
-    @rule("JML399", Severity.WARNING, "any service")
+    @rule("JML399", "any service", severity=Severity.WARNING)
     def any_service(subject):
         """Reports every service."""
         for service in subject.instances(jaus.Service):
@@ -130,7 +130,7 @@ def test_library_is_checked_only_when_it_is_named(tmp_path):
 
 
 def test_rule_that_fails_is_named(tmp_path):
-    @rule("JML398", Severity.ERROR, "broken rule")
+    @rule("JML398", "broken rule")
     def broken(subject):
         """Fails."""
         yield from {}[subject]

@@ -189,7 +189,7 @@ def test_a_judge_that_notes_less_is_found_out(blind, tmp_path, touches, monkeypa
 
 def judged_by(function, text, *others, **each):
     """Returns what a rule says of a model, and of it as it is after each edit, in both ways."""
-    made = rule("JML999", Severity.WARNING, "a rule of a test", **each)(function)
+    made = rule("JML999", "a rule of a test", severity=Severity.WARNING, **each)(function)
     judge, models, said = Judge([made]), Models(Path("/nowhere")), []
     for held in (text, *others):
         result = models.read(("a.ros2jaus",), {"a.ros2jaus": held.encode()})
@@ -241,7 +241,9 @@ def test_a_rule_that_fails_says_so_until_what_it_reads_has_changed():
     def failing(_, component):
         yield Finding(component, f"{1 / (len(component.name) - 3):g}")
 
-    made = rule("JML999", Severity.WARNING, "a rule of a test", each=jaus.Component)(failing)
+    made = rule("JML999", "a rule of a test", severity=Severity.WARNING, each=jaus.Component)(
+        failing
+    )
     judge, models = Judge([made]), Models(Path("/nowhere"))
 
     def judged(text):

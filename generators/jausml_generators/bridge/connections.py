@@ -269,14 +269,19 @@ class ConnectionView:
     @property
     def named_peers(self) -> list[str]:
         """Addresses of the JAUS components at the other end that are named."""
-        if self.kind == "TopicsToReport" or self.connection.search is not None:
+        if self.kind == "TopicsToReport" or self._bound.search is not None:
             return []
-        return [str(each.address) for each in self.connection.peers]
+        return [str(each.address) for each in self._bound.peers]
 
     @property
     def peers(self) -> str:
         """Addresses of the JAUS components at the other end, or how they are found."""
-        return peers_of(self.connection)
+        return peers_of(self._bound)
+
+    @property
+    def _bound(self) -> bridge.Connection | bridge.RosActionConnection:
+        """What of the model says who is at the other end."""
+        return self.connection
 
     @property
     def topics(self) -> tuple[str, ...]:

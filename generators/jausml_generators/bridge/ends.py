@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.connections.reports import joined_reports
-from jausml.language.semantics.connections.topics import reliability
+from jausml.language.semantics.connections.topics import policies, reliability
 from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
-from jausml_generators.common.components import address_call, query_for, search_call, with_inherited
+from jausml_generators.common.components import address_call, query_for, search_call
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 
@@ -21,17 +20,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import bridge, ros
     from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.python.codec.messages import MessageView
-
-_QOS = {
-    "reliability": "reliable",
-    "durability": "volatile",
-    "history": "keep_last",
-    "depth": 10,
-    "deadline": 0.0,
-    "lifespan": 0.0,
-    "liveliness": "automatic",
-    "leaseDuration": 0.0,
-}
 
 
 @dataclass(frozen=True)
@@ -63,19 +51,23 @@ class JoinView:
         """The join as an argument of the runtime class, as Python text."""
         topics = list_of(topic_call(self.connection, topic) for topic in self.topics)
         found = [python_string(self.model_name), self.type_name, topics]
-        found.append(f"freshness={python_literal(float(self.join.freshness))}")
-        if self.join.whenStale.name == "dropMessage":
-            found.append("drop=True")
-        return call("Join", *found)
+        return call("Join", *found, *_staleness(self.join))
+
+
+def _staleness(join: bridge.Join | bridge.ReportJoin) -> list[str]:
+    """Returns the arguments that say when what is joined is stale, and what happens then."""
+    drops = ["drop=True"] if join.whenStale.name == "dropMessage" else []
+    return [f"freshness={python_literal(float(join.freshness))}", *drops]
 
 
 def topic_call(connection: bridge.Connection, topic: bridge.Topic) -> str:
     """Returns a topic with the policies that differ from the usual ones."""
-    policies = {"reliability": reliability(connection, topic), **_further_policies(topic.qos)}
+    usual = {"reliability": "reliable", **policies(None)}
+    own = {"reliability": reliability(connection, topic), **policies(topic.qos)}
     stated = [
         f"{snake_case(feature)}={python_literal(value)}"
-        for feature, value in policies.items()
-        if value != _QOS[feature]
+        for feature, value in own.items()
+        if value != usual[feature]
     ]
     arguments = [python_string(topic.name)]
     if stated:
@@ -86,14 +78,6 @@ def topic_call(connection: bridge.Connection, topic: bridge.Topic) -> str:
 def list_of(items: Iterable[str]) -> str:
     """Returns a list of what is Python text already."""
     return f"[{', '.join(items)}]"
-
-
-def _further_policies(profile: ros.QoSProfile | None) -> dict[str, object]:
-    """Returns all but the reliability."""
-    if profile is None:
-        return {}
-    values = {each: getattr(profile, each) for each in _QOS if each != "reliability"}
-    return {feature: getattr(value, "name", value) for feature, value in values.items()}
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:
@@ -125,15 +109,12 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     services = [each for sender in senders if sender is not None for each in sender.provides]
     if to_ros and connection.search is not None:
         services += connection.search.services
-    provided = with_inherited(services)
-    own = report.eContainer()
-    query = query_for(report, provided if own is None else [own, *provided])
-    if query is None:
-        raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
-    return query
+    return query_for(report, services, f"connection '{connection.name}'")
 
 
-def peers_of(connection: bridge.Connection | bridge.RosServiceConnection) -> str:
+def peers_of(
+    connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
+) -> str:
     """Returns the components at the other end of a connection, or how they are found, as Python."""
     if connection.search is not None:
         return search_call(connection.search)
@@ -208,10 +189,7 @@ class ReportJoinView:
         if self.report.source is not None and self.report.source.peers:
             peers = ", ".join(map(address_call, self.report.source.peers))
             found.append(f"peers=[{peers}]")
-        found.append(f"freshness={python_literal(float(self.join.freshness))}")
-        if self.join.whenStale.name == "dropMessage":
-            found.append("drop=True")
-        return call("ReportJoin", *found)
+        return call("ReportJoin", *found, *_staleness(self.join))
 
 
 def messages_of_joins(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
@@ -242,10 +220,5 @@ def query_of_join(report: JoinedReport) -> jaus.MessageDef | None:
         for peer in report.peers
         for service in (peer.services if isinstance(peer, jaus.PeerSearch) else peer.provides)
     ]
-    own = report.join.message.eContainer()
-    provided = with_inherited(services)
-    query = query_for(report.join.message, provided if own is None else [own, *provided])
-    if query is None:
-        name = f"{report.connection.name}.{report.join.name}"
-        raise GenerationError(f"'{name}': no query for {report.join.message.name}")
-    return query
+    name = f"'{report.connection.name}.{report.join.name}'"
+    return query_for(report.join.message, services, name)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.language.semantics.connections.topics import reliability, resolve_topic
+from jausml.language.semantics.connections.topics import policies, reliability, resolve_topic
 from jausml_generators.bridge.ends import JoinView
 from jausml_generators.bridge.services_and_actions import ActionView
 from jausml_generators.bridge.translation.places import PathError
@@ -216,15 +216,10 @@ def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterat
     namespace, node = (owner.namespace or "", owner.name) if owner is not None else ("", "")
     kind = "publisher" if connection.direction.name == "jausToRos" else "subscription"
     name = f"qos_overrides.{resolve_topic(topic.name, namespace, node)}.{kind}"
-    qos = topic.qos
-    durability = "volatile" if qos is None else qos.durability.name
-    depth = 10 if qos is None else int(qos.depth)
+    own = policies(topic.qos)
+    durability, depth = own["durability"], own["depth"]
     if kind == "subscription" and durability == "volatile":
         depth = max(depth, LEAST_DEPTH)
-    values: tuple[tuple[str, str | int], ...] = (
-        ("reliability", reliability(connection, topic)),
-        ("durability", durability),
-        ("depth", depth),
-    )
-    for policy, value in values:
+    stated = {"reliability": reliability(connection, topic), "durability": durability}
+    for policy, value in (*stated.items(), ("depth", depth)):
         yield ParameterLine(f"{name}.{policy}", value, is_comment=True)

@@ -30,7 +30,6 @@ from jausml.language.semantics.jaus.commands import (
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import peers_of, priority_of, query_call
-from jausml_generators.common.components import address_call, search_call
 from jausml_generators.common.ros import ros_type
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call, condition, tuple_of
@@ -103,18 +102,8 @@ class ActionView(ConnectionView):
         return None
 
     @property
-    def named_peers(self) -> list[str]:
-        """Addresses of the JAUS components at the other end that are named."""
-        if self.action.search is not None:
-            return []
-        return [str(each.address) for each in self.action.peers]
-
-    @property
-    def peers(self) -> str:
-        """Addresses of the JAUS components at the other end, or how they are found."""
-        if self.action.search is not None:
-            return search_call(self.action.search)
-        return f"[{', '.join(map(address_call, self.action.peers))}]"
+    def _bound(self) -> bridge.RosActionConnection:
+        return self.action
 
     @property
     def rate(self) -> float | None:

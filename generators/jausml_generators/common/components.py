@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, jaus
@@ -18,6 +19,7 @@ from jausml.language.semantics.jaus.core_services import (
 )
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
+    lineage,
     outputs_by_name,
     query_name,
     service_versions,
@@ -57,18 +59,12 @@ def own_bridges(system: System) -> list[bridge.Bridge]:
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services and those that they inherit, the inherited ones first, each once."""
-    found: list[jaus.Service] = []
-    for service in services:
-        chain = [service]
-        while chain[-1].inherits is not None and chain[-1].inherits not in chain:
-            chain.append(chain[-1].inherits)
-        found += [each for each in reversed(chain) if each not in found]
-    return found
+    return list(dict.fromkeys(e for each in services for e in reversed(lineage(each))))
 
 
 def inherits(service: jaus.Service, name: str) -> bool:
     """Tells whether a service is, or inherits, a core service."""
-    return any(each.urn == CORE + name for each in with_inherited([service]))
+    return any(each.urn == CORE + name for each in lineage(service))
 
 
 def provides(component: jaus.Component, name: str) -> bool:
@@ -220,11 +216,19 @@ def _elements(system: System) -> list[jaus.Component]:
     return [*system.components, *system.bridges]
 
 
-def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
-    """Returns the query that a report answers: QueryX for ReportX, or X."""
-    wanted = query_name(report)
-    found = (inputs_by_name(service).get(wanted) for service in services)
-    return next((each for each in found if each is not None), None)
+def query_for(
+    report: jaus.MessageDef, services: Iterable[jaus.Service], whose: str
+) -> jaus.MessageDef:
+    """Returns the query that a report answers: QueryX for ReportX, or X.
+
+    Raises:
+        GenerationError: Neither the service of the report nor another of these has one.
+    """
+    own, wanted = report.eContainer(), query_name(report)
+    for service in (*([own] if own is not None else []), *with_inherited(services)):
+        if wanted in (known := inputs_by_name(service)):
+            return known[wanted]
+    raise GenerationError(f"{whose}: no query for {report.name}")
 
 
 def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from typing import TYPE_CHECKING
 
 from jausml_generators.cpp.types import Plain, UnprintableError, cpp_integer, cpp_number
@@ -92,12 +91,8 @@ def _scale(value: Fixed) -> tuple[str, str]:
 
 def _ranges(value: Fixed, kind: Type) -> str:
     """The legal ranges, as far as the type goes."""
-    if value.check in {"one_of", "whole_of"}:
-        pairs = ast.literal_eval(value.limits[0])
-    else:
-        pairs = ((int(value.limits[0], 0), int(value.limits[1], 0)),)
     least, most = (0, 2**64 - 1) if kind.cpp == NUMBERS["Q"] else (1 - 2**63, 2**63 - 1)
-    kept = [(max(low, least), min(high, most)) for low, high in pairs if low <= most]
+    kept = [(max(low, least), min(high, most)) for low, high in value.ranges if low <= most]
     texts = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in kept)
     return f"{{{', '.join(texts)}}}"
 

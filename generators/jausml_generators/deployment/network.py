@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     )
     from jausml.language.metamodel.classes.system import Host, System
     from jausml.language.model.model import Model
-    from jausml_generators.bringup.views import ProcessView
+    from jausml_generators.bringup.processes import ProcessView
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
-    from jausml_generators.bringup.views import ProcessView
+    from jausml_generators.bringup.processes import ProcessView
     from jausml_generators.deployment.network import Deployed
 
 USER = "jaus"

@@ -12,7 +12,10 @@ from textwrap import indent
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.generation.artifact import MethodContract
+from jausml.generation.errors import GenerationError
 from jausml.generation.literals import clean, docstring, python_literal, sentence
+from jausml_generators.common.components import address_call, search_call
+from jausml_generators.python import names
 from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
 from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Fixed
@@ -128,6 +131,35 @@ class Peer:
     address: str
     name: str
     control: str
+
+
+class Peers:
+    """The other components that a component controls or receives reports from.
+
+    Attributes:
+        known: Those that are named, in order.
+    """
+
+    def __init__(self, component: jaus.Component) -> None:
+        scope = names.Scope(frozenset(["CODE", "NAME"]))
+        controlled = list(component.controls)
+        every = (each.provider for each in component.connections)
+        providers = [each for each in every if each is not None]
+        self.known: dict[jaus.Component, Peer] = {}
+        for each in dict.fromkeys([*controlled, *providers]):
+            constant = scope.claim(names.constant_name(str(each.name)))
+            control = f"control_of_{constant.lower()}" if each in controlled else ""
+            self.known[each] = Peer(constant, address_call(each), clean(each.name), control)
+
+    def provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
+        """Returns who sends the report of a connection, as an expression and for people."""
+        if connection.search is not None:
+            services = " and ".join(clean(each.name) for each in connection.search.services)
+            return search_call(connection.search), f"a provider of {services}"
+        if connection.provider is None:
+            raise GenerationError(f"connection '{connection.name}' has no provider")
+        peer = self.known[connection.provider]
+        return f"self.{peer.constant}", peer.name
 
 
 @dataclass(frozen=True)

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import functools
-import textwrap
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.errors import GenerationError
 from jausml.generation.literals import (
-    LINE_WIDTH,
     clean,
     docstring,
-    python_literal,
     python_string,
     sentence,
 )
@@ -29,13 +25,14 @@ from jausml_generators.jaus_component.handlers import (
     Handler,
     Method,
     Peer,
+    Peers,
     Received,
     documented,
     simulated,
 )
 from jausml_generators.python import names
+from jausml_generators.python.codec.examples import examples, numbers
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.messages import example_bytes, example_numbers
 from jausml_generators.python.package import MESSAGES, EntryPoint, ProgramView, runtime_names
 from jausml_generators.python.statements import condition, long_string, may_set_limits
 
@@ -47,8 +44,6 @@ if TYPE_CHECKING:
     from jausml_generators.jaus_component.machine_views import EventView, MachineView
     from jausml_generators.python.codec.messages import MessageView
 
-_MARGIN = " " * 4
-_LONGEST_EXAMPLE = 16_384  # bytes
 # Hooks of every component, with their parameters; the base does nothing in them.
 _HOOKS = {
     "on_initialize": (),
@@ -140,24 +135,17 @@ class ComponentView(ProgramView):
 
         Those that nobody could read in a test are left out.
         """
-        found = ((view.class_name, example_bytes(view)) for view in self.messages)
-        return tuple(_example(*each) for each in found if len(each[1]) <= _LONGEST_EXAMPLE)
+        return examples(self.messages)
 
     @property
     def numbers(self) -> tuple[str, ...]:
         """Class names and what the scaled fields of their examples hold, as tuples."""
-        found = ((each.class_name, example_numbers(each)) for each in self.messages)
-        return tuple(_numbers(name, numbers) for name, numbers in found if numbers)
+        return numbers(self.messages)
 
     def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:
             return connection.query
-        report = connection.message
-        service = report.eContainer()
-        query = components.query_for(report, [service]) if service is not None else None
-        if query is None:
-            raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
-        return query
+        return components.query_for(connection.message, (), f"connection '{connection.name}'")
 
     # -- methods ---------------------------------------------------------------------------------
 
@@ -284,7 +272,7 @@ class ComponentView(ProgramView):
         view = self._messages[connection.message]
         identity = f"connection:{connection.name}"
         name = f"on_{names.snake_case(str(connection.name))}"
-        provider, peer_name = self._provider_of(connection)
+        provider, peer_name = self._peers.provider_of(connection)
         method = Method(
             self._methods.claim(name),
             (("report", view.class_name), ("provider", "JausAddress")),
@@ -304,33 +292,14 @@ class ComponentView(ProgramView):
         query = self._messages[self._query_of(connection)]
         return Received(connection, query, view, provider, method, silent)
 
-    def _provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
-        """Who sends the report of a connection, as an expression and for people."""
-        if connection.search is not None:
-            services = " and ".join(clean(each.name) for each in connection.search.services)
-            return components.search_call(connection.search), f"a provider of {services}"
-        if connection.provider is None:
-            raise GenerationError(f"connection '{connection.name}' has no provider")
-        peer = self._peer_of[connection.provider]
-        return f"self.{peer.constant}", peer.name
-
     @functools.cached_property
-    def _peer_of(self) -> dict[jaus.Component, Peer]:
-        scope = names.Scope(frozenset(["CODE", "NAME"]))
-        controlled = list(self.component.controls)
-        every = (each.provider for each in self.component.connections)
-        providers = [each for each in every if each is not None]
-        found = {}
-        for each in dict.fromkeys([*controlled, *providers]):
-            constant = scope.claim(names.constant_name(str(each.name)))
-            control = f"control_of_{constant.lower()}" if each in controlled else ""
-            found[each] = Peer(constant, components.address_call(each), clean(each.name), control)
-        return found
+    def _peers(self) -> Peers:
+        return Peers(self.component)
 
     @property
     def peers(self) -> tuple[Peer, ...]:
         """Other components that this one controls or receives reports from."""
-        return tuple(self._peer_of.values())
+        return tuple(self._peers.known.values())
 
     @property
     def is_managed(self) -> bool:
@@ -427,19 +396,3 @@ class ComponentView(ProgramView):
         )
         methods = (*(method.contract for method in self.methods), *hooks)
         return SkeletonContract(self.class_name, self.base_name, methods)
-
-
-def _numbers(name: str, numbers: Mapping[str, float]) -> str:
-    """Returns a tuple of a name and a dictionary."""
-    items = (f"{python_string(key)}: {python_literal(value)}" for key, value in numbers.items())
-    return f"({python_string(name)}, {{{', '.join(items)}}})"
-
-
-def _example(name: str, data: bytes) -> str:
-    """Returns a tuple of a name and the digits of some bytes, in lines when they are many."""
-    line = f'("{name}", "{data.hex()}"),'
-    if len(_MARGIN + line) <= LINE_WIDTH:
-        return _MARGIN + line
-    digits = textwrap.wrap(data.hex(" ", -4), LINE_WIDTH - 2 * len(_MARGIN))
-    lines = ["(", *(_MARGIN + each for each in (f'"{name}",', '"""', *digits, '""",')), "),"]
-    return "\n".join(_MARGIN + each for each in lines)

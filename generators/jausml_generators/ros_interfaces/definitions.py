@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
-from jausml.language.interfaces.definitions import FieldType, ValueTextError, write_value
+from jausml.language.interfaces.definitions import (
+    ConstantDefinition,
+    FieldDefinition,
+    FieldType,
+    Section,
+    ValueTextError,
+    write_value,
+)
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.ros_types import kind_of, package_of, parts_of
+from jausml.language.semantics.ros_types import kind_of, parts_of, type_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,57 +24,16 @@ if TYPE_CHECKING:
     from jausml.language.semantics.ros_types import InterfaceType
 
 
-@dataclass(frozen=True, slots=True)
-class FieldLine:
-    """A field of a definition.
-
-    Attributes:
-        default: Its default as models write it, None without one.
-    """
-
-    name: str
-    type: FieldType
-    comment: str = ""
-    default: str | None = None
-
-    @property
-    def code(self) -> str:
-        """The line without comments."""
-        if self.default is None:
-            return f"{self.type} {self.name}"
-        text = _value_text(self.default, self.type, self.name, is_default=True)
-        return f"{self.type} {self.name} {text}"
-
-
-@dataclass(frozen=True, slots=True)
-class ConstantLine:
-    """A constant of a definition."""
-
-    name: str
-    type: str
-    value: str
-    comment: str = ""
-
-    @property
-    def code(self) -> str:
-        """The line without comments."""
-        value = _value_text(self.value, FieldType(self.type), self.name)
-        return f"{self.type} {self.name}={value}"
-
-
-@dataclass(slots=True)
-class DefinitionSection:
-    """A message, or a part of a service or an action."""
-
-    comment: str = ""
-    constants: list[ConstantLine] = field(default_factory=list)
-    fields: list[FieldLine] = field(default_factory=list)
+class DefinitionSection(Section):
+    """A message, or a part of a service or an action, that is written."""
 
     @property
     def lines(self) -> list[str]:
         """The lines of the section: its comment, its constants and its fields."""
-        elements: list[ConstantLine | FieldLine] = [*self.constants, *self.fields]
-        lines = [line for each in elements for line in (*comment_lines(each.comment), each.code)]
+        elements: list[ConstantDefinition | FieldDefinition] = [*self.constants, *self.fields]
+        lines = [
+            line for each in elements for line in (*comment_lines(each.comment), code_of(each))
+        ]
         head = comment_lines(self.comment)
         # A comment at the very head would be one of the section.
         is_parted = bool(lines) and (bool(head) or lines[0].startswith("#"))
@@ -117,11 +83,19 @@ def comment_lines(text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def _value_text(value: str, kind: FieldType, name: str, *, is_default: bool = False) -> str:
+def code_of(element: FieldDefinition | ConstantDefinition) -> str:
+    """Returns the line of a field or constant without comments."""
+    if isinstance(element, ConstantDefinition):
+        value, kind, mark = element.value, FieldType(element.type), "="
+    elif element.default is None:
+        return f"{element.type} {element.name}"
+    else:
+        value, kind, mark = element.default, element.type, " "
     try:
-        return write_value(value, kind, is_default=is_default)
+        text = write_value(value, kind, is_default=mark == " ")
     except ValueTextError as error:
-        raise GenerationError(f"value {value!a} of '{name}' {error}") from error
+        raise GenerationError(f"value {value!a} of '{element.name}' {error}") from error
+    return f"{element.type} {element.name}{mark}{text}"
 
 
 def package_files(package: ros.InterfacePackage, source: str) -> Iterator[DefinitionFile]:
@@ -146,34 +120,25 @@ def section_of(message: ros.MessageType, package: str = "") -> DefinitionSection
         package: Package of the file, whose types need no package in it; empty names all packages.
     """
     constants = [
-        ConstantLine(
+        ConstantDefinition(
             str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")
         )
         for each in message.constants
     ]
     fields = [_field(each, package) for each in message.fields]
-    return DefinitionSection(str(message.documentation or ""), constants, fields)
+    return DefinitionSection(fields, constants, str(message.documentation or ""))
 
 
-def _field(field: ros.Field, package: str) -> FieldLine:
-    common = (field.arrayKind.name, field.arraySize)
+def _field(field: ros.Field, package: str) -> FieldDefinition:
+    kind, limits, default = type_of(field), "", None
+    if kind.package == package:
+        kind = replace(kind, package="")
     if isinstance(field, ros.PrimitiveField):
-        kind = FieldType(field.type.name, "", field.stringBound, *common)
-        comment = described(field.documentation, field.units, limits_of(field))
-        return FieldLine(str(field.name), kind, comment, field.defaultValue)
-    if not isinstance(field, ros.MessageField):
-        raise TypeError(f"{field.name} is a field of no known kind")
-    target = field.messageType
-    owner = package_of(target)
-    kind = FieldType(str(target.name), owner if owner != package else "", 0, *common)
-    return FieldLine(str(field.name), kind, described(field.documentation, field.units))
-
-
-def limits_of(field: ros.PrimitiveField) -> str:
-    """Returns the range of a field in words, empty without one."""
-    if field.minimum < field.maximum:
-        return f"{field.minimum:.15g} to {field.maximum:.15g}"
-    return ""
+        default = field.defaultValue
+        if field.minimum < field.maximum:
+            limits = f"{field.minimum:.15g} to {field.maximum:.15g}"
+    comment = described(field.documentation, field.units, limits)
+    return FieldDefinition(str(field.name), kind, default, comment)
 
 
 def described(documentation: str | None, units: str | None, limits: str = "") -> str:

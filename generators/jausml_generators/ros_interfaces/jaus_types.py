@@ -13,15 +13,21 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.language import wire
-from jausml.language.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, FieldType
+from jausml.language.interfaces.definitions import (
+    BOUNDED,
+    FIXED,
+    SINGLE,
+    UNBOUNDED,
+    ConstantDefinition,
+    FieldDefinition,
+    FieldType,
+)
 from jausml.language.semantics import names as words
 from jausml_generators.python import names
 from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (
-    ConstantLine,
     DefinitionFile,
     DefinitionSection,
-    FieldLine,
     described,
 )
 
@@ -50,7 +56,7 @@ class MessagesPackage:
         except wire.LayoutError as error:
             raise GenerationError(str(error)) from None
         name = self._names.claim(type_name(layout.name))
-        section = DefinitionSection(f"JAUS message {layout.name} ({message.code}).")
+        section = DefinitionSection(comment=f"JAUS message {layout.name} ({message.code}).")
         if layout.documentation:
             section.comment += f"\n\n{layout.documentation}"
         fields = _Fields(self, name, section)
@@ -61,7 +67,7 @@ class MessagesPackage:
     def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
         """Adds a type that is nested in another one."""
         claimed = self._names.claim(type_name(name))
-        section = DefinitionSection(documentation)
+        section = DefinitionSection(comment=documentation)
         fill(_Fields(self, claimed, section))
         self._file(claimed, section, f"type:{claimed}")
         return FieldType(claimed)
@@ -94,7 +100,7 @@ class _Fields:
             self._put(name, kind, field.documentation if kind.is_primitive else "")
 
     def _put(self, name: str, kind: FieldType, comment: str = "") -> None:
-        self._section.fields.append(FieldLine(name, kind, comment))
+        self._section.fields.append(FieldDefinition(name, kind, comment=comment))
 
     # -- types -----------------------------------------------------------------------------------
 
@@ -193,7 +199,7 @@ class _Fields:
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))
-        self._section.constants.append(ConstantLine(claimed, kind, str(value), text))
+        self._section.constants.append(ConstantDefinition(claimed, kind, str(value), text))
 
 
 def _numeric(number: wire.Number) -> str:

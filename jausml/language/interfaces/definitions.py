@@ -15,8 +15,14 @@ FIXED = "fixedArray"
 BOUNDED = "boundedSequence"
 UNBOUNDED = "unboundedSequence"
 
-INTEGERS = tuple(f"{sign}int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "u"))
-PRIMITIVES = ("bool", "byte", "char", "float32", "float64", *INTEGERS, "string", "wstring")
+INTEGER_RANGES = {
+    "byte": (0, 255),
+    "char": (0, 255),
+    **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+}
+"""The smallest and the largest value of each integer type."""
+PRIMITIVES = ("bool", *INTEGER_RANGES, "float32", "float64", "string", "wstring")
 TEXTS = ("string", "wstring")
 
 
@@ -206,7 +212,6 @@ _JSON_NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 # What ends a line of a definition, or starts a comment.
 _UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
-_BITS = {"byte": (0, 255), "char": (0, 255)}
 
 
 class ValueTextError(ValueError):
@@ -274,14 +279,6 @@ def _json_texts(value: str) -> list[str]:
     return elements
 
 
-def integer_range(name: str) -> tuple[int, int]:
-    """Returns the smallest and the largest value of an integer type, `byte` and `char` included."""
-    if name in _BITS:
-        return _BITS[name]
-    bits = int(name.lstrip("uint"))
-    return (0, 2**bits - 1) if name.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-
 def _shown(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
@@ -309,7 +306,7 @@ def _real(text: str) -> str:
 
 
 def _integer(text: str, name: str) -> int:
-    low, high = integer_range(name)
+    low, high = INTEGER_RANGES[name]
     try:
         value = int(text)
     except ValueError:

@@ -208,8 +208,8 @@ def _fields(message: ros.MessageType, section: Section, package: str) -> Iterato
             yield TypeDifference(element, f"field '{name}' is named '{renamed[name]}' there")
         elif name not in there:
             yield TypeDifference(element, f"there is no field '{name}' there")
-        elif _type(element) != there[name]:
-            message_text = f"field '{name}' is {_type(element)} here, {there[name]} there"
+        elif str(type_of(element)) != there[name]:
+            message_text = f"field '{name}' is {type_of(element)} here, {there[name]} there"
             yield TypeDifference(element, message_text)
     for name, kind in there.items():
         if name not in here and name not in renamed.values():
@@ -227,7 +227,7 @@ def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str
     return {
         old: new
         for (old, element), (new, kind) in pairs
-        if old != new and old not in there and new not in here and _type(element) == kind
+        if old != new and old not in there and new not in here and str(type_of(element)) == kind
     }
 
 
@@ -253,14 +253,15 @@ def _is_same(ours: tuple[str, str], theirs: tuple[str, str]) -> bool:
     return ours == theirs
 
 
-def _type(field: ros.Field) -> str:
+def type_of(field: ros.Field) -> FieldType:
+    """Returns the type of a field as definitions have it."""
     common = (field.arrayKind.name, field.arraySize)
     if isinstance(field, ros.PrimitiveField):
-        return str(FieldType(field.type.name, "", field.stringBound, *common))
-    target = field.messageType if isinstance(field, ros.MessageField) else None
+        return FieldType(field.type.name, "", field.stringBound, *common)
+    target = _inner(field)
     if target is None:
-        return str(FieldType("nothing", "", 0, *common))
-    return str(FieldType(str(target.name), package_of(target), 0, *common))
+        return FieldType("nothing", "", 0, *common)
+    return FieldType(str(target.name), package_of(target), 0, *common)
 
 
 def _installed_type(field: FieldDefinition, package: str) -> str:

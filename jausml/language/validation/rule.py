@@ -117,15 +117,12 @@ class Rule:
                     yield from part.findings(subject, element)
 
     def also(
-        self,
-        each: Kinds,
-        needs: Iterable[str] | None = None,
-        given: Callable[[Subject, Any], bool] | None = None,
+        self, each: Kinds, needs: Iterable[str] | None = None
     ) -> Callable[[RuleFunction], RuleFunction]:
         """Makes a function one more of the rule, for elements of other classes."""
 
         def add(check: RuleFunction) -> RuleFunction:
-            self.parts.append(_part(check, each, needs, given))
+            self.parts.append(_part(check, each, needs))
             return check
 
         return add
@@ -133,9 +130,9 @@ class Rule:
 
 def rule(
     rule_id: str,
-    severity: Severity,
     title: str,
     *,
+    severity: Severity = Severity.ERROR,
     is_decision: bool = False,
     is_outward: bool = False,
     each: Kinds = (),
@@ -160,7 +157,7 @@ def _part(
     check: RuleFunction,
     each: Kinds,
     needs: Iterable[str] | None,
-    given: Callable[[Subject, Any], bool] | None,
+    given: Callable[[Subject, Any], bool] | None = None,
 ) -> Part:
     kinds = each if isinstance(each, tuple) else (each,)
     return Part(check, kinds, None if needs is None else frozenset(needs), given)

@@ -19,7 +19,7 @@ from jausml.language.importers.ros import (
     placed,
 )
 from jausml.language.interfaces import parse_definition
-from jausml.language.interfaces.definitions import PRIMITIVES, TEXTS, FieldType, integer_range
+from jausml.language.interfaces.definitions import INTEGER_RANGES, PRIMITIVES, TEXTS, FieldType
 from jausml.language.model import READER_RULES
 from jausml.language.model.xmi.writer import to_xmi
 from jausml_generators.ros_interfaces.definitions import package_files
@@ -63,7 +63,7 @@ def scalar(draw, kind):
     if kind.name.startswith("float"):
         text = repr(draw(st.floats(-1e30, 1e30, allow_nan=False)))
         return text, text
-    value = draw(st.integers(*integer_range(kind.name)))
+    value = draw(st.integers(*INTEGER_RANGES[kind.name]))
     return draw(st.sampled_from([str(value), hex(value)])), str(value)
 
 

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.language.interfaces.definitions import INTEGER_RANGES
 from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
 from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
-from jausml_generators.bridge.translation.places import INTEGER_RANGES, RosStart, ros_field
+from jausml_generators.bridge.translation.places import RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,

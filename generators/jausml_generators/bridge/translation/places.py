@@ -131,12 +131,6 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
-INTEGER_RANGES = {
-    f"{sign}int{bits}": ((0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
-    for sign in ("", "u")
-    for bits in (8, 16, 32, 64)
-} | {"byte": (0, 255), "char": (0, 255)}
-
 
 class PathError(ValueError):
     """A path that leads nowhere."""

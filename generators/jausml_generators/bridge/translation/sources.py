@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from jausml.language.interfaces.definitions import INTEGER_RANGES
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     INTEGER,
@@ -15,7 +16,6 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
 )
 from jausml_generators.bridge.translation.places import (
-    INTEGER_RANGES,
     PathError,
     Place,
     RosStart,

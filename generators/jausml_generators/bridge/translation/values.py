@@ -11,6 +11,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml.language.interfaces.definitions import INTEGER_RANGES
+from jausml.language.wire import REALS
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
@@ -27,7 +29,6 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Ranges,
 )
-from jausml_generators.bridge.translation.places import INTEGER_RANGES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,8 +58,7 @@ INPUT_TYPES = {
 
 UNLIMITED = (-math.inf, math.inf)
 
-_SINGLE = (-3.4028234663852886e38, 3.4028234663852886e38)
-_DOUBLE = (-1.7976931348623157e308, 1.7976931348623157e308)
+_SINGLE, _DOUBLE = ((-each.largest, each.largest) for each in REALS.values())
 _COUNTED_BY_32_BITS = 2**32 - 1
 _ROS_KINDS = {
     "geometry_msgs/Quaternion": QUATERNION,

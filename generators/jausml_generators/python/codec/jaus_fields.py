@@ -349,13 +349,13 @@ class _Walk:
             facts = {"index": end.index, "class_name": self._holder}
             # The number of a variable field is a float when another alternative is one.
             kind = INTEGER if value.check.startswith(("whole", "integer", "one_of")) else kind
-        brought = _brought(end, value) if kind == INTEGER and not facts else None
+        brought = value.reach if kind == INTEGER and not facts else None
         return {
             **facts,
             "kind": kind,
             "limits": _limits(value, kind, brought),
             "brought": brought,
-            "values": _values(value),
+            "values": value.ranges if value.listed or len(value.ranges) > 1 else (),
             "listed": value.listed,
             "is_float": value.python_type == "float",
             "is_scaled": value.scale is not None,
@@ -368,32 +368,13 @@ def default_of(value: Fixed | Blob) -> Constant:
     return Constant(ast.literal_eval(value.default), kind)
 
 
-def _brought(end: object, value: Fixed) -> Limits:
-    bits = 8 * value.size
-    lower, upper = 0, 2**bits - 1
-    if isinstance(end, SubField):
-        upper = end.mask
-    elif not value.format.isupper():
-        lower, upper = -(2 ** (bits - 1)), 2 ** (bits - 1) - 1
-    return lower + value.offset, upper + value.offset
-
-
 def _limits(value: Fixed, kind: str, brought: Limits | None) -> Limits:
     if value.scale is not None:
         return value.scale
-    if value.check in {"integer", "whole"}:
-        return int(value.limits[0]), int(value.limits[1])
+    if len(value.ranges) == 1:
+        return value.ranges[0]
     if value.check == "real":
         return float(value.limits[0]), float(value.limits[1])
     if brought is not None:
         return brought
     return (0, value.size) if kind == TEXT else _UNLIMITED
-
-
-def _values(value: Fixed) -> tuple[tuple[int, int], ...]:
-    if value.check in {"one_of", "whole_of"}:
-        ranges: tuple[tuple[int, int], ...] = ast.literal_eval(value.limits[0])
-        return ranges
-    if value.check in {"integer", "whole"} and value.listed:
-        return ((int(value.limits[0]), int(value.limits[1])),)
-    return ()

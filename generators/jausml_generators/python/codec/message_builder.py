@@ -327,7 +327,9 @@ class MessageBuilder:
     def _variant(self, name: str, kind: wire.Variant) -> scalars.Fixed | VariantValue:
         tag_format = self._scope.used(kind.tag.format)
         if not kind.options:
-            return scalars.Tag(tag_format, "int", "0", "integer", ("0", "0"))
+            zero, reach = ((0, 0),), (0, kind.tag.upper)
+            limits = ("0", "0")
+            return scalars.Tag(tag_format, "int", "0", "integer", limits, ranges=zero, reach=reach)
         if len(kind.options) == 1:
             only = self._class(kind.options[0], 0)
             return VariantValue("", only.python_type, tag_format, (only,))

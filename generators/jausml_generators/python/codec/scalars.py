@@ -49,6 +49,8 @@ class Fixed:
         back: What turns the integer on the wire (`{}`) into the value.
         reader: Function that turns the wire item into the value, instead of `back`.
         scale: Lower and upper limit of a scaled field.
+        ranges: Legal ranges of an integer.
+        reach: Smallest and largest integer that the wire can bring, legal or not.
         offset: What the value of an integer is more than the integer on the wire.
     """
 
@@ -64,6 +66,8 @@ class Fixed:
     scale: tuple[float, float] | None = None
     listed: tuple[tuple[str, int], ...] = ()
     offset: int = 0
+    ranges: wire.Ranges = ()
+    reach: tuple[int, int] | None = None
 
     @property
     def size(self) -> int:
@@ -180,20 +184,22 @@ def number(kind: wire.Number) -> Fixed:
     """Describes a number."""
     match kind:
         case wire.Integer():
-            return legal_integer(kind.type.format, kind.legal)
+            return legal_integer(kind.type.format, kind)
         case wire.Real():
             return _real(kind)
         case wire.Scaled():
             return _scaled(kind)
 
 
-def legal_integer(struct_format: str, legal: wire.LegalIntegers) -> Fixed:
+def legal_integer(struct_format: str, kind: wire.Integer | wire.Bits) -> Fixed:
     """Describes an integer with the meanings of its values."""
+    legal = kind.legal
     return replace(
         integer(struct_format, legal.ranges),
         listed=tuple((each.name, each.value) for each in legal.listed),
         offset=legal.offset,
         back=f"{{}}{_plus(legal.offset)}",
+        reach=kind.reach,
     )
 
 
@@ -207,10 +213,11 @@ def integer(struct_format: str, ranges: wire.Ranges) -> Fixed:
     default = 0 if any(a <= 0 <= b for a, b in ranges) else ranges[0][0]
     text = ", ".join(str(a) if a == b else f"{a} .. {b}" for a, b in ranges)
     if len(ranges) == 1:
-        limits: tuple[str, ...] = (str(ranges[0][0]), str(ranges[0][1]))
-        return Fixed(struct_format, "int", str(default), "integer", limits, range_text=text)
-    pairs = "({})".format(", ".join(f"({a}, {b})" for a, b in ranges))
-    return Fixed(struct_format, "int", str(default), "one_of", (pairs,), range_text=text)
+        check, limits = "integer", tuple(map(str, ranges[0]))
+    else:
+        check = "one_of"
+        limits = ("({})".format(", ".join(f"({a}, {b})" for a, b in ranges)),)
+    return Fixed(struct_format, "int", str(default), check, limits, range_text=text, ranges=ranges)
 
 
 def _real(kind: wire.Real) -> Fixed:

@@ -15,7 +15,13 @@ from typing import Any
 from jausml.language.attributes.guards import GuardError, parse_guard
 from jausml.language.importers.jsidl.building import DEEPEST, Builder
 from jausml.language.importers.jsidl.services import BehaviourNames
-from jausml.language.importers.jsidl.vocabulary import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.vocabulary import (
+    Values,
+    children,
+    documentation,
+    folded,
+    joined,
+)
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show, suggest
@@ -49,38 +55,30 @@ class BehaviourBuilder:
         if self._values.flag(place, "is_stateless") and not _acts(place.node):
             return []
         made: dict[str, jaus.StateMachine] = {}
-        starts = [child for child in place.node.children if child.tag == "start"]
-        for child in place.node.children:
-            if child.tag != "state_machine":
-                continue
-            machine = self._machine(NodePlace(place.document, child), starts)
+        starts = children(place, "start")
+        for each in children(place, "state_machine"):
+            machine = self._machine(each, starts)
             if machine.name in made:
                 message = f"machine '{machine.name}' is there twice"
-                at = NodePlace(place.document, child)
-                self._findings.report("JML624", at, message, "the second one is left out")
+                self._findings.report("JML624", each, message, "the second one is left out")
             made.setdefault(machine.name, machine)
-        self._check_starts(place, starts, made)
-        return list(made.values())
-
-    def _check_starts(
-        self, place: NodePlace, starts: list[Node], made: dict[str, jaus.StateMachine]
-    ) -> None:
         for start in starts:
-            name = last(start.get("state_machine_name"))
+            name = last(start.node.get("state_machine_name"))
             if name and name not in made:
-                at = NodePlace(place.document, start).at("state_machine_name")
                 message = f"no machine {show(name)} starts: there is none"
+                at = start.at("state_machine_name")
                 self._findings.report("JML624", at, message, suggest(name, made))
+        return list(made.values())
 
     # -- states ----------------------------------------------------------------------------------
 
-    def _machine(self, place: NodePlace, starts: list[Node]) -> jaus.StateMachine:
+    def _machine(self, place: NodePlace, starts: list[NodePlace]) -> jaus.StateMachine:
         name = last(place.node.get("name"))
         path = next(
             (
-                "".join((start.get("state_name") or "").split()).split(".")
+                "".join((start.node.get("state_name") or "").split()).split(".")
                 for start in starts
-                if last(start.get("state_machine_name")) == name
+                if last(start.node.get("state_machine_name")) == name
             ),
             [],
         )
@@ -88,12 +86,10 @@ class BehaviourBuilder:
         if not states:
             self._findings.report("JML604", place, f"machine {show(name)} has no state")
         self._report_staying(place)
-        for child in place.node.children:
-            if child.tag == "default_state":
-                # What holds in all states is a transition of each of the outermost ones.
-                for state in states:
-                    made = self._transitions(NodePlace(place.document, child))
-                    self._builder.set(state, "transitions", made)
+        for each in children(place, "default_state"):
+            # What holds in all states is a transition of each of the outermost ones.
+            for state in states:
+                self._builder.set(state, "transitions", self._transitions(each))
         said = documentation(place.node)
         return self._builder.new(
             jaus.StateMachine, place, name=name, documentation=said, states=states
@@ -109,13 +105,11 @@ class BehaviourBuilder:
                 "JML624", place.at("initial_state"), message, f"{show(initial)} was taken"
             )
         states = []
-        for child in place.node.children:
-            if child.tag == "state":
-                name = folded(child.get("name"))
-                inside = start[1:] if name == started else []
-                at = NodePlace(place.document, child)
-                is_initial = name == (initial or started)
-                states.append(self._state(at, inside, [*outer, name], is_initial=is_initial))
+        for each in children(place, "state"):
+            name = folded(each.node.get("name"))
+            inside = start[1:] if name == started else []
+            is_initial = name == (initial or started)
+            states.append(self._state(each, inside, [*outer, name], is_initial=is_initial))
         return states
 
     def _state(
@@ -124,21 +118,19 @@ class BehaviourBuilder:
         if len(path) > DEEPEST:
             self._findings.report("JML612", place, "states are nested too deeply")
         inside = self._states(place, start, path) if len(path) <= DEEPEST else []
-        children = [NodePlace(place.document, child) for child in place.node.children]
         return self._builder.new(
             jaus.State,
             place,
             name=path[-1],
             documentation=documentation(place.node),
             initial=is_initial or None,
-            entry=[a for c in children if c.node.tag == "entry" for a in self._actions(c)],
-            exit=[a for c in children if c.node.tag == "exit" for a in self._actions(c)],
+            entry=[a for each in children(place, "entry") for a in self._actions(each)],
+            exit=[a for each in children(place, "exit") for a in self._actions(each)],
             transitions=self._transitions(place),
             defaults=[
-                transition
-                for child in children
-                if child.node.tag == "default_state"
-                for transition in self._transitions(child)
+                made
+                for each in children(place, "default_state")
+                for made in self._transitions(each)
             ],
             states=inside,
         )
@@ -147,11 +139,8 @@ class BehaviourBuilder:
 
     def _transitions(self, place: NodePlace) -> list[jaus.Transition]:
         """Makes the transitions directly inside an element, those for all triggers last."""
-        made = []
-        for tag in ("transition", "default_transition"):
-            for child in place.node.children:
-                if child.tag == tag:
-                    made.append(self._transition(NodePlace(place.document, child)))
+        found = (*children(place, "transition"), *children(place, "default_transition"))
+        made = [self._transition(each) for each in found]
         return [each for each in made if each is not None]
 
     def _transition(self, place: NodePlace) -> jaus.Transition | None:
@@ -185,10 +174,10 @@ class BehaviourBuilder:
         if place.node.tag == "default_transition":
             return {}
         name = last(place.node.get("name"))
-        parameters = [child for child in place.node.children if child.tag == "parameter"]
+        parameters = children(place, "parameter")
         if name == _RECEIVE and parameters:
-            at = NodePlace(place.document, parameters[0]).at("type")
-            type_name = folded(parameters[0].get("type"))
+            at = parameters[0].at("type")
+            type_name = folded(parameters[0].node.get("type"))
             message = self._known.inputs.get(last(type_name))
             if message is None and self._is_broken(last(type_name)):
                 return None
@@ -206,15 +195,13 @@ class BehaviourBuilder:
             self._findings.report("JML622", place.at("name"), text, hint)
             return None
         if parameters:
-            at = NodePlace(place.document, parameters[0])
             text = f"what the event {show(name)} carries is not handed to guards and actions"
-            self._findings.report("JML626", at, text)
+            self._findings.report("JML626", parameters[0], text)
         for each in parameters:
-            value, type_name = folded(each.get("value")), folded(each.get("type"))
+            value, type_name = folded(each.node.get("value")), folded(each.node.get("type"))
             if type_name not in (name, f"{name}.Body.{value[:1].upper()}{value[1:]}"):
-                at = NodePlace(place.document, each).at("type")
                 text = f"{show(value)} is taken for the event, not for {show(type_name)}"
-                self._findings.report("JML624", at, text)
+                self._findings.report("JML624", each.at("type"), text)
         return {"event": name}
 
     def _is_broken(self, name: str) -> bool:
@@ -224,32 +211,30 @@ class BehaviourBuilder:
 
     def _kind(self, place: NodePlace) -> tuple[str, str | None]:
         """Returns kind and target of a transition."""
-        found = [child for child in place.node.children if child.tag in _KINDS]
+        found = children(place, *_KINDS)
         if not found:
             message = f"a transition has none of {', '.join(f'<{kind}>' for kind in _KINDS)}"
             self._findings.report("JML604", place, message)
             return "internal", None
+        kind, tag = found[0], found[0].node.tag
         for second in found[1:]:
-            at = NodePlace(place.document, second)
-            self._findings.report("JML602", at, f"a transition is <{found[0].tag}> already")
-        kind = found[0]
-        ends = [each for each in kind.children if each.tag == "end_state"]
-        target = "".join((ends[0].get("state") or "").split()) if ends else None
-        self._report_lost(NodePlace(place.document, kind))
-        if kind.tag == "push" and not target:
+            self._findings.report("JML602", second, f"a transition is <{tag}> already")
+        ends = children(kind, "end_state")
+        target = "".join((ends[0].node.get("state") or "").split()) if ends else None
+        self._report_lost(kind)
+        if tag == "push" and not target:
             message = "a push without an end_state enters no state"
-            self._findings.report("JML604", NodePlace(place.document, kind), message)
-        return kind.tag, target or None
+            self._findings.report("JML604", kind, message)
+        return tag, target or None
 
     def _report_lost(self, place: NodePlace) -> None:
         """Reports what push and pop have beyond entering and leaving a state."""
-        for child in place.node.children:
-            at = NodePlace(place.document, child)
-            if place.node.tag == "push" and child.tag == "simple":
+        for each in children(place):
+            if place.node.tag == "push" and each.node.tag == "simple":
                 message = "the push remembers the present state, not the one of <simple>"
-                self._findings.report("JML624", at, message)
-            elif child.tag == "argument":
-                self._findings.report("JML624", at, "the pop hands no argument over")
+                self._findings.report("JML624", each, message)
+            elif each.node.tag == "argument":
+                self._findings.report("JML624", each, "the pop hands no argument over")
         if place.node.get("transition"):
             message = f"the pop triggers no {show(place.node.get('transition') or '')}"
             hint = "the state that was left is entered, and nothing further happens"
@@ -270,12 +255,11 @@ class BehaviourBuilder:
 
     def _guard(self, place: NodePlace) -> tuple[str | None, str | None]:
         """Returns the guard of a transition, and what is to be said about it."""
-        found = [child for child in place.node.children if child.tag == "guard"]
+        found = children(place, "guard")
         if not found:
             return None, None
-        at = NodePlace(place.document, found[0]).at("condition")
-        text = folded(found[0].get("condition"))
-        said = documentation(found[0])
+        at, node = found[0].at("condition"), found[0].node
+        text, said = folded(node.get("condition")), documentation(node)
         try:
             return (_tidy(text) if parse_guard(text) is not None else None), said
         except GuardError as error:
@@ -299,12 +283,12 @@ class BehaviourBuilder:
     # -- actions ---------------------------------------------------------------------------------
 
     def _actions(self, place: NodePlace, *, has_sender: bool = False) -> list[jaus.Action]:
-        steps = [NodePlace(place.document, c) for c in place.node.children if c.tag in _STEPS]
+        steps = children(place, *_STEPS)
         return [self._action(each, has_sender=has_sender) for each in steps]
 
     def _action(self, place: NodePlace, *, has_sender: bool) -> jaus.Action:
         name = last(place.node.get("name"))
-        nodes = [child for child in place.node.children if child.tag == "argument"]
+        nodes = [each.node for each in children(place, "argument")]
         arguments = [folded(each.get("value")) for each in nodes]
         sends = None
         if name == _SEND and arguments:

@@ -17,6 +17,7 @@ from jausml.language.importers.jsidl.vocabulary import (
     INT,
     LONG,
     Values,
+    children,
     documentation,
     folded,
     joined,
@@ -181,7 +182,7 @@ class FieldBuilder:
 
     def _array(self, scope: Scope, place: NodePlace) -> Made:
         element = self._only(place, self._parts(place, (*FIELDS, "array")), "field")
-        dimensions = self._children(place, "dimension")
+        dimensions = children(place, "dimension")
         if not dimensions:
             self._findings.report("JML604", place, f"array {_name(place)} has no <dimension>")
         sizes = [self._values.integer(scope, each, "size", (1, INT[1])) for each in dimensions]
@@ -224,9 +225,7 @@ class FieldBuilder:
 
     def _value_set(self, scope: Scope, place: NodePlace) -> jaus.ValueSet | None:
         is_offset = self._values.flag(place, "offset_to_lower_limit")
-        values = [
-            self._value(scope, NodePlace(place.document, child)) for child in place.node.children
-        ]
+        values = [self._value(scope, each) for each in children(place)]
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
@@ -259,7 +258,7 @@ class FieldBuilder:
     def _variable_field(self, scope: Scope, place: NodePlace) -> Made:
         choices = self._needed(place, "type_and_units_field")
         alternatives = []
-        for each in self._children(choices, "type_and_units_enum") if choices else []:
+        for each in children(choices, "type_and_units_enum") if choices else []:
             features = self._number(scope, each)
             said = joined(documentation(each.node), features["documentation"])
             features.update(
@@ -274,7 +273,7 @@ class FieldBuilder:
         return jaus.VariableField, {"alternatives": alternatives, "documentation": said}
 
     def _bit_field(self, scope: Scope, place: NodePlace) -> Made:
-        parts = [self._sub_field(scope, each) for each in self._children(place, "sub_field")]
+        parts = [self._sub_field(scope, each) for each in children(place, "sub_field")]
         if not parts:
             self._findings.report("JML604", place, f"bit_field {_name(place)} has no <sub_field>")
         field_type = self._values.unsigned_type(place)
@@ -321,7 +320,7 @@ class FieldBuilder:
                 documentation=documentation(each.node),
                 index=self._values.integer(scope, each, "index"),
             )
-            for each in (self._children(choices, "format_enum") if choices else [])
+            for each in (children(choices, "format_enum") if choices else [])
         ]
         if choices and not formats:
             self._findings.report("JML604", choices, f"{_name(place)} has no format")
@@ -360,14 +359,10 @@ class FieldBuilder:
     # -- children --------------------------------------------------------------------------------
 
     def _parts(self, place: NodePlace, kinds: Sequence[str]) -> list[NodePlace]:
-        tags = {*kinds, *(f"{_DECLARED}{kind}" for kind in kinds)}
-        return [NodePlace(place.document, c) for c in place.node.children if c.tag in tags]
-
-    def _children(self, place: NodePlace, tag: str) -> list[NodePlace]:
-        return [NodePlace(place.document, c) for c in place.node.children if c.tag == tag]
+        return children(place, *kinds, *(f"{_DECLARED}{kind}" for kind in kinds))
 
     def _child(self, place: NodePlace, tag: str) -> NodePlace | None:
-        found = self._children(place, tag)
+        found = children(place, tag)
         for second in found[1:]:
             self._findings.report("JML602", second, f"second <{tag}> of {_name(place)}")
         return found[0] if found else None

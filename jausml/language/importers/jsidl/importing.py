@@ -31,7 +31,7 @@ from jausml.language.importers.jsidl.services import (
     index,
     services_by_urn,
 )
-from jausml.language.importers.jsidl.vocabulary import Values, check_document, is_jsidl
+from jausml.language.importers.jsidl.vocabulary import Values, check_document, children, is_jsidl
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -204,10 +204,8 @@ class _Import:
         for each in services:
             names = BehaviourNames(each.service, declared)
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
-            for child in each.place.node.children:
-                if child.tag == "protocol_behavior":
-                    made = behaviour.machines(NodePlace(each.place.document, child))
-                    self._builder.set(each.service, "machines", made)
+            for said in children(each.place, "protocol_behavior"):
+                self._builder.set(each.service, "machines", behaviour.machines(said))
         finish_machines(services, self._model, self._findings)
 
     def _inherit(self, services: list[ImportedService]) -> None:

@@ -10,6 +10,7 @@ from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
 from jausml.language.importers.jsidl.vocabulary import (
     CONTAINERS,
     Values,
+    children,
     documentation,
     folded,
     joined,
@@ -75,8 +76,8 @@ class MessageBuilder:
 
     def _said(self, place: NodePlace, target: NodePlace, further: str | None) -> str | None:
         own = documentation(place.node) if place != target else None
-        descriptions = [each for each in target.node.children if each.tag == "description"]
-        said = own or documentation(target.node, *descriptions)
+        descriptions = children(target, "description")
+        said = own or documentation(target.node, *(each.node for each in descriptions))
         return joined(said, further)
 
     def _code(self, place: NodePlace) -> str | None:
@@ -92,19 +93,15 @@ class MessageBuilder:
 
     def _part(self, target: Declaration, tag: str, missing: str = "JML608") -> Declaration | None:
         """Returns header, body or footer of a message with what a reference stands for."""
-        tags = (tag, f"declared_{tag}")
-        found = [child for child in target.place.node.children if child.tag in tags]
+        found = children(target.place, tag, f"declared_{tag}")
         for second in found[1:]:
-            place = NodePlace(target.place.document, second)
-            self._findings.report("JML602", place, f"second <{tag}> of {_name(target.place)}")
+            self._findings.report("JML602", second, f"second <{tag}> of {_name(target.place)}")
         if not found:
             return None
-        place = NodePlace(target.place.document, found[0])
-        return self._fields.resolve(Declaration(target.scope, place), missing)
+        return self._fields.resolve(Declaration(target.scope, found[0]), missing)
 
     def _container(self, part: Declaration) -> NodePlace | None:
-        document = part.place.document
-        found = [NodePlace(document, c) for c in part.place.node.children if c.tag in _CONTAINERS]
+        found = children(part.place, *_CONTAINERS)
         for second in found[1:]:
             message = f"<{part.place.node.tag}> has a second container, <{second.node.tag}>"
             self._findings.report("JML602", second, message, "put both into a sequence")
@@ -130,15 +127,11 @@ class MessageBuilder:
         record = self._fields.resolve(Declaration(header.scope, container), _HEADER_NOT_FOUND)
         if record is None:
             return
-        fields = [c for c in record.place.node.children if c.tag != "presence_vector"]
-        is_code = (
-            record.place.node.tag == "record"
-            and len(record.place.node.children) == 1
-            and fields[0].tag.removeprefix("declared_") == "fixed_field"
-        )
+        inside = children(record.place)
+        fields = children(record.place, "fixed_field", "declared_fixed_field")
+        is_code = record.place.node.tag == "record" and len(inside) == len(fields) == 1
         if is_code:
-            place = NodePlace(record.place.document, fields[0])
-            field = self._fields.resolve(Declaration(record.scope, place), _HEADER_NOT_FOUND)
+            field = self._fields.resolve(Declaration(record.scope, fields[0]), _HEADER_NOT_FOUND)
             if field is None:
                 return
             is_code = folded(field.place.node.get("field_type")) == "unsigned short integer"

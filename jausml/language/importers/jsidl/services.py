@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
 from jausml.language.importers.jsidl.building import Builder
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scope, matches, pick_version
-from jausml.language.importers.jsidl.vocabulary import Values, documentation, folded, joined
+from jausml.language.importers.jsidl.vocabulary import (
+    Values,
+    children,
+    documentation,
+    folded,
+    joined,
+)
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.model import Model
@@ -91,8 +97,8 @@ class ServiceBuilder:
         return version or None
 
     def _report_clients(self, place: NodePlace) -> None:
-        for references in _children(place, "references"):
-            for client in _children(references, "client_of"):
+        for references in children(place, "references"):
+            for client in children(references, "client_of"):
                 message = f"a model does not say that {show(self._values.text(place, 'name'))}"
                 message += f" is a client of {self._values.text(client, 'id')}"
                 hint = "a component says it, in the feature 'uses'"
@@ -107,14 +113,9 @@ def _made(
 ) -> list[MadeT]:
     places = [scope.place]
     for tag in path:
-        places = [each for place in places for each in _children(place, tag)]
+        places = [each for place in places for each in children(place, tag)]
     tags = (kind, f"declared_{kind}")
-    found = [
-        make(scope, NodePlace(place.document, child))
-        for place in places
-        for child in place.node.children
-        if child.tag in tags
-    ]
+    found = [make(scope, each) for place in places for each in children(place, *tags)]
     return [each for each in found if each is not None]
 
 
@@ -131,8 +132,8 @@ def find_inherited(
     """
     found = [
         place
-        for references in _children(service.place, "references")
-        for place in _children(references, "inherits_from")
+        for references in children(service.place, "references")
+        for place in children(references, "inherits_from")
     ]
     for second in found[1:]:
         message = "a service inherits one service"
@@ -261,13 +262,9 @@ def _said(place: NodePlace) -> str | None:
     texts = [
         documentation(each.node)
         for tag in ("description", "assumptions")
-        for each in _children(place, tag)
+        for each in children(place, tag)
     ]
     return joined(*texts)
-
-
-def _children(place: NodePlace, tag: str) -> list[NodePlace]:
-    return [NodePlace(place.document, child) for child in place.node.children if child.tag == tag]
 
 
 def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:

@@ -286,6 +286,12 @@ def documentation(*nodes: Node | None) -> str | None:
     return " ".join(dict.fromkeys(text for text in texts if text)) or None
 
 
+def children(place: NodePlace, *tags: str) -> list[NodePlace]:
+    """Returns the elements directly inside one, of some tags if any are named."""
+    found = place.node.children
+    return [NodePlace(place.document, each) for each in found if not tags or each.tag in tags]
+
+
 def joined(*texts: str | None) -> str | None:
     """Returns texts one after the other, None when there are none."""
     return " ".join(text for text in texts if text) or None

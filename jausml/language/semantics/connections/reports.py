@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.jaus.services import find_input, inputs, query_name
+from jausml.language.semantics.jaus.services import find_input, inputs, peers_of, query_name
 from jausml.language.semantics.paths.scopes import source_paths
 
 if TYPE_CHECKING:
@@ -38,9 +38,7 @@ class JoinedReport:
         """Who sends it: those that are named, or whatever the connection searches for."""
         if self.source is not None and self.source.peers:
             return list(self.source.peers)
-        found: list[Provider] = list(self.connection.peers)
-        search = self.connection.search
-        return found if search is None else [*found, search]
+        return peers_of(self.connection)
 
     @property
     def rate(self) -> float:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.jaus.commands import is_command
@@ -125,6 +126,30 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
 def is_latched(profile: ros.QoSProfile | None) -> bool:
     """Tells whether a profile is one of late subscriptions that get what was published before."""
     return profile is not None and profile.durability.name == "transient_local"
+
+
+_POLICIES = (
+    "durability",
+    "history",
+    "depth",
+    "deadline",
+    "lifespan",
+    "liveliness",
+    "leaseDuration",
+)
+
+
+def policies(profile: ros.QoSProfile | None) -> Mapping[str, Any]:
+    """Returns the policies of a profile besides reliability, by feature; the usual ones of none."""
+    if profile is None:
+        return _usual_policies()
+    values = {each: getattr(profile, each) for each in _POLICIES}
+    return {feature: getattr(value, "name", value) for feature, value in values.items()}
+
+
+@cache
+def _usual_policies() -> Mapping[str, Any]:
+    return policies(ros.QoSProfile())
 
 
 def _stated(profile: ros.QoSProfile | None) -> str:

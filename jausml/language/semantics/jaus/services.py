@@ -204,6 +204,14 @@ def services_of(provider: Provider) -> list[jaus.Service]:
     return provided_services(provider)
 
 
+def peers_of(
+    connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
+) -> list[Provider]:
+    """Returns those at the other end of a connection that are named, or what is searched for."""
+    found: list[Provider] = list(connection.peers)
+    return found if connection.search is None else [*found, connection.search]
+
+
 def find_input(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
     """Returns the message that a provider takes which is the same on the wire, or None."""
     return find_same(message, _inputs_by_code(provider).get(code(message), ()))

@@ -10,7 +10,9 @@ from difflib import get_close_matches
 from itertools import takewhile
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.language.interfaces.definitions import INTEGER_RANGES, TEXTS
 from jausml.language.semantics.names import words
+from jausml.language.wire import REALS
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus, ros
@@ -28,15 +30,8 @@ LIST = "list"
 TIME_STAMP = "TimeStamp"
 TIME = "builtin_interfaces/Time"
 
-LARGEST_SINGLE = 3.4028234663852886e38
+LARGEST_SINGLE = REALS["float32"].largest
 UNSTATED = "unstated"
-
-_INTEGER_ROS = {
-    **{f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
-    **{f"uint{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
-    "byte": (0, 255),
-    "char": (0, 255),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +96,10 @@ def primitive(kind: str) -> Attribute:
     """Returns what a value of a ROS primitive type is."""
     if kind == "bool":
         return Attribute(BOOL, "a bool")
-    if kind in ("string", "wstring"):
+    if kind in TEXTS:
         return Attribute(TEXT, "text")
-    if kind in _INTEGER_ROS:
-        lower, upper = _INTEGER_ROS[kind]
+    if kind in INTEGER_RANGES:
+        lower, upper = INTEGER_RANGES[kind]
         return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper, step=1)
     if kind == "float32":
         limit = LARGEST_SINGLE

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
-from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
 from jausml.language.semantics.jaus.machines import behaviours_of
 from jausml.language.semantics.jaus.services import with_inherited
@@ -37,7 +36,7 @@ _NAMED = (
 )
 
 
-@rule("JML501", Severity.ERROR, "name is no identifier", each=_NAMED, needs=("name",))
+@rule("JML501", "name is no identifier", each=_NAMED, needs=("name",))
 def identifiers(_: Subject, element: Named) -> Iterator[Finding]:
     """Names of elements that become names in code are of letters, digits and underscores.
 
@@ -67,13 +66,7 @@ def _field_names(_: Subject, field: jaus.Field | jaus.SubField) -> Iterator[Find
         yield Finding(field, message, "name")
 
 
-@rule(
-    "JML502",
-    Severity.ERROR,
-    "name of an interface package is taken",
-    each=ros.InterfacePackage,
-    needs=("name",),
-)
+@rule("JML502", "name of an interface package is taken", each=ros.InterfacePackage, needs=("name",))
 def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator[Finding]:
     """Interface packages of a system hide no module that generated code imports.
 
@@ -90,11 +83,7 @@ def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator
 
 
 @rule(
-    "JML503",
-    Severity.ERROR,
-    "packages of one name",
-    each=system.System,
-    needs=("components", "bridges", "nodes"),
+    "JML503", "packages of one name", each=system.System, needs=("components", "bridges", "nodes")
 )
 def package_collisions(subject: Subject, whole: system.System) -> Iterator[Finding]:
     """The packages of a system have different names, regardless of upper and lower case.
@@ -133,7 +122,7 @@ _SCOPES = (
 )
 
 
-@rule("JML504", Severity.ERROR, "siblings of one name", each=_SCOPES, needs=())
+@rule("JML504", "siblings of one name", each=_SCOPES, needs=())
 def sibling_names(_: Subject, owner: EObject) -> Iterator[Finding]:
     """Elements that lie side by side have names that differ in code as well.
 
@@ -167,7 +156,7 @@ def _alike(siblings: Sequence[Named]) -> Iterator[Finding]:
             yield Finding(element, message, "name", related=(note,))
 
 
-@rule("JML505", Severity.ERROR, "messages of one name in one process", each=jaus.Component)
+@rule("JML505", "messages of one name in one process", each=jaus.Component)
 def message_names(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Messages that meet in a process have different names, or are the same message.
 
@@ -192,13 +181,7 @@ def message_names(subject: Subject, component: jaus.Component) -> Iterator[Findi
             yield Finding(component, text, related=notes)
 
 
-@rule(
-    "JML506",
-    Severity.ERROR,
-    "names in a state machine that no code can have",
-    each=jaus.State,
-    needs=("name",),
-)
+@rule("JML506", "names in a state machine that no code can have", each=jaus.State, needs=("name",))
 def machine_names(_: Subject, state: jaus.State) -> Iterator[Finding]:
     """States, actions and guards have names of letters, digits and underscores, joined by dots.
 

@@ -24,7 +24,7 @@ _HIGHEST_TTL = 255
 _FRAGMENT_SIZES = (64, 4079)
 
 
-@rule("JML511", Severity.ERROR, "impossible package metadata", each=system.System, needs=())
+@rule("JML511", "impossible package metadata", each=system.System, needs=())
 def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The package metadata of a system is valid in a package.xml (REP 149).
 
@@ -46,7 +46,7 @@ def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
             yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
 
 
-@rule("JML512", Severity.ERROR, "impossible network settings", each=system.System, needs=("name",))
+@rule("JML512", "impossible network settings", each=system.System, needs=("name",))
 def network(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
@@ -77,7 +77,7 @@ def _network_host(_: Subject, host: system.Host) -> Iterator[Finding]:
         yield Finding(host, f"{message} is no multicast address", "multicastGroup")
 
 
-@rule("JML513", Severity.ERROR, "placed twice or elsewhere", each=system.System)
+@rule("JML513", "placed twice or elsewhere", each=system.System)
 def placements(_: Subject, whole: system.System) -> Iterator[Finding]:
     """An element runs on one host, and a system places its own elements on its own hosts.
 
@@ -104,7 +104,9 @@ def placements(_: Subject, whole: system.System) -> Iterator[Finding]:
                 yield Finding(placement, message, feature, related=(note,))
 
 
-@rule("JML514", Severity.WARNING, "hosts that cannot talk to each other", each=system.System)
+@rule(
+    "JML514", "hosts that cannot talk to each other", severity=Severity.WARNING, each=system.System
+)
 def transports(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Either all hosts of a system speak JAUS over TCP, or none of them does.
 

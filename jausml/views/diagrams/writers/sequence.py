@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import escape
 
 from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, style, width
-from jausml.views.diagrams.writers.svg import MARGIN, text_element
+from jausml.views.diagrams.writers.svg import MARGIN, opening, text_element
 from jausml.views.diagrams.writers.text import as_data
 
 if TYPE_CHECKING:
@@ -80,19 +79,7 @@ def _parts(course: Course) -> Iterator[str]:
     ends = (width(cut(course.title, _LONGEST), 16), width(cut(course.end, _LONGEST), ROW))
     right = max(first + column * len(heads), *(MARGIN + 1.1 * each for each in ends))
     size = (round(right + MARGIN, 1), foot + 2 * MARGIN + 10)
-    yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
-        f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
-    )
-    yield f"<title>{escape(cut(course.title, _LONGEST))}</title>"
-    yield f"<style>{style('auto')}</style>"
-    yield (
-        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
-        'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
-        '<path class="head" d="M0 0.8 8 4 0 7.2z"/></marker></defs>'
-    )
-    yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
-    yield text_element(MARGIN, 26, cut(course.title, _LONGEST), 16, "title", bold=True)
+    yield from opening(size, cut(course.title, _LONGEST), style("auto"), {"arrow": "head"})
     for actor, x in places.items():
         text = cut(actor, _LONGEST)
         left = x - width(text, TITLE, bold=True) / 2

@@ -15,7 +15,7 @@ from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut, style, width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml.views.diagrams.graph import Edge, Graph, Group, Node, Port
     from jausml.views.diagrams.layout.sheet import Engine, Places, Point, Route
@@ -90,19 +90,7 @@ def _lines(
         round(max(places.width, least) + 2 * MARGIN, 1),
         round(places.height + top + MARGIN, 1),
     )
-    yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
-        f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
-    )
-    yield f"<title>{escape(title)}</title>"
-    yield f"<style>{style(theme, compares=graph.compares)}</style>"
-    yield (
-        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
-        'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
-        '<path class="head" d="M0 0.8 8 4 0 7.2z"/></marker></defs>'
-    )
-    yield f'<rect class="ground" width="{size[0]}" height="{size[1]}"/>'
-    yield text_element(MARGIN, 26, title, 16, "title", bold=True)
+    yield from opening(size, title, style(theme, compares=graph.compares), {"arrow": "head"})
     for index, (text, kind) in enumerate(notes):
         place = 41 + shapes.LINE_HEIGHT * index
         yield text_element(MARGIN, place, text, shapes.SMALL, kind or "muted")
@@ -116,6 +104,31 @@ def _lines(
     for edge in graph.edges:
         yield from _label(edge, places.lines[edge.id], keys)
     yield "</g>\n</svg>"
+
+
+def opening(
+    size: tuple[float, float], title: str, sheet: str, arrows: Mapping[str, str]
+) -> Iterator[str]:
+    """Yields how a picture begins, up to its title.
+
+    `sheet`: its style sheet; `arrows`: classes of the heads of lines, by the ids of their markers.
+    """
+    box = f'width="{size[0]}" height="{size[1]}"'
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" {box} '
+        f'viewBox="0 0 {size[0]} {size[1]}" role="img" class="diagram">'
+    )
+    yield f"<title>{escape(title)}</title>"
+    yield f"<style>{sheet}</style>"
+    markers = (
+        f'<marker id="{name}" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
+        'markerHeight="8" markerUnits="userSpaceOnUse" orient="auto">'
+        f'<path class="{kind}" d="M0 0.8 8 4 0 7.2z"/></marker>'
+        for name, kind in arrows.items()
+    )
+    yield f"<defs>{''.join(markers)}</defs>"
+    yield f'<rect class="ground" {box}/>'
+    yield text_element(MARGIN, 26, title, 16, "title", bold=True)
 
 
 def _notes(graph: Graph) -> list[tuple[str, str]]:

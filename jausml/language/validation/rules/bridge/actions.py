@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.calls import driver_messages, knows_speed, takes
 from jausml.language.semantics.connections.topics import topic_fault
-from jausml.language.semantics.jaus.services import is_known, lineage, services_of
+from jausml.language.semantics.jaus.services import is_known, lineage, peers_of, services_of
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
+from jausml.language.validation.findings import provider_name
 from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.jaus.components import provider_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,14 +35,10 @@ def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
     return subject.is_intact(used.message, used.type)
 
 
-@rule(
-    "JML481",
-    Severity.ERROR,
-    "no list driver for the elements",
-    each=bridge.RosActionConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+_of_lists = partial(rule, each=bridge.RosActionConnection, needs=_ENDS, given=_is_sound)
+
+
+@_of_lists("JML481", "no list driver for the elements")
 def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The driver of an action connection executes lists with the message of its map.
 
@@ -65,14 +61,7 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
         yield Finding(each, message, "element", related=(note,))
 
 
-@rule(
-    "JML482",
-    Severity.ERROR,
-    "goal without the elements",
-    each=bridge.RosActionConnection,
-    needs=(*_ENDS, "goalMember"),
-    given=_is_sound,
-)
+@_of_lists("JML482", "goal without the elements", needs=(*_ENDS, "goalMember"))
 def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The goal of an action has at goalMember a sequence of the ROS type of the map.
 
@@ -89,13 +78,8 @@ def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterato
         yield Finding(each, message, "goalMember")
 
 
-@rule(
-    "JML483",
-    Severity.ERROR,
-    "progress or reason that is none",
-    each=bridge.RosActionConnection,
-    needs=(*_ENDS, "progressMember", "reasonMember"),
-    given=_is_sound,
+@_of_lists(
+    "JML483", "progress or reason that is none", needs=(*_ENDS, "progressMember", "reasonMember")
 )
 def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The feedback has at progressMember a number, the result at reasonMember a string.
@@ -124,15 +108,7 @@ def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findin
             yield Finding(each, f"'{path}' is no {noun}", feature)
 
 
-@rule(
-    "JML484",
-    Severity.ERROR,
-    "map of elements without assignments for the direction",
-    is_decision=True,
-    each=bridge.RosActionConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_lists("JML484", "map of elements without assignments for the direction", is_decision=True)
 def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The map of an action connection has assignments for the direction of the connection.
 
@@ -150,14 +126,7 @@ def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> I
         yield Finding(each, message, "element", related=(note,))
 
 
-@rule(
-    "JML485",
-    Severity.ERROR,
-    "nobody provides the list driver",
-    each=bridge.RosActionConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_lists("JML485", "nobody provides the list driver")
 def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The component that executes the list of an action connection provides its driver.
 
@@ -169,9 +138,7 @@ def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Itera
     Good: `direction="rosToJaus" peers="vehicle"`, where vehicle provides the driver
     """
     owner = each.eContainer()
-    providers: list[Provider] = list(each.peers)
-    if each.search is not None:
-        providers.append(each.search)
+    providers = peers_of(each)
     if _to_ros(each):
         providers = [] if owner is None else [owner]
     elif not providers:
@@ -185,7 +152,6 @@ def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Itera
 
 @rule(
     "JML486",
-    Severity.ERROR,
     "figure of an action connection out of range",
     is_decision=True,
     each=bridge.RosActionConnection,
@@ -213,7 +179,6 @@ def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterat
 
 @rule(
     "JML499",
-    Severity.ERROR,
     "mission whose end nobody has decided",
     is_decision=True,
     each=bridge.RosActionConnection,
@@ -243,13 +208,7 @@ def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator
         yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
 
 
-@rule(
-    "JML487",
-    Severity.ERROR,
-    "bad name of a ROS action",
-    each=bridge.RosActionConnection,
-    needs=("action",),
-)
+@rule("JML487", "bad name of a ROS action", each=bridge.RosActionConnection, needs=("action",))
 def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The name of an action is one of ROS: letters, digits, `_` and `/`, no digit first.
 
@@ -264,7 +223,6 @@ def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
 
 @rule(
     "JML488",
-    Severity.ERROR,
     "two lists of one kind in one bridge",
     each=bridge.Bridge,
     needs=("actionConnections",),

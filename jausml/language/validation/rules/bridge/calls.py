@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from functools import partial
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
@@ -19,13 +20,13 @@ from jausml.language.semantics.jaus.services import (
     find_input,
     find_output,
     is_known,
-    provides_access_control,
+    peers_of,
 )
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.validation.findings import uncontrollable, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.jaus.components import provider_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,15 +59,10 @@ def _fits(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
     return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
 
 
-@rule(
-    "JML467",
-    Severity.ERROR,
-    "map that does not fit the service",
-    is_decision=True,
-    each=bridge.RosServiceConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+_of_calls = partial(rule, each=bridge.RosServiceConnection, needs=_ENDS, given=_is_sound)
+
+
+@_of_calls("JML467", "map that does not fit the service", is_decision=True)
 def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """The maps of a service connection are those of the request and the response of its type.
 
@@ -99,14 +95,7 @@ def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Itera
             yield Finding(connection, message, of_message, "leave it out")
 
 
-@rule(
-    "JML468",
-    Severity.ERROR,
-    "service without a message that asks",
-    each=bridge.RosServiceConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_calls("JML468", "service without a message that asks")
 def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A service connection names the message that asks: by a map of the request or by `message`.
 
@@ -121,7 +110,6 @@ def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Itera
 
 @rule(
     "JML469",
-    Severity.ERROR,
     "no service for the messages of a call",
     each=bridge.RosServiceConnection,
     needs=_ENDS,
@@ -149,14 +137,7 @@ def messages_provided(
         yield Finding(connection, message, _feature(connection, asking), "take another message")
 
 
-@rule(
-    "JML470",
-    Severity.ERROR,
-    "service without a peer",
-    each=bridge.RosServiceConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_calls("JML470", "service without a peer")
 def peers_named(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
     """A bridge that serves a ROS service names the peers that it asks, or searches for them.
 
@@ -169,14 +150,7 @@ def peers_named(_: Subject, connection: bridge.RosServiceConnection) -> Iterator
         yield Finding(connection, message, "peers", "name peers or search for them")
 
 
-@rule(
-    "JML471",
-    Severity.ERROR,
-    "call of a peer that cannot be controlled",
-    each=bridge.RosServiceConnection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_calls("JML471", "call of a peer that cannot be controlled")
 def peers_controllable(
     subject: Subject, connection: bridge.RosServiceConnection
 ) -> Iterator[Finding]:
@@ -192,18 +166,11 @@ def peers_controllable(
     is_sent = asking is not None and is_command(asking) and calls.serves(connection)
     if not is_sent or not connection.control:
         return
-    for peer in _asked(connection):
-        if is_known(subject, peer) and not provides_access_control(peer):
-            who = provider_name(peer)
-            message = f"{who} provides no AccessControl, so control of it cannot be had"
-            feature = "search" if connection.search is not None else "peers"
-            hint = f"set {subject.assigned(connection, {'control': 'false'})}"
-            yield Finding(connection, message, feature, hint, (Note(peer, who),))
+    yield from uncontrollable(subject, connection, peers_of(connection))
 
 
 @rule(
     "JML472",
-    Severity.ERROR,
     "member that tells of no failure",
     each=bridge.RosServiceConnection,
     needs=("name", "type", "successMember", "reasonMember"),
@@ -228,8 +195,8 @@ def members_tell(subject: Subject, connection: bridge.RosServiceConnection) -> I
 
 @rule(
     "JML473",
-    Severity.WARNING,
     "failures that cannot be told",
+    severity=Severity.WARNING,
     is_decision=True,
     each=bridge.RosServiceConnection,
     needs=("name", "type", "direction", "response", "successMember"),
@@ -277,7 +244,6 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
 
 @rule(
     "JML474",
-    Severity.ERROR,
     "timeout of calls out of range",
     each=bridge.RosServiceConnection,
     needs=("name", "timeout"),
@@ -296,7 +262,7 @@ def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Fi
         yield Finding(connection, message, "timeout")
 
 
-@rule("JML475", Severity.ERROR, "ROS service served twice")
+@rule("JML475", "ROS service served twice")
 def served_once(subject: Subject) -> Iterator[Finding]:
     """A ROS service of a system has one server.
 
@@ -326,7 +292,6 @@ def served_once(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "JML476",
-    Severity.ERROR,
     "illegal name of a ROS service",
     each=bridge.RosServiceConnection,
     needs=("name", "service"),
@@ -349,29 +314,18 @@ def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
     owner = connection.eContainer()
     if not calls.serves(connection):
         return [] if owner is None else [owner]
-    found: list[Provider] = list(connection.peers)
-    return found if connection.search is None else [*found, connection.search]
+    return peers_of(connection)
 
 
 def _provided(connection: bridge.RosServiceConnection, provider: Provider) -> Iterator[Finding]:
     asking = calls.asking(connection)
     answers = [each for each in calls.messages(connection) if each is not asking]
     if asking is not None and find_input(asking, provider) is None:
-        yield _unprovided(connection, provider, asking, "takes")
+        feature = _feature(connection, asking)
+        yield unprovided(connection, provider, asking, "takes", feature)
     for each in answers:
         if find_output(each, provider) is None:
-            yield _unprovided(connection, provider, each, "sends")
-
-
-def _unprovided(
-    connection: bridge.RosServiceConnection,
-    provider: Provider,
-    message: jaus.MessageDef,
-    verb: str,
-) -> Finding:
-    who = provider_name(provider)
-    text = f"{who} provides no service that {verb} {message.name}"
-    return Finding(connection, text, _feature(connection, message), related=(Note(provider, who),))
+            yield unprovided(connection, provider, each, "sends", _feature(connection, each))
 
 
 def _feature(connection: bridge.RosServiceConnection, message: jaus.MessageDef) -> str:
@@ -395,7 +349,7 @@ def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault 
     return PathFault(f"'{path}' of {ros_name(response)} is no {kind}")
 
 
-@rule("JML367", Severity.INFO, "query that nothing answers", each=bridge.Bridge)
+@rule("JML367", "query that nothing answers", severity=Severity.INFO, each=bridge.Bridge)
 def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge answers the queries of the services that it provides.
 

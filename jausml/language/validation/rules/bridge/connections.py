@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model.diagnostics import Severity
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.topics import find_loops, flow_of
 from jausml.language.semantics.jaus.commands import is_command
@@ -17,14 +16,18 @@ from jausml.language.semantics.jaus.services import (
     find_output,
     find_query,
     is_known,
-    provides_access_control,
+    peers_of,
 )
-from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.jaus.components import (
+from jausml.language.semantics.paths.scopes import is_sound
+from jausml.language.validation.findings import (
     missing_query,
     provider_name,
-    rate_finding,
+    time_findings,
+    uncontrollable,
+    unprovided,
 )
+from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.jaus.components import rate_finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,24 +40,14 @@ _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "co
 _TIMES = ("name", "direction", "exchange", "rate")
 
 
-def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
-    used = connection.map
-    return used is not None and subject.is_intact(used.message, used.type)
+def _is_owned(subject: Subject, connection: bridge.Connection) -> bool:
+    return is_sound(subject, connection) and connection.eContainer() is not None
 
 
-def _is_sound(subject: Subject, connection: bridge.Connection) -> bool:
-    return _is_complete(subject, connection) and connection.eContainer() is not None
+_of_connections = partial(rule, each=bridge.Connection, needs=_ENDS, given=_is_owned)
 
 
-@rule(
-    "JML421",
-    Severity.ERROR,
-    "map without assignments for the direction",
-    is_decision=True,
-    each=bridge.Connection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_connections("JML421", "map without assignments for the direction", is_decision=True)
 def direction_assigned(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The map of a connection has assignments for the direction of the connection.
 
@@ -76,14 +69,7 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
         yield Finding(connection, message, "map", hint, (note,))
 
 
-@rule(
-    "JML422",
-    Severity.ERROR,
-    "no service for the message",
-    each=bridge.Connection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_connections("JML422", "no service for the message")
 def message_provided(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A service at the right end of a connection has the message of its map.
 
@@ -100,21 +86,14 @@ def message_provided(subject: Subject, connection: bridge.Connection) -> Iterato
 
     Good: the same with a peer that provides PrimitiveDriver
     """
-    owner, peers = connection.eContainer(), _peers(connection)
+    owner, peers = connection.eContainer(), peers_of(connection)
     if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
         for finding in _service_findings(connection, owner, peers):
             hints = filter(None, (finding.hint, _other_ways(subject, connection)))
             yield replace(finding, hint=", or ".join(hints))
 
 
-@rule(
-    "JML423",
-    Severity.ERROR,
-    "connection without a peer",
-    each=bridge.Connection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_connections("JML423", "connection without a peer")
 def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that asks for reports or sends messages names its peers, or searches for them.
 
@@ -126,7 +105,7 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     Good: `exchange="periodicEvent" peers="vehicle"`
     """
     by_message = connection.exchange.name == "message"
-    if _peers(connection) or by_message is _to_ros(connection):
+    if peers_of(connection) or by_message is _to_ros(connection):
         return
     if not is_known(subject, connection.eContainer()):
         return  # the way that a text leaves open follows from the services of the bridge
@@ -137,14 +116,7 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
-@rule(
-    "JML424",
-    Severity.ERROR,
-    "connection of a bridge without a query",
-    each=bridge.Connection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_connections("JML424", "connection of a bridge without a query")
 def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A report that crosses by events or queries is asked for by a query that its sender takes.
 
@@ -159,7 +131,7 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     if connection.query is not None and not subject.is_intact(connection.query):
         return
     message = connection.map.message
-    senders = _peers(connection) if _to_ros(connection) else [connection.eContainer()]
+    senders = peers_of(connection) if _to_ros(connection) else [connection.eContainer()]
     for sender in senders:
         if sender is None or not is_known(subject, sender):
             continue
@@ -171,11 +143,7 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
 
 
 @rule(
-    "JML425",
-    Severity.ERROR,
-    "rate of a bridge's connection out of range",
-    each=bridge.Connection,
-    needs=("name",),
+    "JML425", "rate of a bridge's connection out of range", each=bridge.Connection, needs=("name",)
 )
 def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
@@ -187,7 +155,7 @@ def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="25.0"`
     """
-    yield from _silence_findings(connection)
+    yield from time_findings(connection, "silenceTimeout")
 
 
 @rate_range.also(bridge.Connection, needs=_TIMES)
@@ -202,14 +170,7 @@ def _rate_range_connection(_: Subject, connection: bridge.Connection) -> Iterato
         yield Finding(connection, message, "rate", "state one of them")
 
 
-@rule(
-    "JML427",
-    Severity.ERROR,
-    "command to a peer that cannot be controlled",
-    each=bridge.Connection,
-    needs=_ENDS,
-    given=_is_sound,
-)
+@_of_connections("JML427", "command to a peer that cannot be controlled")
 def peers_controllable(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that controls its peers has peers that provide AccessControl.
 
@@ -222,16 +183,10 @@ def peers_controllable(subject: Subject, connection: bridge.Connection) -> Itera
     """
     if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
         return
-    for peer in _peers(connection):
-        if is_known(subject, peer) and not provides_access_control(peer):
-            who = provider_name(peer)
-            message = f"{who} provides no AccessControl, so control of it cannot be had"
-            note = Note(peer, who)
-            feature = "search" if connection.search is not None else "peers"
-            yield Finding(connection, message, feature, 'set control="false"', (note,))
+    yield from uncontrollable(subject, connection, peers_of(connection))
 
 
-@rule("JML428", Severity.ERROR, "bridges feed each other")
+@rule("JML428", "bridges feed each other")
 def loops(subject: Subject) -> Iterator[Finding]:
     """A message that a bridge publishes does not return to its source.
 
@@ -259,21 +214,8 @@ def _flows(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
     return [
         flow_of(connection, owner)
         for connection in owner.bridgeConnections
-        if subject.is_read(connection, (*_ENDS, "topics")) and _is_complete(subject, connection)
+        if subject.is_read(connection, (*_ENDS, "topics")) and is_sound(subject, connection)
     ]
-
-
-def _silence_findings(connection: bridge.Connection) -> Iterator[Finding]:
-    value = connection.silenceTimeout
-    if value is not None and not (math.isfinite(value) and value >= 0):
-        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
-        yield Finding(connection, message, "silenceTimeout")
-
-
-def _peers(connection: bridge.Connection) -> list[Provider]:
-    """Returns those at the other end that are named, or whatever is searched for."""
-    found: list[Provider] = list(connection.peers)
-    return found if connection.search is None else [*found, connection.search]
 
 
 def _to_ros(connection: bridge.Connection) -> bool:
@@ -308,12 +250,12 @@ def _service_findings(
     if _to_ros(connection) and by_message:
         yield from _taken_findings(connection, owner, peers)
     elif by_message:
-        without = [peer for peer in peers if find_input(message, peer) is None]
-        yield from (_unprovided(connection, peer, "takes") for peer in without)
+        without = [each for each in peers if find_input(message, each) is None]
+        yield from (unprovided(connection, each, message, "takes", "map") for each in without)
     else:
         senders: list[Provider] = peers if _to_ros(connection) else [owner]
         without = [each for each in senders if find_output(message, each) is None]
-        yield from (_unprovided(connection, each, "sends") for each in without)
+        yield from (unprovided(connection, each, message, "sends", "map") for each in without)
 
 
 def _taken_findings(
@@ -323,28 +265,10 @@ def _taken_findings(
     if find_input(message, owner) is not None:
         return
     if not peers:
-        yield _unprovided(connection, owner, "takes")
+        yield unprovided(connection, owner, message, "takes", "map")
     for peer in peers:
         if find_output(message, peer) is None:
             text = f"neither '{owner.name}' provides a service that takes {message.name}"
             text += f" nor {provider_name(peer)} one that sends it"
             notes = tuple(Note(each, provider_name(each)) for each in (owner, peer))
             yield Finding(connection, text, "map", related=notes)
-
-
-def _unprovided(connection: bridge.Connection, provider: Provider, verb: str) -> Finding:
-    message = connection.map.message
-    service = message.eContainer()
-    hint = ""
-    if service is not None and message in (service.inputs if verb == "takes" else service.outputs):
-        hint = f"add {service.name} to what it provides"
-        if isinstance(provider, jaus.PeerSearch):
-            hint = f"search for {service.name}"
-    who = provider_name(provider)
-    return Finding(
-        connection,
-        f"{who} provides no service that {verb} {message.name}",
-        "map",
-        hint,
-        (Note(provider, who),),
-    )

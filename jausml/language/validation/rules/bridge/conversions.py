@@ -57,7 +57,7 @@ _OWN_FEATURES = {
 }
 
 
-@rule("JML414", Severity.ERROR, "conversion used wrongly", each=bridge.Conversion)
+@rule("JML414", "conversion used wrongly", each=bridge.Conversion)
 def conversions(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A conversion has the arguments, the inputs and the features that it needs.
 
@@ -81,7 +81,7 @@ def _conversions_d_i_r_e_c_t_e_d(subject: Subject, directed: Directed) -> Iterat
             yield from _chain_findings(placed)
 
 
-@rule("JML441", Severity.ERROR, "expression that cannot be computed", each=DIRECTED)
+@rule("JML441", "expression that cannot be computed", each=DIRECTED)
 def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An expression is well-formed and uses known names: sources, functions, pi.
 
@@ -100,7 +100,7 @@ def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
                     yield from _expression_findings(placed, conversion, position)
 
 
-@rule("JML446", Severity.ERROR, "impossible method of a user conversion")
+@rule("JML446", "impossible method of a user conversion")
 def user_methods(subject: Subject) -> Iterator[Finding]:
     """The method of a user conversion has a name that Python accepts and one number of inputs.
 
@@ -242,7 +242,7 @@ def _nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"
 
 
-@rule("JML431", Severity.ERROR, "units do not match", each=DIRECTED)
+@rule("JML431", "units do not match", each=DIRECTED)
 def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment measures the same quantity as its target.
 
@@ -264,8 +264,8 @@ def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
 @rule(
     "JML432",
-    Severity.WARNING,
     "unknown unit",
+    severity=Severity.WARNING,
     each=(jaus.FixedField, jaus.Alternative, ros.Field, bridge.Quantity, bridge.Conversion),
     needs=(),
 )
@@ -289,7 +289,7 @@ def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
         yield Finding(element, f"unit {text!a}: {error}", "units", hint)
 
 
-@rule("JML445", Severity.ERROR, "quantity used wrongly", each=bridge.Conversion)
+@rule("JML445", "quantity used wrongly", each=bridge.Conversion)
 def quantities(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 

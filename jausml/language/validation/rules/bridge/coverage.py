@@ -26,7 +26,7 @@ Steps = tuple[str, ...]
 _STOPS = {"safeValue": "safe value", "values": "stop"}
 
 
-@rule("JML415", Severity.ERROR, "target assigned twice", each=DIRECTED)
+@rule("JML415", "target assigned twice", each=DIRECTED)
 def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An attribute is the target of one assignment of a direction.
 
@@ -46,7 +46,11 @@ def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
 
 @rule(
-    "JML416", Severity.WARNING, "required JAUS field not assigned", is_decision=True, each=DIRECTED
+    "JML416",
+    "required JAUS field not assigned",
+    severity=Severity.WARNING,
+    is_decision=True,
+    each=DIRECTED,
 )
 def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.connections.topics import endpoints, policies
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.validation.rule import Finding, Note, rule
@@ -52,21 +52,9 @@ PARAMETERS = frozenset(
 )
 """Parameters that every bridge has."""
 
-_POLICIES: dict[str, object] = {
-    "durability": "volatile",
-    "history": "keep_last",
-    "depth": 10,
-    "deadline": 0.0,
-    "lifespan": 0.0,
-    "liveliness": "automatic",
-    "leaseDuration": 0.0,
-}
-"""Policies besides reliability, and what they are when no profile states them."""
-
 
 @rule(
     "JML466",
-    Severity.ERROR,
     "bridge that carries nothing",
     each=bridge.Bridge,
     needs=("name", "bridgeConnections", "serviceConnections", "actionConnections"),
@@ -85,7 +73,7 @@ def something_carried(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
         yield Finding(owner, message, "bridgeConnections", "give it a connection")
 
 
-@rule("JML419", Severity.WARNING, "topic published to in two ways", each=bridge.Bridge)
+@rule("JML419", "topic published to in two ways", severity=Severity.WARNING, each=bridge.Bridge)
 def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
 
@@ -110,18 +98,10 @@ def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _quality(end: Endpoint) -> tuple[object, ...]:
-    profile = end.element.qos
-    values = [getattr(profile, name, default) for name, default in _POLICIES.items()]
-    return (end.reliability, *(getattr(value, "name", value) for value in values))
+    return (end.reliability, *policies(end.element.qos).values())
 
 
-@rule(
-    "JML420",
-    Severity.ERROR,
-    "quantity with the name of another parameter",
-    each=bridge.Quantity,
-    needs=(),
-)
+@rule("JML420", "quantity with the name of another parameter", each=bridge.Quantity, needs=())
 def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
     """A quantity is a parameter of the node of its bridge, which has others already.
 
@@ -138,13 +118,7 @@ LEAST_RATE = 0.001
 """Least rate in hertz that a cap can have, as the runtime has it."""
 
 
-@rule(
-    "JML477",
-    Severity.ERROR,
-    "allowed host that is none",
-    each=bridge.Bridge,
-    needs=("name", "allowedHosts"),
-)
+@rule("JML477", "allowed host that is none", each=bridge.Bridge, needs=("name", "allowedHosts"))
 def allowed_hosts(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """An allowed host is an IPv4 address, or a network of such addresses.
 
@@ -175,7 +149,7 @@ def _fault(text: str) -> str:
     return f"is an address within the network {meant}, not the network"
 
 
-@rule("JML478", Severity.WARNING, "sources that nobody looks at", each=system.System)
+@rule("JML478", "sources that nobody looks at", severity=Severity.WARNING, each=system.System)
 def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
@@ -198,8 +172,8 @@ def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
 
 @rule(
     "JML479",
-    Severity.INFO,
     "command of anybody in control",
+    severity=Severity.INFO,
     each=bridge.Connection,
     needs=("name", "direction", "exchange", "map", "peers", "search", "documentation"),
 )
@@ -233,7 +207,6 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
 
 @rule(
     "JML480",
-    Severity.ERROR,
     "cap of what one source sends",
     each=bridge.Connection,
     needs=("name", "direction", "exchange", "rateCap"),
@@ -272,7 +245,7 @@ _NO_LIMIT = ("amplificationLimit", "idleTimeout")
 """Budgets for which 0 means that there is none."""
 
 
-@rule("JML489", Severity.ERROR, "budget out of range", each=bridge.Bridge, needs=("name",))
+@rule("JML489", "budget out of range", each=bridge.Bridge, needs=("name",))
 def budgets(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What a bridge lends to strangers leaves room for those that it is for.
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _OPPOSITE = "have opposite signs"
 
 
-@rule("JML433", Severity.ERROR, "axes do not match", each=DIRECTED)
+@rule("JML433", "axes do not match", each=DIRECTED)
 def frame_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A number goes from axis to axis with the sign that the frames of both ends require.
 
@@ -255,7 +255,7 @@ _COORDINATES = frozenset({"latitude", "longitude", _ALTITUDE})
 _POINTS = frozenset({"Point", "Point32"})
 
 
-@rule("JML458", Severity.ERROR, "coordinates exchanged", each=DIRECTED)
+@rule("JML458", "coordinates exchanged", each=DIRECTED)
 def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A latitude stays a latitude, a longitude a longitude, and an altitude points up.
 
@@ -296,7 +296,9 @@ def _exchanged(
             yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML459", Severity.WARNING, "absent coordinate published as the origin", each=DIRECTED)
+@rule(
+    "JML459", "absent coordinate published as the origin", severity=Severity.WARNING, each=DIRECTED
+)
 def absent_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The assignment of a coordinate that a JAUS report may leave out says what ROS gets then.
 
@@ -343,7 +345,7 @@ _HEADER = "std_msgs/Header"
 _PARTS = ("stamp", "frame_id")
 
 
-@rule("JML460", Severity.WARNING, "header without time or frame", each=DIRECTED)
+@rule("JML460", "header without time or frame", severity=Severity.WARNING, each=DIRECTED)
 def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS message with a header gets its stamp and its frame_id, or leaves them out on purpose.
 
@@ -375,7 +377,7 @@ def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
             yield Finding(owner, message, "toRos", "assign it, or add an Ignore")
 
 
-@rule("JML461", Severity.ERROR, "frame id with a slash in front", each=DIRECTED)
+@rule("JML461", "frame id with a slash in front", each=DIRECTED)
 def frame_ids(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The id of a frame does not begin with a slash, because tf2 refuses such ids.
 

@@ -12,6 +12,7 @@ from jausml.language.semantics.connections.reports import freshness_of, holds_st
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, is_sound, source_paths
+from jausml.language.validation.findings import time_findings
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML442", Severity.ERROR, "join used wrongly", each=bridge.AttributeMap)
+@rule("JML442", "join used wrongly", each=bridge.AttributeMap)
 def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
@@ -34,9 +35,9 @@ def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
     fields = {field.name for field in each.type.fields} if each.type is not None else set()
-    used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
+    used = used_joins(each.toJaus)
     for join in each.joins:
-        yield from _join_findings(join, fields, used)
+        yield from join_findings(join, "join", "type", fields, used)
 
 
 @joins.also(bridge.Connection)
@@ -45,7 +46,7 @@ def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterat
         yield from _topic_findings(connection)
 
 
-@rule("JML457", Severity.ERROR, "mandatory field that would be made up", each=DIRECTED)
+@rule("JML457", "mandatory field that would be made up", each=DIRECTED)
 def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A mandatory JAUS field whose source may lack has a default, or the message is dropped.
 
@@ -89,15 +90,23 @@ def _made_up(
         return
 
 
-def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
-    if not (math.isfinite(join.freshness) and join.freshness > 0):
+def join_findings(
+    join: bridge.Join | bridge.ReportJoin, kind: str, main: str, fields: set[str], used: set[str]
+) -> Iterator[Finding]:
+    """Yields what is wrong with a join of whatever kind.
+
+    Args:
+        main: Whether the map is for a `message` or a `type`, whose fields have names too.
+        used: What the source paths of the map begin with.
+    """
+    if not 0 < join.freshness < math.inf:
         message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
         yield Finding(join, message, "freshness")
     if join.name in fields:
-        message = f"join '{join.name}' has the name of a field of the main type"
+        message = f"{kind} '{join.name}' has the name of a field of the main {main}"
         yield Finding(join, message, "name", "choose another name")
     elif join.name not in used:
-        message = f"no assignment takes anything of join '{join.name}'"
+        message = f"no assignment takes anything of {kind} '{join.name}'"
         yield Finding(join, message, "name", severity=Severity.WARNING)
 
 
@@ -126,17 +135,20 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
             yield Finding(connection, message, "topics", hint, (note,))
 
 
-def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
+    """Returns what source paths begin with, those in lists included: joins and fields."""
+    found: set[str] = set()
     for each in assignments:
-        yield from source_paths(each)
+        found |= {path.lstrip("/").partition(".")[0] for path in source_paths(each)}
         if isinstance(each, bridge.ListAssignment):
-            yield from _paths(each.assignments)
+            found |= used_joins(each.assignments)
+    return found
 
 
 @rule(
     "JML455",
-    Severity.WARNING,
     "report that outlives its sensor",
+    severity=Severity.WARNING,
     is_decision=True,
     each=bridge.Connection,
 )
@@ -162,7 +174,7 @@ def outlived_sensors(subject: Subject, connection: bridge.Connection) -> Iterato
         yield Finding(connection, message, "freshness", hint)
 
 
-@rule("JML456", Severity.ERROR, "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
+@rule("JML456", "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
 def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A freshness is a time in seconds, in a connection that makes a report from ROS topics.
 
@@ -173,12 +185,12 @@ def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" exchange="periodicEvent" freshness="1.0"`
     """
-    yield from _time_findings(each)
+    yield from time_findings(each, "freshness")
 
 
 @freshness_range.also(bridge.Connection)
 def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    yield from _time_findings(connection)
+    yield from time_findings(connection, "freshness")
     if connection.freshness > 0 and not is_report(connection):
         message = f"'{connection.name}' makes no report of ROS topics"
         yield Finding(connection, message, "freshness", "silenceTimeout is for other connections")
@@ -187,19 +199,13 @@ def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> It
         yield Finding(connection, message, "freshness", "keep one of them")
 
 
-def _time_findings(element: bridge.AttributeMap | bridge.Connection) -> Iterator[Finding]:
-    if not (math.isfinite(element.freshness) and element.freshness >= 0):
-        message = f"freshness {element.freshness:g} of '{element.name}' is no time"
-        yield Finding(element, message, "freshness")
-
-
 LEAST_RATE = 0.001
 GREATEST_DECIMATION = 1_000_000
 LONGEST_TIME = 3600.0
 """What parameters of the runtime take too."""
 
 
-@rule("JML490", Severity.ERROR, "shaping out of range", each=bridge.Connection, needs=("name",))
+@rule("JML490", "shaping out of range", each=bridge.Connection, needs=("name",))
 def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is 0 or at least 0.001 Hz, a decimation 1 to 1000000, an ageLimit 0 to 3600 s.
 
@@ -219,9 +225,7 @@ def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
         yield Finding(each, message, "ageLimit")
 
 
-@rule(
-    "JML491", Severity.ERROR, "shaping of what is asked for", each=bridge.Connection, given=is_sound
-)
+@rule("JML491", "shaping of what is asked for", each=bridge.Connection, given=is_sound)
 def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A connection that uses queries determines with its rate how many messages come.
 
@@ -242,8 +246,8 @@ def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
 @rule(
     "JML492",
-    Severity.WARNING,
     "maxRate that changes nothing",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )
@@ -270,8 +274,8 @@ def rates_reached(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
 @rule(
     "JML493",
-    Severity.WARNING,
     "shaping that loses the last word",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )

@@ -6,7 +6,6 @@ import re
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 
 
-@rule("JML447", Severity.ERROR, "list used wrongly", each=DIRECTED)
+@rule("JML447", "list used wrongly", each=DIRECTED)
 def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
@@ -48,7 +47,7 @@ def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
         yield from _gaps(direction)
 
 
-@rule("JML443", Severity.ERROR, "message in a message used wrongly", each=DIRECTED)
+@rule("JML443", "message in a message used wrongly", each=DIRECTED)
 def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _MANY = (LIST, NUMBERS)
 
 
-@rule("JML411", Severity.ERROR, "no such attribute", each=DIRECTED)
+@rule("JML411", "no such attribute", each=DIRECTED)
 def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
@@ -59,7 +59,7 @@ def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "source", found.hint)
 
 
-@rule("JML412", Severity.ERROR, "value does not fit the target", each=DIRECTED)
+@rule("JML412", "value does not fit the target", each=DIRECTED)
 def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment has the kind that its target accepts.
 
@@ -88,7 +88,7 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield from _type_findings(copied)
 
 
-@rule("JML413", Severity.ERROR, "constant does not fit the target", each=DIRECTED)
+@rule("JML413", "constant does not fit the target", each=DIRECTED)
 def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
@@ -200,7 +200,7 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
 _ABSENT = "absent"
 
 
-@rule("JML444", Severity.ERROR, "impossible test vector", each=bridge.AttributeMap)
+@rule("JML444", "impossible test vector", each=bridge.AttributeMap)
 def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
@@ -267,7 +267,6 @@ def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
 
 @rule(
     "JML498",
-    Severity.ERROR,
     "decision that is open",
     is_decision=True,
     each=bridge.OpenDecision,

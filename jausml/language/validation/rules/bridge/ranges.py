@@ -62,7 +62,12 @@ class _End:
         return max(_ROUNDING * largest, (self.attribute.step or 0.0) / 2)
 
 
-@rule("JML434", Severity.WARNING, "range of the source exceeds that of the target", each=DIRECTED)
+@rule(
+    "JML434",
+    "range of the source exceeds that of the target",
+    severity=Severity.WARNING,
+    each=DIRECTED,
+)
 def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The target can carry all values of the source, or the assignment handles the others.
 
@@ -86,7 +91,7 @@ def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML435", Severity.ERROR, "nothing that an assignment yields fits", each=DIRECTED)
+@rule("JML435", "nothing that an assignment yields fits", each=DIRECTED)
 def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """At least one possible result of an assignment is a value that its target can carry.
 
@@ -105,7 +110,7 @@ def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]
                 yield Finding(placed.assignment, message, "target")
 
 
-@rule("JML436", Severity.WARNING, "precision is lost", each=DIRECTED)
+@rule("JML436", "precision is lost", severity=Severity.WARNING, each=DIRECTED)
 def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Rounding in the target keeps within the `precision` that an assignment states.
 
@@ -142,7 +147,7 @@ def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML439", Severity.INFO, "zero that cannot be sent", each=DIRECTED)
+@rule("JML439", "zero that cannot be sent", severity=Severity.INFO, each=DIRECTED)
 def missed_zeros(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant 0 goes to a field that has a zero, or the author knows that it has none.
 
@@ -289,7 +294,7 @@ _LIMITED = (NUMBER, TEXT, OCTETS)
 _MOST_NOTES = 3
 
 
-@rule("JML417", Severity.ERROR, "field that cannot be left out", each=DIRECTED)
+@rule("JML417", "field that cannot be left out", each=DIRECTED)
 def left_out_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy dropField is for optional fields of JAUS messages.
 
@@ -320,7 +325,7 @@ def _left_out_fields_connection(
         yield from _connection_findings(subject, connection)
 
 
-@rule("JML418", Severity.WARNING, "values that cannot be clamped", each=DIRECTED)
+@rule("JML418", "values that cannot be clamped", severity=Severity.WARNING, each=DIRECTED)
 def clamped_values(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
@@ -14,12 +13,14 @@ from jausml.language.semantics.jaus.services import (
     is_known,
     query_name,
 )
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, source_paths
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
+from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE, provider_name
+from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
+from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML494", Severity.ERROR, "report join used wrongly", each=bridge.AttributeMap)
+@rule("JML494", "report join used wrongly", each=bridge.AttributeMap)
 def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A report join has a unique name, a time after which it is stale, and a use.
 
@@ -42,10 +43,15 @@ def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Findin
     if not each.reportJoins or not subject.is_intact(each.message):
         return
     fields = {str(one.name) for one in attributes(each.message)}
-    used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toRos)}
+    used = used_joins(each.toRos)
     seen: dict[str, bridge.ReportJoin] = {}
     for join in each.reportJoins:
-        yield from _join_findings(join, fields, used, seen)
+        yield from join_findings(join, "report join", "message", fields, used)
+        first = seen.setdefault(str(join.name), join)
+        if first is not join:
+            note = Note(first, "the other one", "name")
+            message = f"two report joins are named '{join.name}'"
+            yield Finding(join, message, "name", related=(note,))
 
 
 @report_joins.also(bridge.RosActionConnection)
@@ -63,7 +69,7 @@ def _report_joins_ros_service_connection(
     yield from _unfed(service, "response")
 
 
-@rule("JML495", Severity.ERROR, "joined report from nowhere", each=bridge.Connection)
+@rule("JML495", "joined report from nowhere", each=bridge.Connection)
 def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection from JAUS to ROS says where each joined report of its map comes from, once.
 
@@ -92,7 +98,7 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
             yield from _rate_findings(report)
 
 
-@rule("JML496", Severity.ERROR, "ROS field that a silent report would make up", each=DIRECTED)
+@rule("JML496", "ROS field that a silent report would make up", each=DIRECTED)
 def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS field that a joined report feeds has a default, or the message is dropped without it.
 
@@ -112,25 +118,6 @@ def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding
         for placed in direction.of_kind(bridge.FieldAssignment):
             if lenient and placed.assignment.whenAbsent.name == "leave":
                 yield from _made_up(placed, lenient)
-
-
-def _join_findings(
-    join: bridge.ReportJoin, fields: set[str], used: set[str], seen: dict[str, bridge.ReportJoin]
-) -> Iterator[Finding]:
-    if not (math.isfinite(join.freshness) and join.freshness > 0):
-        message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
-        yield Finding(join, message, "freshness")
-    name = str(join.name)
-    first = seen.setdefault(name, join)
-    if name in fields:
-        message = f"report join '{name}' has the name of a field of the main message"
-        yield Finding(join, message, "name", "choose another name")
-    elif first is not join:
-        note = Note(first, "the other one", "name")
-        yield Finding(join, f"two report joins are named '{name}'", "name", related=(note,))
-    elif name not in used:
-        message = f"no assignment takes anything of report join '{name}'"
-        yield Finding(join, message, "name", severity=Severity.WARNING)
 
 
 def _unfed(
@@ -183,12 +170,8 @@ def _origin_findings(subject: Subject, report: JoinedReport) -> Iterator[Finding
 
 
 def _unsent(report: JoinedReport, peer: Provider) -> Finding:
-    wanted = report.join.message
-    message = f"{provider_name(peer)} provides no service that sends {wanted.name}"
-    message += f" for report join '{report.join.name}'"
-    service = wanted.eContainer()
-    hint = f"add {service.name} to what it provides" if service is not None else ""
-    return _finding(report, message, "peers", hint, (Note(peer, provider_name(peer)),))
+    purpose = f" for report join '{report.join.name}'"
+    return unprovided(_place(report), peer, report.join.message, "sends", "peers", purpose)
 
 
 def _rate_findings(report: JoinedReport) -> Iterator[Finding]:
@@ -215,9 +198,12 @@ def _finding(
     related: tuple[Note, ...] = (),
     severity: Severity | None = None,
 ) -> Finding:
-    """Returns a finding at the source of a report, or at the connection where none is stated."""
-    element = report.connection if report.source is None else report.source
-    return Finding(element, message, feature, hint, related, severity)
+    return Finding(_place(report), message, feature, hint, related, severity)
+
+
+def _place(report: JoinedReport) -> bridge.Connection | bridge.ReportSource:
+    """Returns the source of a report, or the connection where none is stated."""
+    return report.connection if report.source is None else report.source
 
 
 def _made_up(
@@ -233,10 +219,3 @@ def _made_up(
             hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
             note = Note(join, f"report join '{join.name}'", "name")
             yield Finding(placed.assignment, message, "target", hint, (note,))
-
-
-def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
-    for each in assignments:
-        yield from source_paths(each)
-        if isinstance(each, bridge.ListAssignment):
-            yield from _paths(each.assignments)

@@ -32,7 +32,12 @@ _CELL = re.compile(r"(.*)\[([0-9]+)\]", re.DOTALL)
 _MATRICES = {9: 3, 36: 6}
 
 
-@rule("JML437", Severity.WARNING, "round trip that does not come back", each=bridge.AttributeMap)
+@rule(
+    "JML437",
+    "round trip that does not come back",
+    severity=Severity.WARNING,
+    each=bridge.AttributeMap,
+)
 def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Finding]:
     """If a map has both directions, a value that goes from JAUS to ROS comes back unchanged.
 
@@ -55,7 +60,7 @@ def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Fin
                 yield from _trip_findings(placed, ways)
 
 
-@rule("JML438", Severity.WARNING, "variance in a wrong place", each=DIRECTED)
+@rule("JML438", "variance in a wrong place", severity=Severity.WARNING, each=DIRECTED)
 def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A root mean square goes to a variance on the diagonal of a covariance matrix, as its square.
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 @rule(
     "JML426",
-    Severity.WARNING,
     "safe value that is never sent",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )
@@ -45,12 +45,7 @@ def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
 
 @rule(
-    "JML451",
-    Severity.ERROR,
-    "command that nothing stops",
-    is_decision=True,
-    each=bridge.Connection,
-    given=is_sound,
+    "JML451", "command that nothing stops", is_decision=True, each=bridge.Connection, given=is_sound
 )
 def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection with commands says what happens when their source is lost.
@@ -79,12 +74,7 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
 
 
 @rule(
-    "JML452",
-    Severity.ERROR,
-    "hold that is not explained",
-    is_decision=True,
-    each=bridge.Connection,
-    given=is_sound,
+    "JML452", "hold that is not explained", is_decision=True, each=bridge.Connection, given=is_sound
 )
 def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
@@ -115,8 +105,8 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
 @rule(
     "JML453",
-    Severity.WARNING,
     "stop that silence does not send",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )
@@ -141,8 +131,8 @@ def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding
 
 @rule(
     "JML454",
-    Severity.WARNING,
     "silence time-out within the period",
+    severity=Severity.WARNING,
     each=bridge.Connection,
     given=is_sound,
 )
@@ -163,7 +153,7 @@ def timeouts_outlast_periods(_: Subject, connection: bridge.Connection) -> Itera
     yield Finding(connection, message, "silenceTimeout")
 
 
-@rule("JML497", Severity.WARNING, "topic that several commands stop")
+@rule("JML497", "topic that several commands stop", severity=Severity.WARNING)
 def one_command_of_a_topic(subject: Subject) -> Iterator[Finding]:
     """One connection with a stop commands a topic.
 
@@ -230,7 +220,7 @@ def _is_guarded(owner: bridge.Bridge) -> bool:
     return bool(goals) or any(is_command(each) and has_stop(each) for each in connections)
 
 
-@rule("JML463", Severity.WARNING, "feature without effect", each=bridge.Bridge)
+@rule("JML463", "feature without effect", severity=Severity.WARNING, each=bridge.Bridge)
 def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What is stated has an effect: rate, priority and acknowledgement, and a bridge's guardian.
 
@@ -269,7 +259,7 @@ def _features_used_connection(_: Subject, connection: bridge.Connection) -> Iter
             yield Finding(connection, message, "acknowledge")
 
 
-@rule("JML464", Severity.WARNING, "message published twice", each=bridge.Bridge)
+@rule("JML464", "message published twice", severity=Severity.WARNING, each=bridge.Bridge)
 def published_once(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A message of a peer reaches a topic once.
 
@@ -319,7 +309,9 @@ def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterat
             yield Finding(topic, message, "name", related=(Note(first, f"'{first.name}'", "name"),))
 
 
-@rule("JML465", Severity.WARNING, "deadline shorter than the period", each=bridge.Connection)
+@rule(
+    "JML465", "deadline shorter than the period", severity=Severity.WARNING, each=bridge.Connection
+)
 def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The deadline of a topic is not shorter than the time between the messages of its connection.
 

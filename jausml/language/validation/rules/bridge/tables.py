@@ -33,7 +33,7 @@ _VALUES = (NUMBER, BOOL, TEXT)
 _MOST_NAMES = 5
 
 
-@rule("JML440", Severity.ERROR, "table that does not fit", each=DIRECTED)
+@rule("JML440", "table that does not fit", each=DIRECTED)
 def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The entries of a table are values of what look_up reads and fills.
 
@@ -60,7 +60,7 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
                         yield finding
 
 
-@rule("JML448", Severity.ERROR, "named value with another number", each=DIRECTED)
+@rule("JML448", "named value with another number", each=DIRECTED)
 def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """What both ends of an assignment call alike has one number, or a table maps the names.
 
@@ -87,7 +87,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
             )
 
 
-@rule("JML449", Severity.WARNING, "named value that drops the message", each=DIRECTED)
+@rule("JML449", "named value that drops the message", severity=Severity.WARNING, each=DIRECTED)
 def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each named value of the source has a counterpart in the JAUS field that it fills.
 

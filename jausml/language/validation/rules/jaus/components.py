@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
@@ -16,18 +15,19 @@ from jausml.language.semantics.jaus.services import (
     is_known,
     provided_services,
     provides_access_control,
-    query_name,
     with_inherited,
+)
+from jausml.language.validation.findings import (
+    missing_query,
+    time_findings,
+    unprovided,
 )
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
-
-    AnyConnection = jaus.ServiceConnection | bridge.Connection
 
 MAXIMUM_RATE = 1092.0
 """Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
@@ -46,13 +46,7 @@ _NUMBERS = {
 }
 
 
-@rule(
-    "JML301",
-    Severity.ERROR,
-    "JAUS address out of range",
-    each=jaus.Component,
-    needs=("name", "address"),
-)
+@rule("JML301", "JAUS address out of range", each=jaus.Component, needs=("name", "address"))
 def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
 
@@ -72,8 +66,8 @@ def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
 
 @rule(
     "JML309",
-    Severity.WARNING,
     "subsystem id that Junior takes for a wildcard",
+    severity=Severity.WARNING,
     each=jaus.Component,
     needs=("name", "address"),
 )
@@ -93,7 +87,7 @@ def address_bytes(_: Subject, component: jaus.Component) -> Iterator[Finding]:
         yield Finding(component, message, "address")
 
 
-@rule("JML302", Severity.ERROR, "JAUS address used twice")
+@rule("JML302", "JAUS address used twice")
 def address_unique(subject: Subject) -> Iterator[Finding]:
     """Each component of a system has its own address; bridges are components too.
 
@@ -116,7 +110,7 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
 
 
-@rule("JML303", Severity.ERROR, "number out of range", each=jaus.Component, needs=("name",))
+@rule("JML303", "number out of range", each=jaus.Component, needs=("name",))
 def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
 
@@ -137,15 +131,11 @@ def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding
 def _component_numbers_service_connection(
     _: Subject, connection: jaus.ServiceConnection
 ) -> Iterator[Finding]:
-    value = connection.silenceTimeout
-    if not (math.isfinite(value) and value >= 0):
-        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
-        yield Finding(connection, message, "silenceTimeout")
+    yield from time_findings(connection, "silenceTimeout")
 
 
 @rule(
     "JML353",
-    Severity.ERROR,
     "command that nobody can give",
     each=jaus.Component,
     needs=("name", "external", "provides", "coreServices"),
@@ -179,7 +169,6 @@ def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator
 
 @rule(
     "JML304",
-    Severity.ERROR,
     "connection to a report that the provider does not send",
     each=jaus.ServiceConnection,
     needs=_ENDS,
@@ -198,19 +187,10 @@ def connection_provided(subject: Subject, connection: jaus.ServiceConnection) ->
     if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
         return
     if find_output(message, provider) is None:
-        owner = message.eContainer()
-        yield Finding(
-            connection,
-            f"{provider_name(provider)} provides no service that sends {message.name}",
-            "message",
-            f"add {owner.name} to what it provides" if owner is not None else "",
-            (Note(provider, provider_name(provider)),),
-        )
+        yield unprovided(connection, provider, message, "sends", "message")
 
 
-@rule(
-    "JML305", Severity.ERROR, "connection without a query", each=jaus.ServiceConnection, needs=_ENDS
-)
+@rule("JML305", "connection without a query", each=jaus.ServiceConnection, needs=_ENDS)
 def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """A report is asked for by a query that the provider takes.
 
@@ -233,11 +213,7 @@ def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> It
 
 
 @rule(
-    "JML306",
-    Severity.ERROR,
-    "rate out of range",
-    each=jaus.ServiceConnection,
-    needs=("name", "exchange", "rate"),
+    "JML306", "rate out of range", each=jaus.ServiceConnection, needs=("name", "exchange", "rate")
 )
 def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """The rate of a periodic connection is above 0 and at most 1092 per second.
@@ -254,7 +230,6 @@ def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[
 
 @rule(
     "JML307",
-    Severity.ERROR,
     "control of a component that cannot be controlled",
     each=jaus.Component,
     needs=("name", "controls"),
@@ -281,13 +256,7 @@ def controls_access(subject: Subject, component: jaus.Component) -> Iterator[Fin
             )
 
 
-@rule(
-    "JML308",
-    Severity.ERROR,
-    "service provided twice",
-    each=jaus.Component,
-    needs=("name", "provides"),
-)
+@rule("JML308", "service provided twice", each=jaus.Component, needs=("name", "provides"))
 def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component provides one service of a URN.
 
@@ -311,7 +280,12 @@ def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
             yield Finding(component, message, "provides", position=second)
 
 
-@rule("JML352", Severity.WARNING, "state machine that a bridge does not run", each=bridge.Bridge)
+@rule(
+    "JML352",
+    "state machine that a bridge does not run",
+    severity=Severity.WARNING,
+    each=bridge.Bridge,
+)
 def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge translates messages and runs no state machine of the services that it provides.
 
@@ -329,29 +303,9 @@ def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
             yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
-def provider_name(provider: Provider) -> str:
-    """Returns how messages name who provides services: a component, or what a search finds."""
-    if isinstance(provider, jaus.PeerSearch):
-        services = " and ".join(str(each.name) for each in provider.services)
-        return f"what the search for {services} finds"
-    return f"'{provider.name}'"
-
-
-def missing_query(
-    connection: AnyConnection, message: jaus.MessageDef, provider: Provider
-) -> Finding:
-    """Returns the finding about a connection whose provider takes no query for the report."""
-    query = connection.query
-    wanted = query.name if query is not None else query_name(message)
-    note = (Note(provider, provider_name(provider)),)
-    text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
-    if query is not None:
-        return Finding(connection, text, "query", related=note)
-    hint = f"let it provide a service with the input {wanted}, or name the query in 'query'"
-    return Finding(connection, text, None, hint, note)
-
-
-def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
+def rate_finding(
+    connection: jaus.ServiceConnection | bridge.Connection,
+) -> Iterator[Finding]:
     """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
     message = f"rate {connection.rate:g} of '{connection.name}'"
     if not 0 < connection.rate <= MAXIMUM_RATE:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     )
 
 
-@rule("JML364", Severity.ERROR, "control that is never granted", each=jaus.Component)
+@rule("JML364", "control that is never granted", each=jaus.Component)
 def authority_suffices(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component that controls another one has at least the authority that the other one requires.
 
@@ -56,7 +56,7 @@ def authority_suffices(subject: Subject, component: jaus.Component) -> Iterator[
         yield Finding(place, message, feature, "raise its authority", (note,))
 
 
-@rule("JML366", Severity.INFO, "control that lapses without a word", each=bridge.Bridge)
+@rule("JML366", "control that lapses without a word", severity=Severity.INFO, each=bridge.Bridge)
 def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge that takes commands of clients outside of the model says when control lapses.
 
@@ -109,7 +109,7 @@ def _takes_commands(subject: Subject, connection: _Connection) -> bool:
     return message is not None and subject.is_intact(message) and is_command(message)
 
 
-@rule("JML368", Severity.INFO, "controllers of one authority")
+@rule("JML368", "controllers of one authority", severity=Severity.INFO)
 def authorities_differ(subject: Subject) -> Iterator[Finding]:
     """Of several controllers of a component, one has more authority than the other.
 
@@ -137,7 +137,6 @@ def authorities_differ(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "JML365",
-    Severity.ERROR,
     "component that is its own peer",
     each=(bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection),
     needs=("name", "peers"),
@@ -202,7 +201,7 @@ def _controlled_for_clients(owner: bridge.Bridge) -> Iterator[tuple[EObject, str
 # The characters of RFC 8141, without components that services do not use.
 
 
-@rule("JML311", Severity.ERROR, "service inherits from itself")
+@rule("JML311", "service inherits from itself")
 def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
     """The services that a service inherits from are not the service itself.
 
@@ -221,7 +220,7 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
             yield Finding(service, f"service '{service.name}' inherits itself: {names}", "inherits")
 
 
-@rule("JML312", Severity.ERROR, "message code used twice in a service")
+@rule("JML312", "message code used twice in a service")
 def code_unique(subject: Subject) -> Iterator[Finding]:
     """A message code means one message within a service and those that it inherits.
 
@@ -253,7 +252,7 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(message, text, "code", related=(note,), severity=severity)
 
 
-@rule("JML313", Severity.ERROR, "messages of one code in one process", each=jaus.Component)
+@rule("JML313", "messages of one code in one process", each=jaus.Component)
 def code_unambiguous(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Messages with one code that meet in a process have one layout and one name.
 
@@ -279,7 +278,7 @@ def code_unambiguous(subject: Subject, component: jaus.Component) -> Iterator[Fi
                 break
 
 
-@rule("JML314", Severity.ERROR, "illegal URN", each=jaus.Service)
+@rule("JML314", "illegal URN", each=jaus.Service)
 def urns(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A service is named by a URN of at most 255 characters (RFC 8141; AS5710, ReportServices).
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _CONTROLLER = "isControllingClient"
 
 
-@rule("JML341", Severity.ERROR, "not exactly one initial state", each=jaus.Service)
+@rule("JML341", "not exactly one initial state", each=jaus.Service)
 def initial_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """One of the states that lie side by side is initial: it is entered with what encloses it.
 
@@ -65,7 +65,7 @@ def initial_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]
             )
 
 
-@rule("JML342", Severity.ERROR, "no such state", each=jaus.Service)
+@rule("JML342", "no such state", each=jaus.Service)
 def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The target of a transition is a state of the machine or of the core that it extends.
 
@@ -86,7 +86,7 @@ def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, message, "target", hint)
 
 
-@rule("JML343", Severity.ERROR, "message of another service", each=jaus.Service)
+@rule("JML343", "message of another service", each=jaus.Service)
 def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A transition is triggered by an input, and an action sends an output, of the service.
 
@@ -112,7 +112,7 @@ def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(action, text, "sends")
 
 
-@rule("JML344", Severity.ERROR, "unknown internal event", each=jaus.Service)
+@rule("JML344", "unknown internal event", each=jaus.Service)
 def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The event of a transition is one of the service or of a service that it inherits.
 
@@ -138,7 +138,7 @@ def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, text, "event", _suggestion(name, known))
 
 
-@rule("JML345", Severity.ERROR, "malformed guard", each=jaus.Service)
+@rule("JML345", "malformed guard", each=jaus.Service)
 def guards(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A guard joins names of conditions by &&, || and !, with parentheses.
 
@@ -158,7 +158,7 @@ def guards(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, f"malformed guard: {error}", "guard", hint)
 
 
-@rule("JML346", Severity.WARNING, "state that is never entered", each=jaus.Service)
+@rule("JML346", "state that is never entered", severity=Severity.WARNING, each=jaus.Service)
 def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A state is initial, or a transition leads to it.
 
@@ -178,7 +178,7 @@ def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             yield Finding(state, f"no transition leads to the state '{path}'", "name")
 
 
-@rule("JML347", Severity.WARNING, "transition that is never taken", each=jaus.Service)
+@rule("JML347", "transition that is never taken", severity=Severity.WARNING, each=jaus.Service)
 def taken(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Transitions of a state are tried in their order; one without a guard is always taken.
 
@@ -194,7 +194,7 @@ def taken(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             yield from _shadowed(state.defaults)
 
 
-@rule("JML348", Severity.ERROR, "target, push and pop do not fit", each=jaus.Service)
+@rule("JML348", "target, push and pop do not fit", each=jaus.Service)
 def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A push has a target, a pop and an internal transition have none; push and pop go together.
 
@@ -224,7 +224,7 @@ def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, text, "kind")
 
 
-@rule("JML349", Severity.ERROR, "not what the core services do", each=jaus.Service)
+@rule("JML349", "not what the core services do", each=jaus.Service)
 def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
 
@@ -251,7 +251,9 @@ def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             yield from _refused_targets(behaviour)
 
 
-@rule("JML350", Severity.WARNING, "transition that the core services take", each=jaus.Service)
+@rule(
+    "JML350", "transition that the core services take", severity=Severity.WARNING, each=jaus.Service
+)
 def core_messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Messages of the core services and of ListManager are taken by the runtime.
 
@@ -277,7 +279,7 @@ def core_messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, text, "message", hint if is_management else "")
 
 
-@rule("JML351", Severity.WARNING, "command that anyone may give", each=jaus.Service)
+@rule("JML351", "command that anyone may give", severity=Severity.WARNING, each=jaus.Service)
 def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """In a machine that extends the core, the guard says who may give a command.
 

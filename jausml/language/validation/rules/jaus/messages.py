@@ -28,7 +28,7 @@ _IN_RECORD = "a member of a record"
 _COUNT = ("name", "countType")
 
 
-@rule("JML321", Severity.ERROR, "type refers to itself", each=jaus.TypeReference)
+@rule("JML321", "type refers to itself", each=jaus.TypeReference)
 def reference_cycle(_: Subject, reference: jaus.TypeReference) -> Iterator[Finding]:
     """A type reference leads to a type that does not hold the reference itself.
 
@@ -42,7 +42,7 @@ def reference_cycle(_: Subject, reference: jaus.TypeReference) -> Iterator[Findi
         yield Finding(reference, f"'{reference.name}' contains itself", "target")
 
 
-@rule("JML322", Severity.ERROR, "wrong kind of member", each=jaus.MessageDef)
+@rule("JML322", "wrong kind of member", each=jaus.MessageDef)
 def member_kinds(_: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
 
@@ -82,12 +82,7 @@ def _member_kinds_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
     yield from _kind_findings([array.element], "the element of an array", containers=False)
 
 
-@rule(
-    "JML323",
-    Severity.ERROR,
-    "optional member without a presence bit",
-    each=(jaus.Record, jaus.Sequence),
-)
+@rule("JML323", "optional member without a presence bit", each=(jaus.Record, jaus.Sequence))
 def presence_vector(subject: Subject, group: Group) -> Iterator[Finding]:
     """The presence vector of a record or sequence has a bit for each optional member.
 
@@ -110,7 +105,9 @@ def presence_vector(subject: Subject, group: Group) -> Iterator[Finding]:
         yield Finding(field, message, "optional", hint, (note,), severity)
 
 
-@rule("JML324", Severity.WARNING, "optional without effect", each=jaus.Field, needs=("name",))
+@rule(
+    "JML324", "optional without effect", severity=Severity.WARNING, each=jaus.Field, needs=("name",)
+)
 def optional_elsewhere(_: Subject, field: jaus.Field) -> Iterator[Finding]:
     """Only members of records and sequences can be optional.
 
@@ -126,7 +123,7 @@ def optional_elsewhere(_: Subject, field: jaus.Field) -> Iterator[Finding]:
         yield Finding(field, message, "optional")
 
 
-@rule("JML326", Severity.ERROR, "impossible bit range", each=jaus.BitField)
+@rule("JML326", "impossible bit range", each=jaus.BitField)
 def bit_ranges(subject: Subject, field: jaus.BitField) -> Iterator[Finding]:
     """The parts of a bit field lie within its unsigned integer and do not overlap.
 
@@ -148,7 +145,7 @@ def bit_ranges(subject: Subject, field: jaus.BitField) -> Iterator[Finding]:
         yield from _bit_findings(part, field, whole.bits, owners)
 
 
-@rule("JML327", Severity.ERROR, "count or tag of a wrong type", each=jaus.List, needs=_COUNT)
+@rule("JML327", "count or tag of a wrong type", each=jaus.List, needs=_COUNT)
 def count_types(_: Subject, each: jaus.List) -> Iterator[Finding]:
     """Counts and tags are unsigned integers, and the bounds of a count fit its type.
 
@@ -177,13 +174,7 @@ def _tag_types(_: Subject, variant: jaus.Variant) -> Iterator[Finding]:
         yield Finding(variant, message, "tagType")
 
 
-@rule(
-    "JML328",
-    Severity.ERROR,
-    "impossible size or index",
-    each=jaus.FixedLengthString,
-    needs=("name",),
-)
+@rule("JML328", "impossible size or index", each=jaus.FixedLengthString, needs=("name",))
 def sizes(_: Subject, text: jaus.FixedLengthString) -> Iterator[Finding]:
     """Strings and arrays have a size of 1 or more; indices are one byte and differ.
 
@@ -219,7 +210,7 @@ def _sizes_variable_format_field(_: Subject, blob: jaus.VariableFormatField) -> 
     yield from _index_findings(blob.formats, blob)
 
 
-@rule("JML360", Severity.ERROR, "message beyond all bounds", each=jaus.MessageDef)
+@rule("JML360", "message beyond all bounds", each=jaus.MessageDef)
 def bounds(subject: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
 

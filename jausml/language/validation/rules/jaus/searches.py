@@ -27,7 +27,6 @@ _LIMITS = {"subsystem": 65534, "node": 254}
 
 @rule(
     "JML354",
-    Severity.ERROR,
     "either named or searched for",
     each=(bridge.Connection, bridge.RosServiceConnection),
     needs=("name", "search", "peers"),
@@ -58,7 +57,7 @@ def _provider_or_search(_: Subject, received: jaus.ServiceConnection) -> Iterato
         yield Finding(received, message, None, "name a provider, or search for one")
 
 
-@rule("JML355", Severity.ERROR, "search that can find nothing", each=jaus.PeerSearch, needs=())
+@rule("JML355", "search that can find nothing", each=jaus.PeerSearch, needs=())
 def search_possible(subject: Subject, search: jaus.PeerSearch) -> Iterator[Finding]:
     """A search looks where components can be: subsystem 1..65534, node 1..254, 0 for any.
 
@@ -77,7 +76,9 @@ def search_possible(subject: Subject, search: jaus.PeerSearch) -> Iterator[Findi
         yield from _elsewhere(search)
 
 
-@rule("JML356", Severity.WARNING, "control of everybody who is found", each=bridge.Connection)
+@rule(
+    "JML356", "control of everybody who is found", severity=Severity.WARNING, each=bridge.Connection
+)
 def control_of_all(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that takes control of its peers searches for one of them.
 
@@ -111,7 +112,7 @@ def _control_of_all_ros_action_connection(
         yield _control_of_all(action)
 
 
-@rule("JML357", Severity.INFO, "subsystem that nobody finds")
+@rule("JML357", "subsystem that nobody finds", severity=Severity.INFO)
 def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
     """Some component of a subsystem provides Discovery, as components do by default.
 
@@ -137,8 +138,8 @@ def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
 
 @rule(
     "JML358",
-    Severity.WARNING,
     "component that shall do what nobody carries out",
+    severity=Severity.WARNING,
     each=jaus.Component,
     needs=("name", "external", "simulated"),
 )
@@ -209,7 +210,6 @@ _HIGHEST_PORT = 65535
 
 @rule(
     "JML359",
-    Severity.ERROR,
     "impossible place of a component",
     each=jaus.Component,
     needs=("name", "external", "endpoint", "greet"),
@@ -246,7 +246,10 @@ def _places_system(_: Subject, whole: system.System) -> Iterator[Finding]:
 
 
 @rule(
-    "JML361", Severity.WARNING, "stated peer that is not reached or not heard", each=system.System
+    "JML361",
+    "stated peer that is not reached or not heard",
+    severity=Severity.WARNING,
+    each=system.System,
 )
 def reached(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Processes reach an external component whose place is stated, and hear what it says.

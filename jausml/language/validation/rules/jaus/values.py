@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.diagnostics import Severity
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
 
 
-@rule("JML325", Severity.ERROR, "impossible scaling", each=jaus.ScaleRange)
+@rule("JML325", "impossible scaling", each=jaus.ScaleRange)
 def scale_range(subject: Subject, scale: jaus.ScaleRange) -> Iterator[Finding]:
     """A scaled field is an unsigned integer whose range maps onto lower..upper.
 
@@ -46,7 +45,7 @@ def scale_range(subject: Subject, scale: jaus.ScaleRange) -> Iterator[Finding]:
         yield Finding(field, f"'{name}' has both a scale and a value set", "values")
 
 
-@rule("JML329", Severity.ERROR, "impossible value set", each=jaus.ValueSet)
+@rule("JML329", "impossible value set", each=jaus.ValueSet)
 def value_sets(subject: Subject, value_set: jaus.ValueSet) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
 

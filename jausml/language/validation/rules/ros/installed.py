@@ -21,7 +21,12 @@ if TYPE_CHECKING:
     Use = tuple[EObject, str | None]
 
 
-@rule("JML409", Severity.WARNING, "ROS type that is installed with other fields", is_outward=True)
+@rule(
+    "JML409",
+    "ROS type that is installed with other fields",
+    severity=Severity.WARNING,
+    is_outward=True,
+)
 def installed_types(subject: Subject) -> Iterator[Finding]:
     """The ROS types that a model uses are those of the installed packages.
 

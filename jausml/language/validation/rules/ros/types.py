@@ -1,33 +1,23 @@
-"""Rules about ROS 2: names, topics, quality of service, parameters, interfaces."""
+"""Rules about ROS nodes and bridges: names, topics, quality of service, parameters."""
 
 from __future__ import annotations
 
-import keyword
 import math
-import re
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.values import show
 from jausml.language.semantics.connections.topics import (
     Endpoint,
     endpoints,
     is_latched,
     namespace_fault,
+    policies,
     topic_fault,
 )
-from jausml.language.semantics.names import DEVICES
-from jausml.language.semantics.paths.attributes import (
-    constant_fault,
-    is_integer,
-    is_real,
-    primitive,
-)
+from jausml.language.semantics.paths.attributes import is_integer, is_real
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.ros_types import excesses
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -40,29 +30,13 @@ _DEEPEST = 10_000
 """Most messages that a quality of service keeps without a word."""
 _LONGEST = 2.0**63 / 1e9
 """Longest time in seconds: ROS 2 counts nanoseconds in 64 bits."""
-# The parts of services and actions are named SetBool_Request and the like.
-_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
-_LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
-_LOWER_CASE_HINT = "lower case, words joined by one underscore"
-_UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
-_TYPE = ("name", "type", "stringBound", "arrayKind", "arraySize")
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
-_LARGEST_ARRAY = 4 << 20
+_PROMISED = ("deadline", "leaseDuration")
+"""Times of a publisher that are at most those that a subscription asks for."""
 
 
-_SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
-    (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
-    (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
-    (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
-    (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
-    (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
-    (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
-)
-"""How names are spelt: of which elements, by which pattern, what they are called, and a hint."""
-
-
-@rule("JML401", Severity.ERROR, "illegal ROS name", each=ros.TopicEndpoint, needs=())
+@rule("JML401", "illegal ROS name", each=ros.TopicEndpoint, needs=())
 def ros_names(_: Subject, end: ros.TopicEndpoint) -> Iterator[Finding]:
     """Topic and service names and namespaces obey the rules of ROS 2.
 
@@ -94,7 +68,7 @@ def _ros_names_node(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Find
         yield Finding(node, message, "namespace")
 
 
-@rule("JML402", Severity.ERROR, "topic of two types")
+@rule("JML402", "topic of two types")
 def topic_types(subject: Subject) -> Iterator[Finding]:
     """All publishers and subscriptions of a topic have one type, bridges included.
 
@@ -119,7 +93,7 @@ def topic_types(subject: Subject) -> Iterator[Finding]:
                 )
 
 
-@rule("JML403", Severity.WARNING, "incompatible quality of service")
+@rule("JML403", "incompatible quality of service", severity=Severity.WARNING)
 def qos_compatible(subject: Subject) -> Iterator[Finding]:
     """A subscription asks for no more than the publishers of its topic offer.
 
@@ -157,13 +131,7 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
                     )
 
 
-@rule(
-    "JML404",
-    Severity.ERROR,
-    "impossible quality of service",
-    each=ros.QoSProfile,
-    needs=("history",),
-)
+@rule("JML404", "impossible quality of service", each=ros.QoSProfile, needs=("history",))
 def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
     """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
 
@@ -190,13 +158,7 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
             yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
-@rule(
-    "JML405",
-    Severity.ERROR,
-    "impossible parameter value",
-    each=ros.Parameter,
-    needs=("name", "type"),
-)
+@rule("JML405", "impossible parameter value", each=ros.Parameter, needs=("name", "type"))
 def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
     """The default of a parameter is of its type and within its range.
 
@@ -216,53 +178,7 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
             yield Finding(parameter, message, feature)
 
 
-@rule(
-    "JML406",
-    Severity.ERROR,
-    "illegal ROS interface",
-    each=tuple(kind for kind, *_ in _SPELLINGS),
-    needs=("name",),
-)
-def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
-    """Interface packages, types, fields and constants are named as ROS 2 demands.
-
-    Packages and fields are of lower case with single underscores, types are in CamelCase,
-    constants of upper case. A field is no keyword of Python: rosidl would write a class that cannot
-    be imported. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no
-    more than 4194304, for each message holds all of it.
-
-    Bad: `<messages name="wheel_speeds">` with a field named frontLeft
-
-    Good: `<messages name="WheelSpeeds">` with a field named front_left
-    """
-    spelling = next(each for each in _SPELLINGS if isinstance(element, each[0]))
-    pattern, noun, hint = spelling[1:]
-    name = element.name
-    if name is not None and not pattern.fullmatch(name):
-        yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
-    elif noun == "type" and (name or "").lower() in DEVICES:
-        message = f"type name '{name}' is a device name on Windows"
-        yield Finding(element, message, "name", "its file would have that name")
-
-
-@interfaces.also(ros.Field, needs=("name", "arrayKind"))
-def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
-    if keyword.iskeyword(field.name or ""):
-        yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
-    array, size = field.arrayKind.name, field.arraySize
-    is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
-    if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
-        message = f"'{field.name}' is a {array} of size {size}"
-        yield Finding(field, message, "arraySize")
-
-
-@rule(
-    "JML407",
-    Severity.ERROR,
-    "impossible frequency",
-    each=(ros.Node, bridge.Bridge),
-    needs=("name",),
-)
+@rule("JML407", "impossible frequency", each=(ros.Node, bridge.Bridge), needs=("name",))
 def frequencies(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
     """A frequency in calls each second is finite, not negative and at most 1000.
 
@@ -275,64 +191,6 @@ def frequencies(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]
     if not 0 <= node.frequency <= _HIGHEST_FREQUENCY:
         message = f"frequency {node.frequency:g} of '{node.name}'"
         yield Finding(node, f"{message} is not in 0..1000", "frequency")
-
-
-@rule("JML408", Severity.ERROR, "impossible constant", each=ros.Constant, needs=("name", "type"))
-def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
-    """The value of a constant of an interface is of its type.
-
-    Bad: `<constants name="LIMIT" type="uint8" value="256"/>`
-
-    Good: `<constants name="LIMIT" type="uint8" value="255"/>`
-    """
-    # A byte is no number to rclpy, but its constants are.
-    kind = "uint8" if constant.type.name == "byte" else constant.type.name
-    fault = constant_fault(constant.value or "", primitive(kind))
-    if not fault and kind in TEXTS:
-        fault = _text_fault(constant.value or "", kind)
-    if fault:
-        message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
-        yield Finding(constant, message, "value")
-
-
-@rule("JML410", Severity.ERROR, "impossible default", each=ros.PrimitiveField, needs=_TYPE)
-def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
-    """A default has the type of its field, and can be written in an interface definition.
-
-    Arrays are written as JSON. A text contains no # and no line end, which would end it in a
-    definition, and no =, which would turn the field into a constant.
-
-    Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
-
-    Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
-    """
-    if field.defaultValue is None:
-        return
-    array = (field.arrayKind.name, field.arraySize)
-    kind = FieldType(field.type.name, "", field.stringBound, *array)
-    try:
-        write_value(field.defaultValue, kind, is_default=True)
-    except ValueTextError as error:
-        message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
-        yield Finding(field, message, "defaultValue")
-
-
-@rule("JML430", Severity.ERROR, "ROS type that is too large")
-def type_extents(subject: Subject) -> Iterator[Finding]:
-    """A ROS type has an end: at most 64 levels, 16384 parts and 4194304 values.
-
-    A number, a text, an array of numbers and a sequence are one part each, wherever types that it
-    uses have them; arrays of types and texts count as often as they have elements. Types that use
-    each other twice double with each level.
-
-    Bad: thirty types, each with two fields of the type before it
-
-    Good: a sequence of the type
-    """
-    types = subject.instances(ros.MessageType, needs=())
-    for excess in excesses(types):
-        message = f"'{excess.field.name}' {excess.reason}"
-        yield Finding(excess.field, message, "messageType")
 
 
 def _topics(subject: Subject) -> list[list[Endpoint]]:
@@ -351,39 +209,23 @@ def _find_topics(subject: Subject) -> list[list[Endpoint]]:
     return found
 
 
-def _text_fault(text: str, kind: str) -> str:
-    try:
-        write_value(text, FieldType(kind))
-    except ValueTextError as error:
-        return str(error)
-    return ""
-
-
 def _offer(publisher: Endpoint) -> object:
     """Returns what subscriptions look at: publishers that offer the same are looked at once."""
-    offered = publisher.element.qos
-    times = (offered.deadline, offered.leaseDuration) if offered else (0.0, 0.0)
-    return publisher.reliability, _durability(offered), *times
+    offered = policies(publisher.element.qos)
+    return publisher.reliability, *(offered[each] for each in ("durability", *_PROMISED))
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
     """Says what a subscription asks for and a publisher does not offer; no profile: defaults."""
     if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
         return "it is best_effort, the subscription reliable"
-    offered, asked = publisher.element.qos, subscription.element.qos
-    if _durability(offered) == "volatile" and _durability(asked) == "transient_local":
+    offered, asked = policies(publisher.element.qos), policies(subscription.element.qos)
+    if (offered["durability"], asked["durability"]) == ("volatile", "transient_local"):
         return "it is volatile, the subscription transient_local"
-    if asked is None:
-        return ""
-    if _seconds(offered.deadline if offered else 0.0) > _seconds(asked.deadline):
-        return "its deadline is longer than that of the subscription"
-    if _seconds(offered.leaseDuration if offered else 0.0) > _seconds(asked.leaseDuration):
-        return "its leaseDuration is longer than that of the subscription"
+    for each in _PROMISED:
+        if _seconds(offered[each]) > _seconds(asked[each]):
+            return f"its {each} is longer than that of the subscription"
     return ""
-
-
-def _durability(profile: ros.QoSProfile | None) -> str:
-    return "volatile" if profile is None else profile.durability.name
 
 
 def _seconds(time: float) -> float:

@@ -1,0 +1,139 @@
+"""Rules about interfaces of ROS: how they are named, their constants, defaults and sizes."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from typing import TYPE_CHECKING
+
+from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.values import show
+from jausml.language.semantics.names import DEVICES
+from jausml.language.semantics.paths.attributes import constant_fault, primitive
+from jausml.language.semantics.ros_types import excesses
+from jausml.language.validation.rule import Finding, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.subject import Subject
+
+# The parts of services and actions are named SetBool_Request and the like.
+_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
+_LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
+_LOWER_CASE_HINT = "lower case, words joined by one underscore"
+_UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+_TYPE = ("name", "type", "stringBound", "arrayKind", "arraySize")
+_LARGEST_ARRAY = 4 << 20
+_SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
+    (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
+    (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
+    (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
+    (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
+)
+"""How names are spelt: of which elements, by which pattern, what they are called, and a hint."""
+
+
+@rule(
+    "JML406", "illegal ROS interface", each=tuple(kind for kind, *_ in _SPELLINGS), needs=("name",)
+)
+def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
+    """Interface packages, types, fields and constants are named as ROS 2 demands.
+
+    Packages and fields are of lower case with single underscores, types are in CamelCase,
+    constants of upper case. A field is no keyword of Python: rosidl would write a class that cannot
+    be imported. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no
+    more than 4194304, for each message holds all of it.
+
+    Bad: `<messages name="wheel_speeds">` with a field named frontLeft
+
+    Good: `<messages name="WheelSpeeds">` with a field named front_left
+    """
+    spelling = next(each for each in _SPELLINGS if isinstance(element, each[0]))
+    pattern, noun, hint = spelling[1:]
+    name = element.name
+    if name is not None and not pattern.fullmatch(name):
+        yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
+    elif noun == "type" and (name or "").lower() in DEVICES:
+        message = f"type name '{name}' is a device name on Windows"
+        yield Finding(element, message, "name", "its file would have that name")
+
+
+@interfaces.also(ros.Field, needs=("name", "arrayKind"))
+def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
+    if keyword.iskeyword(field.name or ""):
+        yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+    array, size = field.arrayKind.name, field.arraySize
+    is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
+    if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
+        message = f"'{field.name}' is a {array} of size {size}"
+        yield Finding(field, message, "arraySize")
+
+
+@rule("JML408", "impossible constant", each=ros.Constant, needs=("name", "type"))
+def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
+    """The value of a constant of an interface is of its type.
+
+    Bad: `<constants name="LIMIT" type="uint8" value="256"/>`
+
+    Good: `<constants name="LIMIT" type="uint8" value="255"/>`
+    """
+    # A byte is no number to rclpy, but its constants are.
+    kind = "uint8" if constant.type.name == "byte" else constant.type.name
+    fault = constant_fault(constant.value or "", primitive(kind))
+    if not fault and kind in TEXTS:
+        fault = _text_fault(constant.value or "", kind)
+    if fault:
+        message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
+        yield Finding(constant, message, "value")
+
+
+@rule("JML410", "impossible default", each=ros.PrimitiveField, needs=_TYPE)
+def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
+    """A default has the type of its field, and can be written in an interface definition.
+
+    Arrays are written as JSON. A text contains no # and no line end, which would end it in a
+    definition, and no =, which would turn the field into a constant.
+
+    Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
+
+    Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
+    """
+    if field.defaultValue is None:
+        return
+    array = (field.arrayKind.name, field.arraySize)
+    kind = FieldType(field.type.name, "", field.stringBound, *array)
+    try:
+        write_value(field.defaultValue, kind, is_default=True)
+    except ValueTextError as error:
+        message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
+        yield Finding(field, message, "defaultValue")
+
+
+@rule("JML430", "ROS type that is too large")
+def type_extents(subject: Subject) -> Iterator[Finding]:
+    """A ROS type has an end: at most 64 levels, 16384 parts and 4194304 values.
+
+    A number, a text, an array of numbers and a sequence are one part each, wherever types that it
+    uses have them; arrays of types and texts count as often as they have elements. Types that use
+    each other twice double with each level.
+
+    Bad: thirty types, each with two fields of the type before it
+
+    Good: a sequence of the type
+    """
+    types = subject.instances(ros.MessageType, needs=())
+    for excess in excesses(types):
+        message = f"'{excess.field.name}' {excess.reason}"
+        yield Finding(excess.field, message, "messageType")
+
+
+def _text_fault(text: str, kind: str) -> str:
+    try:
+        write_value(text, FieldType(kind))
+    except ValueTextError as error:
+        return str(error)
+    return ""
