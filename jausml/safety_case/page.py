@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from math import ceil, hypot
 from pathlib import PurePath
 from typing import TYPE_CHECKING
