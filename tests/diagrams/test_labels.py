@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import pytest
 from diagram_support import MODELS, read
 from large_systems import large_system
@@ -10,6 +12,7 @@ from sweeps import sweep
 from jausml.views.diagrams.bundling import is_crowded
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.labels import Ground, _crosses
+from jausml.views.diagrams.layout.parallel import APART, nearness
 from jausml.views.diagrams.layout.settling import Area, area_of, chain
 from jausml.views.diagrams.layout.sheet import samples
 from jausml.views.diagrams.views import graph_of, view_names
@@ -33,6 +36,11 @@ ON_BORDERS = {"machine:Winch.ReceiveFSM": 2}
 
 def placed(graph):
     sheet = shapes.sheet_of(graph, packed=False)
+    return sheet, Graphviz().place(sheet)
+
+
+def on_page(graph):
+    sheet = values._sheet(graph)
     return sheet, Graphviz().place(sheet)
 
 
@@ -92,6 +100,22 @@ def test_ways_of_shipped_models_are_clear_on_the_page(name):
         if not is_crowded(graph):
             found = values.settled(graph, Graphviz()).places
             assert_ways_are_clear(found.sheet, found.corners, found.frames, found.routes)
+
+
+@pytest.mark.parametrize("draw", [placed, on_page], ids=["picture", "page"])
+def test_lines_of_the_same_two_boxes_are_apart(draw):
+    """Two transitions of the winch lead from the states in Moving to Idle."""
+    graph = graph_of(read(MODELS / "examples/winch/winch.xmi").model, "machine:Winch.ReceiveFSM")
+    sheet, places = draw(graph)
+    plain = [each for each in sheet.lines if not each.source[1] and not each.target[1]]
+    pairs = [
+        (one.id, other.id)
+        for one, other in combinations(plain, 2)
+        if one.source != one.target and {one.source, one.target} == {other.source, other.target}
+    ]
+    assert len(pairs) == 3
+    for one, other in pairs:
+        assert nearness(places.lines[one], places.lines[other]) >= APART
 
 
 @pytest.fixture(scope="module")

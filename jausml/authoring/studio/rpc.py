@@ -28,6 +28,7 @@ from typing import (
 from jausml.authoring.editing import commands
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.views.wording import for_people
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -380,12 +381,12 @@ class Answering:
                 return await self.in_turn(call)
             return await asyncio.get_running_loop().run_in_executor(self._threads, call)
         except EditError as error:
-            refused = RpcError(REFUSED, str(error), {"conflict": error.conflict})
+            refused = RpcError(REFUSED, for_people(str(error)), {"conflict": error.conflict})
             raise refused from error
         except TypedError as error:
             raise RpcError(INVALID_PARAMS, str(error)) from error
         except AnswerError as error:
-            raise RpcError(REFUSED, str(error)) from error
+            raise RpcError(REFUSED, for_people(str(error))) from error
 
     async def in_turn(self, work: Callable[[], ResultT]) -> ResultT:
         """Does something when all that was asked for before and changes something is done."""

@@ -28,12 +28,12 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   );
   const isClosed = node.kind === CLOSED;
   const isNear = useStore((flow) => flow.transform[2] >= FAR);
-  // What a closed frame tells is as large far away as near: the style sheet asks for the zoom.
-  const zoom = useStore((flow) => (isClosed ? Math.min(flow.transform[2], 1).toFixed(4) : ""));
   const [own = "", ...rows] = states.split(BETWEEN);
   const [wasNear, setWasNear] = useState(false);
-  const hasEnds = (states: string | undefined) => wasNear || Boolean(states?.includes("legal"));
   const isDetailed = useTurn(isNear, node.ports.length);
+  // A finger is at the box only when it begins to draw.
+  const hasOwn = wasNear || (isDetailed && isTouched());
+  const hasEnds = (states: string | undefined) => hasOwn || Boolean(states?.includes("legal"));
   const hasRows = isDetailed || rows.some((each) => each.includes("active"));
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
@@ -49,7 +49,7 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
         .filter(Boolean)
         .join(", ")}
       data-part={key}
-      style={isClosed ? closedStyle(node, zoom) : { width: node.width, height: node.height }}
+      style={isClosed ? closedStyle(node) : { width: node.width, height: node.height }}
       onPointerEnter={() => setWasNear(true)}
     >
       {others && <div className="chosen-by">◆ {others}</div>}
@@ -88,9 +88,11 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   );
 });
 
+const isTouched = (): boolean => window.matchMedia("(pointer: coarse)").matches;
+
 /** By numbers: containers that the style sheet asks for their size are laid out one by one. */
-function closedStyle({ width, height }: GraphNode, zoom: string): CSSProperties {
-  const told = { "--zoom": zoom, "--width": `${width}px`, "--height": `${height}px` };
+function closedStyle({ width, height }: GraphNode): CSSProperties {
+  const told = { "--width": `${width}px`, "--height": `${height}px` };
   return { width, height, ...told } as CSSProperties;
 }
 

@@ -10,8 +10,18 @@ import {
   SelectionMode,
   useReactFlow,
   useStore,
+  useStoreApi,
+  type Viewport,
 } from "@xyflow/react";
-import { type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
+import {
+  type MouseEvent,
+  useCallback,
+  useEffect,
+  useLayoutEffect,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 import { beginDrawing, connect, endDrawing, select } from "../actions";
 import { useCanvasKeys } from "../keyboard/canvasKeys";
 import type { Graph } from "../protocol";
@@ -38,6 +48,7 @@ import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
 import { FIT, Tools } from "./Tools";
+import { useFewAtOnce } from "./turns";
 
 // Outside the component: React Flow draws everything anew when these change.
 const NODE_TYPES = { box: Box, frame: Frame };
@@ -69,7 +80,8 @@ function Diagram({ graph }: { graph: Graph }) {
   const [moved, setMoved] = useMoved(graph);
   const boxes = useMemo(() => toNodes(graph), [graph]);
   const lines = useMemo(() => toEdges(graph), [graph]);
-  const nodes = useMemo(() => withStates(boxes, moved, chosen), [boxes, moved, chosen]);
+  const all = useMemo(() => withStates(boxes, moved, chosen), [boxes, moved, chosen]);
+  const nodes = useFewAtOnce(all);
   const edges = useMemo(
     () => edgesWithStates(graph, lines, moved, chosen),
     [graph, lines, moved, chosen],
@@ -83,6 +95,7 @@ function Diagram({ graph }: { graph: Graph }) {
   const isFitted = useFitted();
   useInSight(graph, here, isFitted);
   useLevels(graph);
+  const diagram = useToldZoom();
 
   const onNodesChange = useCallback(
     (changes: NodeChange<FlowNode>[]) => {
@@ -110,6 +123,7 @@ function Diagram({ graph }: { graph: Graph }) {
 
   return (
     <div
+      ref={diagram}
       className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""} ${isFitted ? "" : "unfitted"}`}
     >
       <Tools graph={graph} />
@@ -204,9 +218,7 @@ function useDrawing() {
   const onEnd = useCallback<OnConnectEnd>((event, { fromNode, fromHandle, toNode, toHandle }) => {
     endDrawing();
     if (!fromNode) return;
-    const target = toNode
-      ? { node: toNode.id, port: portOfHandle(toHandle?.id) }
-      : endBelow(event as unknown as PointerEvent);
+    const target = toNode ? { node: toNode.id, port: portOfHandle(toHandle?.id) } : endBelow(event);
     if (target) {
       void connect({ node: fromNode.id, port: portOfHandle(fromHandle?.id) }, target);
     }
@@ -214,10 +226,11 @@ function useDrawing() {
   return { onStart, onEnd };
 }
 
-/** The row or box below the pointer, where no end was near. */
-function endBelow(event: { clientX?: number; clientY?: number }) {
-  const { clientX, clientY } = event;
-  if (clientX === undefined || clientY === undefined) return null;
+/** The row or box below the pointer or finger, where no end was near. */
+function endBelow(event: globalThis.MouseEvent | TouchEvent) {
+  const at = "changedTouches" in event ? event.changedTouches[0] : event;
+  if (!at) return null;
+  const { clientX, clientY } = at;
   for (const each of document.elementsFromPoint(clientX, clientY)) {
     const key = each.closest<HTMLElement>("[data-part]")?.dataset.part;
     const part = key ? partOf(key) : null;
@@ -247,15 +260,49 @@ function takeSelection(
 /**
  * Shows all as soon as there is room, and tells when that is done: until then nobody shall take
  * hold of what moves. By itself React Flow fits what it has measured, and it measures nothing here.
+ * What shows all goes on doing so when its room changes, until somebody looks at a part.
  */
 function useFitted(): boolean {
   const flow = useReactFlow();
   const hasRoom = useStore((store) => store.panZoom !== null && store.width > 0);
+  const room = useStore((store) => `${store.width} ${store.height}`);
   const [isFitted, setFitted] = useState(false);
+  const fitted = useRef<Viewport | null>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: it fits anew when its room changes
   useEffect(() => {
-    if (hasRoom) void flow.fitView(FIT).then(() => setFitted(true));
-  }, [flow, hasRoom]);
+    if (!hasRoom || (fitted.current && !isSame(fitted.current, flow.getViewport()))) return;
+    void flow.fitView(FIT).then(() => {
+      fitted.current = flow.getViewport();
+      setFitted(true);
+    });
+  }, [flow, hasRoom, room]);
   return isFitted;
+}
+
+const isSame = (one: Viewport, other: Viewport): boolean =>
+  one.x === other.x && one.y === other.y && one.zoom === other.zoom;
+
+/** Steps of zoom in each doubling of it. */
+const STEPS = 3;
+
+/**
+ * Tells the style sheet the zoom, in steps: what closed frames tell is as large far away as near, and
+ * is laid out anew only where that can be seen.
+ */
+function useToldZoom() {
+  const flow = useStoreApi();
+  const diagram = useRef<HTMLDivElement>(null);
+  useLayoutEffect(() => {
+    let told = 0;
+    const tell = ({ transform }: { transform: [number, number, number] }) => {
+      const zoom = Math.min(2 ** (Math.round(Math.log2(transform[2]) * STEPS) / STEPS), 1);
+      if (zoom !== told) diagram.current?.style.setProperty("--zoom", zoom.toFixed(4));
+      told = zoom;
+    };
+    tell(flow.getState());
+    return flow.subscribe(tell);
+  }, [flow]);
+  return diagram;
 }
 
 /** Brings what the keyboard chose into sight, where it is not. */

@@ -2,9 +2,11 @@ import { useReactFlow } from "@xyflow/react";
 import { type KeyboardEvent, useEffect } from "react";
 import {
   arrange,
+  endOf,
   exportPicture,
   filterBy,
   focusOn,
+  offerEnds,
   type PictureFormat,
   place,
   removeSelected,
@@ -12,7 +14,7 @@ import {
 } from "../actions";
 import type { Graph } from "../protocol";
 import { CLOSED, indexOf, partOf } from "../selection";
-import { state, useStudio } from "../store";
+import { active, state, useStudio } from "../store";
 import { ALIGNMENTS, type Alignment, aligned } from "./aligning";
 import { matches } from "./following";
 import { boxesOf } from "./frames";
@@ -31,6 +33,10 @@ export function Tools({ graph }: { graph: Graph }) {
   const filter = useStudio((studio) => studio.filter);
   const isFocused = useStudio((studio) => studio.bright !== null && !studio.filter);
   const isChosen = useStudio((studio) => studio.selection.length > 0);
+  const isEnd = useStudio((studio) => {
+    const here = active(studio);
+    return here !== null && endOf(here) !== null;
+  });
   const several = useStudio((studio) => studio.selection).filter(
     (key) => partOf(key).of === "node",
   );
@@ -113,6 +119,14 @@ export function Tools({ graph }: { graph: Graph }) {
         <option value="svg">SVG</option>
         <option value="png">PNG</option>
       </select>
+      <button
+        type="button"
+        disabled={!isEnd}
+        onClick={() => void offerEnds()}
+        title="Search an end to connect the chosen box or row with (c)"
+      >
+        Connect…
+      </button>
       <button
         type="button"
         aria-pressed={isFocused}

@@ -1,6 +1,6 @@
 // Work of many parts that is spread over pictures of the screen, so that none of them stalls.
 
-import { useLayoutEffect, useState } from "react";
+import { useEffect, useLayoutEffect, useState } from "react";
 
 /** So many parts change at once; further ones wait for the next picture. */
 export const AT_ONCE = 80;
@@ -37,4 +37,48 @@ function takeTurns(): void {
     changed = 0;
     takeTurns();
   });
+}
+
+/** What React Flow is given: a box, or a frame. */
+interface Shown {
+  id: string;
+  hidden?: boolean;
+}
+
+/** So many boxes and frames come at once, and so many go. */
+export const BOXES_AT_ONCE = 60;
+
+/** Returns boxes and frames of which few come or go with one picture of the screen; at first all. */
+export function useFewAtOnce<T extends Shown>(wanted: T[]): T[] {
+  const [at, setAt] = useState({ wanted, shown: wanted });
+  const now = at.wanted === wanted ? at : { wanted, shown: further(at.shown, wanted) };
+  if (now !== at) setAt(now);
+  const { shown } = now;
+  useEffect(() => {
+    if (shown === wanted) return;
+    const next = requestAnimationFrame(() =>
+      setAt((at) => ({ ...at, shown: further(at.shown, at.wanted) })),
+    );
+    return () => cancelAnimationFrame(next);
+  }, [shown, wanted]);
+  return shown;
+}
+
+/**
+ * Returns what is shown next on the way to what is wanted, which it is in the end.
+ *
+ * What goes is hidden before it is taken away: React Flow throws and catches an error, with all that
+ * led to it, for each part that is gone while it is drawn.
+ */
+export function further<T extends Shown>(shown: T[], wanted: T[]): T[] {
+  if (shown.length === wanted.length && shown.every((each, at) => each.id === wanted[at]?.id))
+    return wanted;
+  const before = new Set(shown.map((each) => each.id));
+  const after = new Set(wanted.map((each) => each.id));
+  let [coming, going] = [BOXES_AT_ONCE, BOXES_AT_ONCE];
+  const staying = wanted.filter(({ id }) => before.has(id) || coming-- > 0);
+  const leaving = shown
+    .filter((each) => !after.has(each.id) && !each.hidden)
+    .map((each) => (going-- > 0 ? { ...each, hidden: true } : each));
+  return staying.length === wanted.length && !leaving.length ? wanted : [...staying, ...leaving];
 }

@@ -90,8 +90,8 @@ export function Picker({ label, picks, onPick, isSearched = true, isLooking = fa
             {pick.shown}
           </div>
         ))}
-        {shown.length === 0 && <p className="quiet">{isLooking ? "Looking…" : "Nothing fits."}</p>}
       </div>
+      {shown.length === 0 && <p className="quiet">{isLooking ? "Looking…" : "Nothing fits."}</p>}
     </div>
   );
 }

@@ -71,7 +71,7 @@ function Worth() {
 /** An edit that was not done, with what it would have set. */
 function Kept({ edit }: { edit: KeptEdit }) {
   const values = edit.commands.flatMap((each) =>
-    each.kind === "set" ? [`${each.feature}: ${each.values.join(", ") || "nothing"}`] : [],
+    each.kind === "set" ? [`${inWords(each.feature)}: ${each.values.join(", ") || "nothing"}`] : [],
   );
   return (
     <p className="banner error" role="status">
@@ -86,6 +86,10 @@ function Kept({ edit }: { edit: KeptEdit }) {
     </p>
   );
 }
+
+/** A name of the metamodels as forms have it: `silenceTimeout` becomes `silence timeout`. */
+const inWords = (name: string): string =>
+  name.replace(/[a-z](?=[A-Z])/g, "$& ").replace(/[A-Z](?=[a-z])/g, (first) => first.toLowerCase());
 
 /** What was typed into a field that is not shown, and could not be taken. */
 function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {

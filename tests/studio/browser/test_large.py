@@ -21,6 +21,31 @@ MOST_SENT = 250_000
 """Bytes: the picture of all would be ten million."""
 
 
+MOST_AT_ONCE = 60
+"""Boxes and frames that come with one picture of the screen."""
+
+COUNT = """() => {
+    window.most = window.redrawn = 0;
+    let now = 0;
+    new MutationObserver(records => {
+        for (const record of records) {
+            const isClosed = record.type === "attributes" && record.target.matches(".box.closed");
+            if (isClosed) window.redrawn += 1;
+            for (const each of record.addedNodes) now += each.matches?.(".react-flow__node") ?? 0;
+        }
+    }).observe(document, {
+        subtree: true, childList: true, attributes: true, attributeFilter: ["style"],
+    });
+    const next = () => {
+        window.most = Math.max(window.most, now);
+        now = 0;
+        requestAnimationFrame(next);
+    };
+    next();
+}"""
+"""Counts parts that come with a picture of the screen, and closed frames that are drawn anew."""
+
+
 class Wire:
     """Counts what the server says."""
 
@@ -56,7 +81,12 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
     file = tmp_path / "large.ros2jaus"
     file.write_text(large_system(GROUPS, HOSTS), encoding="utf-8")
     wires = []
-    desk = Desktop(open_studio(file, prepare=lambda page: wires.append(Wire(page))))
+
+    def prepare(page):
+        wires.append(Wire(page))
+        page.add_init_script(f"({COUNT})()")
+
+    desk = Desktop(open_studio(file, prepare=prepare))
     page, wire = desk.page, wires[0]
     closed = page.locator(".box.closed")
 
@@ -65,6 +95,7 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
     expect(closed.first).to_contain_text("160 components, 40 bridges")
     assert wire.since(0) < MOST_SENT
     assert parts(page) < MOST_PARTS
+    assert page.evaluate("window.redrawn") == 0
     expect(desk.verdict).to_have_text("No problems.", timeout=SLOW)
 
     # Nearer, a host shows its bridges.
@@ -106,3 +137,13 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
     page.get_by_role("button", name="Fit").click()
     expect(closed).to_have_count(HOSTS - 1 + 39, timeout=SLOW)
     assert parts(page) < MOST_PARTS
+
+    # Hundreds of parts come as frames open, few at once; what is closed is not drawn anew.
+    page.evaluate("window.most = 0")
+    place = closed.first.bounding_box()
+    page.mouse.move(place["x"] + 12, place["y"] + 12)
+    for _ in range(2):
+        page.mouse.wheel(0, -300)
+    expect(closed).not_to_have_count(HOSTS - 1 + 39, timeout=SLOW)
+    assert 0 < page.evaluate("window.most") <= MOST_AT_ONCE
+    assert page.evaluate("window.redrawn") == 0

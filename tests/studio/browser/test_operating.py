@@ -8,6 +8,7 @@ import os
 import signal
 
 import pytest
+from appearance import broken, misplaced
 from browsers import BROWSER
 from camera_server import png, register, serving_camera
 from playwright.sync_api import expect
@@ -17,7 +18,6 @@ from simulated_vehicle import VEHICLE, Vehicle, until
 from jausml import Component, decode
 
 from .conftest import Studio
-from .test_windows import broken
 
 pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.live, pytest.mark.timeout(300)]
 
@@ -320,7 +320,7 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     operator.get_by_role("button", name=VEHICLE).click()
     expect(rows).to_have_count(3)
     expect(operator.get_by_role("button", name="Execute")).to_be_disabled()
-    assert broken(operator) == {}
+    assert (broken(operator), misplaced(operator)) == ({}, [])
     assert vehicle.executed == [(1.5, 1)]
 
 
@@ -362,7 +362,7 @@ def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, t
     page.get_by_role("button", name="Send 1 waypoint").tap()
     until(lambda: near(places_of(vehicle), [(4, -4)]))
     assert page.locator(".operate").evaluate("room => room.scrollWidth") <= PHONE["width"]
-    assert broken(page) == {}
+    assert (broken(page), misplaced(page)) == ({}, [])
     plan_of(page)
     page.screenshot(path=tmp_path / "plan-390.png")
 
@@ -532,5 +532,5 @@ def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, 
     told.nth(1).get_by_role("button", name="Hide").click()
     until(lambda: camera.looking == 0)
     expect(video).to_have_count(0)
-    assert broken(page) == {}
+    assert (broken(page), misplaced(page)) == ({}, [])
     page.screenshot(path=tmp_path / "pictures.png", full_page=True)

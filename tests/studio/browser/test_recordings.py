@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from appearance import broken, misplaced
 from browsers import BROWSER
 from playwright.sync_api import expect
 from recorded_systems import Drive, model_in, recorded
@@ -94,6 +95,7 @@ def test_two_are_beside_each_other(page, tmp_path):
     expect(plot).to_contain_text("last 1.9")
     plot.scroll_into_view_if_needed()
     page.screenshot(path=tmp_path / "beside.png")
+    assert (broken(page), misplaced(page)) == ({}, [])
 
 
 def test_a_damaged_file_says_what_was_read_and_goes_on(page):
@@ -115,4 +117,5 @@ def test_a_narrow_window_shows_all_of_it(studio, open_studio, tmp_path):
     why.scroll_into_view_if_needed()
     width = page.evaluate("document.documentElement.scrollWidth")
     assert width <= 390
+    assert (broken(page), misplaced(page)) == ({}, [])
     page.screenshot(path=tmp_path / "narrow.png")

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
-from browsers import BROWSER, SOURCES
+from appearance import broken, misplaced, unreached
+from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
+from running_winch import telling_winch
 
 pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
 
-AXE = SOURCES / "node_modules" / "axe-core" / "axe.min.js"
 PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
+TABLET, LAPTOP, WIDE = (768, 1024), (1280, 800), (1920, 1080)
+MODES = [{"color_scheme": "dark"}, {"forced_colors": "active"}]
 
 
 def opened(open_shared, size, **options):
@@ -53,8 +55,6 @@ def test_the_diagram_is_seen_and_nothing_is_cut(open_shared, size):
 
 @pytest.mark.parametrize("size", [PHONE, USUAL], ids=str)
 def test_the_page_breaks_no_rule_of_axe(open_shared, size):
-    if not AXE.is_file():
-        pytest.skip("axe-core is not installed: npm install in studio")
     desk = opened(open_shared, size)
     desk.title("vehicle").click()
     expect(desk.page.get_by_role("form")).to_be_visible()
@@ -63,17 +63,150 @@ def test_the_page_breaks_no_rule_of_axe(open_shared, size):
         desk.tab(tab)
         assert broken(desk.page) == {}, tab
     shown(open_shared(viewport={"width": size[0], "height": size[1]}))
-    for button, dialog in (("another tab here", "Who else is here"), ("New model…", "New model")):
+    desk.tab("Diagram")
+    dialogs = (
+        ("another tab here", "Who else is here"),
+        ("New model…", "New model"),
+        ("Keys", "Keys"),
+    )
+    for button, dialog in (*dialogs, ("Connect…", "Connect to…")):
+        desk.title("vehicle").click()
         desk.page.get_by_role("button", name=button).click()
         desk.dialog(dialog)
         assert broken(desk.page) == {}, dialog
+        assert misplaced(desk.page) == [], dialog
         desk.keyboard.press("Escape")
+        expect(desk.page.get_by_role("button", name=button)).to_be_focused()
 
 
-def broken(page):
-    page.evaluate(Path(AXE).read_text(encoding="utf-8"))
-    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
-    return {each["id"]: [node["html"][:120] for node in each["nodes"]] for each in found}
+@pytest.mark.parametrize("size", [PHONE, ZOOMED, TABLET, SMALL, LAPTOP, USUAL, WIDE], ids=str)
+def test_every_control_is_whole_and_reached(open_shared, size):
+    desk = opened(open_shared, size)
+    desk.title("vehicle").click()
+    expect(desk.page.get_by_role("form")).to_be_visible()
+    assert misplaced(desk.page) == []
+    assert unreached(desk.page) == []
+    for tab in ("Outline", "Generate", "Live", "Recording", "History", "Source", "Table"):
+        desk.tab(tab)
+        assert misplaced(desk.page) == [], tab
+    desk.view.select_option("map:velocity_state")
+    desk.tab("Diagram")
+    expect(desk.page.locator(".box")).to_have_count(2)
+    assert misplaced(desk.page) == []
+    desk.tab("All members, and try it")
+    desk.page.get_by_role("button", name="JAUS → ROS").click()
+    expect(desk.page.locator(".trial table").first).to_be_visible()
+    assert misplaced(desk.page) == []
+    assert broken(desk.page) == {}
+
+
+@pytest.mark.parametrize("mode", [{}, *MODES], ids=str)
+def test_a_machine_is_stepped_in_all_colours(open_studio, tmp_path, mode):
+    desk = Desktop(open_studio(telling_winch(tmp_path), **mode))
+    for view in ("service:Winch", "machine:Winch.ReceiveFSM"):
+        desk.view.select_option(view)
+        expect(desk.page.locator(".view-bar")).to_contain_text("Add to")
+        assert (misplaced(desk.page), broken(desk.page)) == ([], {}), view
+    desk.tab("Step")
+    desk.page.locator(".stepping .choices button").first.click()
+    expect(desk.page.locator(".stepping ol li")).not_to_have_count(0)
+    assert (misplaced(desk.page), broken(desk.page)) == ([], {})
+
+
+@pytest.mark.parametrize("mode", MODES, ids=str)
+def test_no_colours_break_a_rule_of_axe(open_shared, mode):
+    desk = opened(open_shared, USUAL, **mode)
+    desk.title("vehicle").click()
+    for tab in ("Properties", "Outline", "Generate", "Live", "Recording", "Source", "Table"):
+        desk.tab(tab)
+        assert broken(desk.page) == {}, tab
+
+
+def test_the_title_of_a_frame_has_one_line_and_what_was_fitted_stays_so(open_studio, tmp_path):
+    desk = Desktop(open_studio(telling_winch(tmp_path)))
+    title = desk.page.locator(".frame.host > .title")
+    expect(title).to_be_visible()
+    assert title.bounding_box()["height"] < 30
+    frame, canvas = desk.page.locator(".frame.host"), desk.diagram.bounding_box()
+    desk.page.get_by_role("button", name="Lower panel").click()
+    expect(desk.diagram).not_to_have_css("height", f"{canvas['height']}px")
+    desk.page.wait_for_function(
+        """([frame, flow]) => {
+            const middle = each => each.getBoundingClientRect().top
+                + each.getBoundingClientRect().height / 2;
+            return Math.abs(middle(frame) - middle(flow)) < 2;
+        }""",
+        arg=[frame.element_handle(), desk.diagram.element_handle()],
+    )
+    # Who has looked at a part goes on looking at it.
+    seen = desk.page.locator(".react-flow__viewport")
+    fitted = scale(seen)
+    desk.page.get_by_role("button", name="Larger").click()
+    desk.page.get_by_role("button", name="Lower panel").click()
+    expect(desk.diagram).to_have_css("height", f"{canvas['height']}px")
+    assert scale(seen) > 1.1 * fitted
+
+
+def scale(viewport):
+    return viewport.evaluate("each => new DOMMatrix(getComputedStyle(each).transform).a")
+
+
+# ---- fingers -------------------------------------------------------------------------------------
+
+
+class Finger:
+    """Touches a page, which Playwright can only tap."""
+
+    def __init__(self, page):
+        self.session, self.page = page.context.new_cdp_session(page), page
+
+    def drag(self, start, end):
+        self._send("touchStart", start)
+        for part in range(1, 9):
+            self._send(
+                "touchMove", [a + (b - a) * part / 8 for a, b in zip(start, end, strict=True)]
+            )
+        self.session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+    def _send(self, kind, point):
+        points = [{"x": point[0], "y": point[1]}]
+        self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+@pytest.fixture
+def phone(open_shared):
+    """A page on a phone, which shows all."""
+    desk = opened(open_shared, PHONE, has_touch=True, is_mobile=True)
+    expect(desk.page.locator(".row").first).to_be_attached()
+    return desk
+
+
+def middle(part):
+    place = part.bounding_box()
+    return [place["x"] + place["width"] / 2, place["y"] + place["height"] / 2]
+
+
+def test_the_first_touch_draws_a_line_and_one_of_a_box_moves_it(phone):
+    node = phone.page.locator(".react-flow__node").filter(has=phone.box("vehicle"))
+    end = node.locator(".react-flow__handle-right").first
+    expect(end).to_be_attached()
+    Finger(phone.page).drag(middle(end), middle(phone.title("bridge")))
+    ways = phone.page.get_by_role("dialog")
+    expect(ways).to_be_visible()
+    phone.keyboard.press("Escape")
+    expect(ways).to_have_count(0)
+    before = phone.place("bridge")
+    x, y = middle(phone.title("bridge"))
+    x -= phone.title("bridge").bounding_box()["width"] / 4  # an end stands above its middle
+    Finger(phone.page).drag([x, y], [x, y + 60])
+    expect(ways).to_have_count(0)
+    assert phone.place("bridge") != before
+
+
+def test_all_is_large_enough_for_fingers(phone):
+    phone.title("vehicle").tap()
+    expect(phone.page.get_by_role("form")).to_be_visible()
+    assert misplaced(phone.page) == []
 
 
 MARK = """element => {
@@ -87,7 +220,8 @@ def test_with_the_colours_of_the_system_what_is_chosen_keeps_its_mark(open_share
     page = desk.page
     desk.title("vehicle").click()
     options = page.get_by_role("option")
-    assert options.and_(page.locator("[aria-selected=true]")).first.evaluate(MARK)[0] == "solid"
+    chosen = options.and_(page.locator("[aria-selected=true]")).first
+    expect(chosen).to_have_css("outline-style", "solid")  # the list comes anew with what is chosen
     assert options.and_(page.locator("[aria-selected=false]")).first.evaluate(MARK)[0] == "none"
     assert desk.box("vehicle").evaluate(MARK)[0] == "solid"
     tabs = page.get_by_role("tablist", name="Show", exact=True).get_by_role("tab")

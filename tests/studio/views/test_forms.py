@@ -11,6 +11,7 @@ from jausml.authoring.studio.views.forms import choices, form, form_of
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import Diagnostic, Severity
+from jausml.language.semantics.names import in_words
 
 CONCRETE = sorted(
     each.qualified_name for each in load_metamodels().classes.values() if not each.abstract
@@ -22,7 +23,7 @@ KINDS = {"text", "multiline", "number", "integer", "boolean", "choice", "referen
 def test_every_class_has_a_form(name):
     table = load_metamodels().classes[name]
     found = form_of(scope_of(CAR), table.python_class())
-    assert found.class_ == name
+    assert found.class_ == in_words(table.name)
     assert found.documentation
     settable = [each for each in table.features.values() if each.settable]
     owned = {each.name for each in settable if each.kind is FeatureKind.CONTAINMENT}

@@ -24,6 +24,7 @@ from jausml.authoring.studio.rpc import (
     freshness_as_json,
 )
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
+from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
@@ -99,8 +100,9 @@ def _carried_out(
         # Who does it again has seen what others did, and means it.
         made = project.do(commands, label, base, is_first=kept is None)
     except EditError as error:
-        if error.conflict and (kept or context.keep(commands, label, base, str(error))):
-            message = f"{error}. It is kept: do it again or discard it"
+        why = for_people(str(error))
+        if error.conflict and (kept or context.keep(commands, label, base, why)):
+            message = f"{why}. It is kept: do it again or discard it"
             raise EditError(message, conflict=True) from error
         raise
     finally:

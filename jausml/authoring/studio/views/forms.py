@@ -103,7 +103,8 @@ class Children:
 class Form:
     """The properties of an element.
 
-    `class_`: its class: `bridge.Connection`. `owner`: the element that owns it, empty for a root.
+    `class_`: its class in words: `service connection`. `owner`: the element that owns it, empty for
+    a root.
     """
 
     element: str
@@ -176,7 +177,7 @@ def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = 
     problems = _Problems(scope, element, diagnostics)
     return Form(
         element=ref,
-        class_=table.qualified_name,
+        class_=in_words(table.name),
         title=label_of(element),
         documentation=documentation(table.eclass),
         readonly=is_fixed,
@@ -358,7 +359,7 @@ def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed
             Child(
                 scope.ref(each),
                 label_of(each),
-                scope.model.metamodels.class_of(each).qualified_name,
+                in_words(scope.model.metamodels.class_of(each).name),
             )
             for each in owned
         ),

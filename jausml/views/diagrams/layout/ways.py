@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import reduce
 from typing import TYPE_CHECKING
 
+from jausml.views.diagrams.layout.parallel import parted
 from jausml.views.diagrams.layout.settling import (
     LEAST,
     MOST,
@@ -45,6 +46,7 @@ def spaced(sheet: Sheet, places: Places) -> Places:
             if not row:
                 points[at] = _off_corners(areas[name], points[at])
         lines[line.id] = replace(route, points=tuple(points))
+    lines = parted(sheet, replace(places, lines=lines))
     frames = surrounding(sheet, places.boxes, lines)
     return fitted(
         sheet,

@@ -100,27 +100,29 @@ export function Combobox(props: Props) {
         onBlur={close}
         onKeyDown={onKeyDown}
       />
-      <div className="options" id={list} role="listbox" aria-label={props.label} hidden={!isOpen}>
-        {isOpen &&
-          offered.map((each, index) => (
-            // biome-ignore lint/a11y/useFocusableInteractive: the focus stays in the input, which names the active one
-            // biome-ignore lint/a11y/useKeyWithClickEvents: keys are those of the input
-            <div
-              key={each.value}
-              id={`${list}-${index}`}
-              role="option"
-              aria-selected={index === active}
-              ref={(element) => {
-                if (index === active) element?.scrollIntoView?.({ block: "nearest" });
-              }}
-              // Before the input loses the focus, which would close the list.
-              onMouseDown={(event) => event.preventDefault()}
-              onClick={() => choose(each)}
-            >
-              <span>{each.label}</span>
-              {each.documentation && <small>{each.documentation}</small>}
-            </div>
-          ))}
+      <div className="options" hidden={!isOpen}>
+        <div id={list} role="listbox" aria-label={props.label}>
+          {isOpen &&
+            offered.map((each, index) => (
+              // biome-ignore lint/a11y/useFocusableInteractive: the focus stays in the input, which names the active one
+              // biome-ignore lint/a11y/useKeyWithClickEvents: keys are those of the input
+              <div
+                key={each.value}
+                id={`${list}-${index}`}
+                role="option"
+                aria-selected={index === active}
+                ref={(element) => {
+                  if (index === active) element?.scrollIntoView?.({ block: "nearest" });
+                }}
+                // Before the input loses the focus, which would close the list.
+                onMouseDown={(event) => event.preventDefault()}
+                onClick={() => choose(each)}
+              >
+                <span>{each.label}</span>
+                {each.documentation && <small>{each.documentation}</small>}
+              </div>
+            ))}
+        </div>
         {isOpen && offered.length === 0 && (
           <p className="quiet">{error || (found ? "Nothing has this name." : "Looking…")}</p>
         )}

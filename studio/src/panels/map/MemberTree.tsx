@@ -113,8 +113,8 @@ export function MemberTree(props: Props) {
             onKeyDown={(event) => onKeyDown(event, row)}
           />
         ))}
-        {shown.length === 0 && <p className="quiet">No member fits.</p>}
       </div>
+      {shown.length === 0 && <p className="quiet">No member fits.</p>}
     </div>
   );
 }

@@ -133,8 +133,8 @@ export function Outline() {
             <small>{[row.kind, row.note && `in ${row.note}`].filter(Boolean).join(" ")}</small>
           </div>
         ))}
-        {value && rows.length === 0 && <p className="quiet">Nothing fits.</p>}
       </div>
+      {value && rows.length === 0 && <p className="quiet">Nothing fits.</p>}
     </section>
   );
 }

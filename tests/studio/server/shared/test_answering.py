@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import pytest
@@ -40,6 +41,47 @@ def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None
     done = page.ask("edit", commands=added["drop"]["commands"], label=added["label_of_edit"])
     assert done["created"]
     assert page.ask("form", element=done["created"][0])["element"] == done["created"][0]
+
+
+REFUSED = [
+    {"kind": "rename", "element": f"{FILE}#//@components.99", "name": "x"},
+    {"kind": "remove", "element": f"{FILE}#//@bridges.0/@connections.99"},
+    {"kind": "rename", "element": "library:/jaus/mobility.xmi#PrimitiveDriver", "name": "x"},
+    {
+        "kind": "set",
+        "element": f"{FILE}#//@components.0",
+        "feature": "provides",
+        "values": [f"{FILE}#//@components.1"],
+    },
+    {
+        "kind": "set",
+        "element": f"{FILE}#//@components.0",
+        "feature": "controlTimeout",
+        "values": ["soon"],
+    },
+    {
+        "kind": "move",
+        "element": f"{FILE}#//@components.0",
+        "owner": f"{FILE}#//@nodes.0",
+        "feature": "publishers",
+    },
+    {
+        "kind": "add",
+        "owner": f"{FILE}#//@components.0",
+        "feature": "connections",
+        "type": "jaus.Component",
+    },
+]
+
+
+def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(page: Page) -> None:
+    told = re.compile(r"#|//|@|\b(jaus|ros|bridge)\.|[a-z][A-Z]")
+    for each in REFUSED:
+        with pytest.raises(RefusedError) as refused:
+            page.ask("edit", commands=[each], label="try", dry=True)
+        assert not told.search(re.sub("'[^']*'|PrimitiveDriver", "", str(refused.value)))
+    with pytest.raises(RefusedError, match="there is no component 100 of catvehicle"):
+        page.ask("form", element=f"{FILE}#//@components.99")
 
 
 def test_ends_can_be_connected(page: Page) -> None:

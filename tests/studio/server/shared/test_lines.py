@@ -18,7 +18,7 @@ SERVICE = {"file": FILE, "view": "service:Winch"}
 
 def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
     graph = page.ask("view", **MACHINE)["graph"]
-    assert page.ask("form", element=graph["element"])["class"] == "jaus.StateMachine"
+    assert page.ask("form", element=graph["element"])["class"] == "state machine"
     boxes = {each["title"]: {"node": each["id"], "port": ""} for each in graph["nodes"]}
     ends = page.ask("ends", **MACHINE, **boxes["Idle"])["ends"]
     assert {"Locked", "PayingIn", "Idle"} <= {each["label"] for each in ends}

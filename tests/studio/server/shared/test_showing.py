@@ -58,7 +58,7 @@ def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
     assert len(opened) == len(rows) + bridge["inner"]
     found = page.ask("outline", file=FILE, query="placement")["rows"]
     assert [each["kind"] for each in found] == ["placement"]
-    assert page.ask("form", element=found[0]["element"])["class"] == "system.Placement"
+    assert page.ask("form", element=found[0]["element"])["class"] == "placement"
 
 
 def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page: Page) -> None:

@@ -1,0 +1,105 @@
+"""Lines between the same two boxes: `dot` winds some around each other, which are drawn apart."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise, product
+from math import dist
+from typing import TYPE_CHECKING
+
+from jausml.views.diagrams.layout.settling import area_of
+from jausml.views.diagrams.layout.sheet import Route, on_curve, samples
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.views.diagrams.layout.settling import Area
+    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
+
+APART = 12
+"""Room between two lines of the same boxes."""
+
+_ENDS = (0.15, 0.3, 0.5, 0.7, 0.85)
+"""Where on the side of a box another way may begin or end."""
+
+
+def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
+    """Returns the ways of lines; of two of the same boxes that come too near one has another.
+
+    It stays where there is no room for another.
+    """
+    areas = {each.id: area_of(each, places.boxes[each.id]) for each in sheet.boxes}
+    lines = dict(places.lines)
+    for one, other in combinations(sheet.lines, 2):
+        if _is_beside(one, other) and nearness(lines[one.id], lines[other.id]) < APART:
+            for line, kept in ((one, other), (other, one)):
+                found = _another(line, lines[kept.id], areas, lines)
+                if found is not None:
+                    lines[line.id] = found
+                    break
+    return lines
+
+
+def nearness(one: Route, other: Route) -> float:
+    """Returns how near two ways come to each other."""
+    return min(dist(*each) for each in product(samples(one.points), samples(other.points)))
+
+
+def _is_beside(one: Line, other: Line) -> bool:
+    """Tells whether two lines lead from box to box, and not from row to row."""
+    ends = {one.source, one.target}
+    return len(ends) == 2 and ends == {other.source, other.target} and not any(r for _, r in ends)
+
+
+def _another(
+    line: Line, kept: Route, areas: Mapping[str, Area], lines: Mapping[str, Route]
+) -> Route | None:
+    """Returns a way apart from one that is kept, through no box; that over the fewest lines."""
+    others = [samples(each.points) for name, each in lines.items() if name != line.id]
+    found: list[tuple[int, float, Route]] = []
+    for points in _ways(areas[line.source[0]], areas[line.target[0]]):
+        x, y = on_curve(points, 0.5)
+        label = (round(x, 1), round(y, 1)) if lines[line.id].label is not None else None
+        route, way = Route(points, label), samples(points)
+        is_clear = not any(a.left < x < a.right and a.top < y < a.bottom
+                           for a in areas.values() for x, y in way)  # fmt: skip
+        if is_clear and nearness(route, kept) >= APART:
+            crossed = sum(_cross(way, each) for each in others)
+            found.append((crossed, dist(points[0], points[-1]), route))
+    return min(found, default=(0, 0.0, None), key=lambda each: each[:2])[2]
+
+
+def _ways(source: Area, target: Area) -> Iterator[tuple[Point, Point, Point, Point]]:
+    """Yields simple ways between boxes of which one is above the other, or beside it."""
+    if source.bottom < target.top or target.bottom < source.top:
+        y0, y1 = (
+            (source.bottom, target.top) if source.top < target.top else (source.top, target.bottom)
+        )
+        for a, b in product(_ENDS, _ENDS):
+            x0 = round(source.left + a * (source.right - source.left), 1)
+            x1 = round(target.left + b * (target.right - target.left), 1)
+            middle = round((y0 + y1) / 2, 1)
+            yield (x0, y0), (x0, middle), (x1, middle), (x1, y1)
+    if source.right < target.left or target.right < source.left:
+        x0, x1 = (
+            (source.right, target.left)
+            if source.left < target.left
+            else (source.left, target.right)
+        )
+        for a, b in product(_ENDS, _ENDS):
+            y0 = round(source.top + a * (source.bottom - source.top), 1)
+            y1 = round(target.top + b * (target.bottom - target.top), 1)
+            middle = round((x0 + x1) / 2, 1)
+            yield (x0, y0), (middle, y0), (middle, y1), (x1, y1)
+
+
+def _cross(one: Sequence[Point], other: Sequence[Point]) -> bool:
+    return any(_is_crossed(*a, *b) for a in pairwise(one) for b in pairwise(other))
+
+
+def _is_crossed(a: Point, b: Point, c: Point, d: Point) -> bool:
+    return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
+
+
+def _side(start: Point, end: Point, point: Point) -> float:
+    """Tells by its sign on which side of a line a point is."""
+    return (end[0] - start[0]) * (point[1] - start[1]) - (end[1] - start[1]) * (point[0] - start[0])

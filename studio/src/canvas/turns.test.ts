@@ -1,0 +1,52 @@
+import { expect, test } from "vitest";
+import { BOXES_AT_ONCE, further } from "./turns";
+
+interface Part {
+  id: string;
+  hidden?: boolean;
+}
+
+const parts = (from: number, to: number): Part[] =>
+  Array.from({ length: to - from }, (_, at) => ({ id: `${from + at}` }));
+
+const seen = (shown: Part[]) => shown.filter((each) => !each.hidden).map(({ id }) => id);
+
+function steps(shown: Part[], wanted: Part[]): Part[][] {
+  const found = [shown];
+  while (found.at(-1) !== wanted) found.push(further(found.at(-1)!, wanted));
+  return found;
+}
+
+test("few parts come and few go at once, until all is as it is wanted", () => {
+  const [before, wanted] = [parts(0, 200), parts(150, 500)];
+  const found = steps(before, wanted);
+  expect(found.length).toBeGreaterThan(4);
+  found.slice(1).forEach((shown, at) => {
+    const [old, now] = [seen(found[at]!), seen(shown)];
+    expect(now.filter((id) => !old.includes(id)).length).toBeLessThanOrEqual(BOXES_AT_ONCE);
+    expect(old.filter((id) => !now.includes(id)).length).toBeLessThanOrEqual(BOXES_AT_ONCE);
+  });
+});
+
+test("what goes was hidden in the picture before", () => {
+  const found = steps(parts(0, 200), parts(190, 200));
+  found.slice(1).forEach((shown, at) => {
+    const left = new Set(shown.map(({ id }) => id));
+    const gone = found[at]!.filter(({ id }) => !left.has(id));
+    expect(gone.every(({ hidden }) => hidden)).toBe(true);
+  });
+});
+
+test("what stays is at once as it is wanted, and what comes back is no more hidden", () => {
+  const before = parts(0, 3);
+  const wanted = [{ id: "1", x: 5 }];
+  const shown = further<Part>(before, wanted);
+  expect(shown.find(({ id }) => id === "1")).toBe(wanted[0]);
+  expect(seen(shown)).toEqual(["1"]);
+  expect(seen(further(shown, before))).toEqual(["0", "1", "2"]);
+});
+
+test("a change of the same parts is shown as it is", () => {
+  const wanted = parts(0, 500);
+  expect(further(parts(0, 500), wanted)).toBe(wanted);
+});
