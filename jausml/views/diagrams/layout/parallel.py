@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from itertools import combinations, pairwise, product
 from math import dist
 from typing import TYPE_CHECKING
@@ -29,8 +30,14 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
     """
     areas = {each.id: area_of(each, places.boxes[each.id]) for each in sheet.boxes}
     lines = dict(places.lines)
-    for one, other in combinations(sheet.lines, 2):
-        if _is_beside(one, other) and nearness(lines[one.id], lines[other.id]) < APART:
+    beside: dict[frozenset[str], list[Line]] = defaultdict(list)
+    for line in sheet.lines:
+        (source, leaving), (target, entering) = line.source, line.target
+        if source != target and not (leaving or entering):  # from box to box, not row to row
+            beside[frozenset((source, target))].append(line)
+    pairs = (pair for each in beside.values() for pair in combinations(each, 2))
+    for one, other in pairs:
+        if nearness(lines[one.id], lines[other.id]) < APART:
             for line, kept in ((one, other), (other, one)):
                 found = _another(line, lines[kept.id], areas, lines)
                 if found is not None:
@@ -42,12 +49,6 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
 def nearness(one: Route, other: Route) -> float:
     """Returns how near two ways come to each other."""
     return min(dist(*each) for each in product(samples(one.points), samples(other.points)))
-
-
-def _is_beside(one: Line, other: Line) -> bool:
-    """Tells whether two lines lead from box to box, and not from row to row."""
-    ends = {one.source, one.target}
-    return len(ends) == 2 and ends == {other.source, other.target} and not any(r for _, r in ends)
 
 
 def _another(
