@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.api import JausError
+from ..base.clocks import Alarm
 from ..messages import (
     ConfirmControl,
     ConfirmHandoffRequest,
@@ -31,7 +32,6 @@ from .controlled_target import ControlledTarget
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..base.loop import Timer
     from ..services.definitions import Status
     from ..services.host import Host
     from .control_state import ControlState
@@ -221,30 +221,28 @@ class PendingHandoff:
         self._host = host
         self._message = message
         self._on_answer = on_answer
-        self._timer: Timer | None = None
+        self._timer = Alarm(host.loop)
 
     def cancel(self) -> None:
         """Take the request back; no effect once it is decided."""
         with self._host.loop.lock:
-            if self._timer is not None and self.number is not None:
+            if self._timer.is_set and self.number is not None:
                 removal = RemoveHandoffRequest(id_=self.number)
                 self._host.send(removal, self.target, acknowledge=True)
             self.end()
 
     def end(self) -> None:
         """Ask no more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def ask(self) -> None:
         """Send the request, and again before it lapses."""
-        self._timer = self._host.loop.call_later(self.pause, self.ask)
+        self._timer.set(self.pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
         """Take an answer; return whether it grants control."""
-        if self._timer is None:
+        if not self._timer.is_set:
             return False
         answer = HandoffAnswer(message.response_code)
         if answer in _GOES_ON:

@@ -7,6 +7,7 @@ from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
@@ -14,11 +15,8 @@ from ..wire.message import DecodeError, Message
 from .discovery_client import SILENCE, Pace
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
-    from ..base.loop import Timer
     from ..services.host import Host
     from .discovery_client import Presence
     from .event_subscription import EventSubscription
@@ -123,8 +121,8 @@ class EventStream:
         self._renewals = 0
         self._is_renewed = False
         self._asked_at = self._confirmed_at = float("-inf")
-        self._timer: Timer | None = None
-        self._silence_timer: Timer | None = None
+        self._timer = Alarm(component.loop)
+        self._silence_timer = Alarm(component.loop)
         self._silence_wait = 0.0
         self._heard = 0.0
         self._expected: int | None = None
@@ -170,7 +168,8 @@ class EventStream:
         for subscription in self._subscriptions():
             subscription.stop_watching()
         self._groups.clear()
-        self._cancel_timers()
+        self._timer.cancel()
+        self._silence_timer.cancel()
         if self._state is not _State.IDLE and self.event_id is not None:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
@@ -293,7 +292,7 @@ class EventStream:
                 return  # the answer to a request of a former life
             self.refusal = f"{text} (code {code})" if text else f"code {code}"
             self._counters.count("event_client.refused", f"{self.provider}: {self.refusal}")
-            self._set_timer(self._settings.refused_retry, self._create)
+            self._timer.set(self._settings.refused_retry, self._create)
 
     def _take_answer(self) -> None:
         """Let the answer to CreateEvent end its repetition."""
@@ -327,15 +326,16 @@ class EventStream:
         if self._loop.now() >= self._asked_at + self._settings.retry_min:
             self._create()
         else:
-            self._set_timer(self._settings.retry_min, self._create)
+            self._timer.set(self._settings.retry_min, self._create)
 
     def _create(self) -> None:
         self._state = _State.CREATING
         self._renewals = 0
-        self._cancel_timers()
+        self._timer.cancel()
+        self._silence_timer.cancel()
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
-        self._set_timer(self._pace.next_pause(), self._create)
+        self._timer.set(self._pace.next_pause(), self._create)
         self._ask()
 
     def _renew(self) -> None:
@@ -346,7 +346,7 @@ class EventStream:
         self._renewals += 1
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
-        self._set_timer(self._settings.retry_min, self._renew)
+        self._timer.set(self._settings.retry_min, self._renew)
         self._ask()
 
     def _ask(self) -> None:
@@ -384,8 +384,8 @@ class EventStream:
         if self._rate is None:
             waits.append(self._settings.check_interval)
         if waits:
-            self._set_timer(min(waits), self._renew)
-        elif self._timer is not None:
+            self._timer.set(min(waits), self._renew)
+        else:
             self._timer.cancel()
 
     # ---- reports ----------------------------------------------------------------------------
@@ -444,34 +444,19 @@ class EventStream:
 
     def _watch_silence(self) -> None:
         """Wait for the reports of a periodic event, longer each time that they stay away."""
-        if self._silence_timer is not None:
-            self._silence_timer.cancel()
-            self._silence_timer = None
+        self._silence_timer.cancel()
         if self._confirmed_rate > 0:
             shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
             self._silence_wait = max(self._silence_wait, shortest)
-            self._silence_timer = self._loop.call_later(self._silence_wait, self._look)
+            self._silence_timer.set(self._silence_wait, self._look)
 
     def _look(self) -> None:
         shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
         wait = max(self._silence_wait, shortest)
         if self._loop.now() < self._heard + wait:
-            self._silence_timer = self._loop.call_at(self._heard + wait, self._look)
+            self._silence_timer.set_at(self._heard + wait, self._look)
             return
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
         self._listener.suspect(self.provider)
-
-    # ---- timers -----------------------------------------------------------------------------
-
-    def _set_timer(self, delay: float, action: Callable[[], None]) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-        self._timer = self._loop.call_later(delay, action)
-
-    def _cancel_timers(self) -> None:
-        for timer in (self._timer, self._silence_timer):
-            if timer is not None:
-                timer.cancel()
-        self._timer = self._silence_timer = None

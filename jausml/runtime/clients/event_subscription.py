@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ..base.clocks import Alarm
 from ..base.fast_path import fast_path_of
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ class EventSubscription:
         )
         self._silence_timeout = silence_timeout
         self._on_silence = on_silence
-        self._watch: Timer | None = None
+        self._watch = Alarm(stream.component.loop)
         self._heard = 0.0
         self._silent = False
         self._query_timer: QueryTimer | None = None
@@ -166,9 +167,7 @@ class EventSubscription:
 
     def stop_watching(self) -> None:
         """Detect no silence any more."""
-        if self._watch is not None:
-            self._watch.cancel()
-            self._watch = None
+        self._watch.cancel()
         self._stop_asking()
 
     def follow(self, given: float | None) -> None:
@@ -220,8 +219,7 @@ class EventSubscription:
         self._take(report, self.provider)
 
     def _watch_from(self, heard: float) -> None:
-        loop = self._component.loop
-        self._watch = loop.call_at(heard + self._silence_timeout, self._look)
+        self._watch.set_at(heard + self._silence_timeout, self._look)
 
     def _look(self) -> None:
         """Re-arm for the last report instead of re-arming at every report."""
@@ -230,7 +228,6 @@ class EventSubscription:
             return
         self._silent = True
         self._component.loop.revision.changed()
-        self._watch = None
         self._component.counters.add("event_client.silent")
         if self._on_silence is not None:
             self._component.call(self._on_silence)
