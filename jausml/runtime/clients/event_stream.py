@@ -11,13 +11,14 @@ from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from ..wire.message import DecodeError, Message
 from .discovery_client import SILENCE, Pace
+from .event_subscription import Subscribers
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..services.host import Host
+    from ..wire.message import DecodeError, Message
     from .discovery_client import Presence
     from .event_subscription import EventSubscription
 
@@ -49,10 +50,6 @@ class _State(Enum):
     IDLE = "idle"
     CREATING = "creating"
     ACTIVE = "active"
-
-
-_Group = tuple[type[Message], bool]
-"""The codec of the report, and whether the subscribers take it encoded."""
 
 
 class Listener(Protocol):
@@ -111,7 +108,7 @@ class EventStream:
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
-        self._groups: dict[_Group, list[EventSubscription]] = {}
+        self._subscribers = Subscribers(partial(self.count_bad, provider))
         self._state = _State.IDLE
         self._rate: float | None = None
         self._asked_rate: float | None = None
@@ -137,27 +134,22 @@ class EventStream:
 
     def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
         """Add a subscriber; it gets the last report of an event that is under way."""
-        group = report_class, subscription.takes_payloads
-        self._groups.setdefault(group, []).append(subscription)
+        self._subscribers.add(subscription, report_class)
         self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
         self._agree_on_rate()
         if self._state is _State.IDLE:
-            if len(self._subscriptions()) == 1:
+            if len(self._subscribers) == 1:
                 self.component.when_started(self._start)
         elif self._last is not None:
-            last = self._last
-            self._loop.call_soon(lambda: self._deliver_to(subscription, group, last))
+            give = partial(self._subscribers.give, subscription, self._last)
+            self._loop.call_soon(lambda: give(self._loop.now()))
 
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber; the event is cancelled with the last one."""
         self._loop.revision.changed()
-        for group, subscriptions in list(self._groups.items()):
-            if subscription in subscriptions:
-                subscriptions.remove(subscription)
-                if not subscriptions:
-                    del self._groups[group]
-        if self._groups:
+        self._subscribers.remove(subscription)
+        if self._subscribers:
             self._agree_on_rate()
         elif self._listener.has(self):
             self.stop()
@@ -165,9 +157,9 @@ class EventStream:
     def stop(self) -> None:
         """Cancel the event and forget the subscribers."""
         self._loop.revision.changed()
-        for subscription in self._subscriptions():
+        for subscription in self._subscribers:
             subscription.stop_watching()
-        self._groups.clear()
+        self._subscribers.clear()
         self._timer.cancel()
         self._silence_timer.cancel()
         if self._state is not _State.IDLE and self.event_id is not None:
@@ -179,11 +171,10 @@ class EventStream:
 
     def fast_path(self) -> FastPath | None:
         """Return the fast path of the reports to the one who alone subscribes; None without one."""
-        groups = list(self._groups.items())
-        if len(groups) != 1 or len(groups[0][1]) != 1 or self._is_renewed:
+        if len(self._subscribers) != 1 or self._is_renewed:
             return None
-        ((report_class, takes_payloads), (subscription,)) = groups[0]
-        found = subscription.fast_path() if takes_payloads else None
+        ((subscription, report_class),) = self._subscribers.items()
+        found = subscription.fast_path() if subscription.takes_payloads else None
         if found is None or found.code != report_class.CODE:
             return None
         passed = found.passed
@@ -198,14 +189,9 @@ class EventStream:
 
         return replace(found, passed=note, expected=lambda: self._expected)
 
-    def _subscriptions(self) -> list[EventSubscription]:
-        return [each for group in self._groups.values() for each in group]
-
     def _agree_on_rate(self) -> None:
-        """Take every change when anybody wants that, else the highest rate asked for."""
-        rates = [each.rate for each in self._subscriptions()]
-        periodic = [rate for rate in rates if rate is not None]
-        rate = max(periodic) if len(periodic) == len(rates) else None
+        """Ask for the rate that the subscribers want by now."""
+        rate = self._subscribers.wanted_rate
         if rate != self._rate:
             self._rate = rate
             if self._state is _State.ACTIVE:
@@ -215,7 +201,7 @@ class EventStream:
     def _pace_subscriptions(self) -> None:
         """Tell each subscriber what it gets, to have its own rate of it."""
         given = None if self._rate is None else self._confirmed_rate or self._rate
-        for subscription in self._subscriptions():
+        for subscription in self._subscribers:
             subscription.follow(given)
 
     # ---- requests ---------------------------------------------------------------------------
@@ -245,7 +231,7 @@ class EventStream:
     def confirmed(self, event_id: int, rate: float) -> None:
         """Take the provider's confirmation of our last request."""
         self._take_answer()
-        if self._state is _State.IDLE or not self._groups:
+        if self._state is _State.IDLE or not self._subscribers:
             return
         if self._state is _State.ACTIVE and not self._renewals:
             # Nothing was asked: the provider says that the event has timed out, or answers twice.
@@ -316,7 +302,7 @@ class EventStream:
             self._renew()
 
     def _start(self) -> None:
-        if self._groups and self._state is _State.IDLE:
+        if self._subscribers and self._state is _State.IDLE:
             self._presence.watch(self.provider, self._returned)
             self._create()
 
@@ -412,29 +398,7 @@ class EventStream:
         self._silence_wait = 0.0
         if is_repeated:
             return  # the answer to a renewal: nothing has changed
-        for group, subscriptions in tuple(self._groups.items()):
-            report = self._read(group, payload)
-            if report is not None:
-                for subscription in tuple(subscriptions):
-                    if subscription in subscriptions:  # not cancelled by one before it
-                        subscription.deliver(report, now)
-
-    def _deliver_to(self, subscription: EventSubscription, group: _Group, payload: bytes) -> None:
-        if subscription in self._groups.get(group, ()):
-            report = self._read(group, payload)
-            if report is not None:
-                subscription.deliver(report, self._loop.now())
-
-    def _read(self, group: _Group, payload: bytes) -> Message | bytes | None:
-        """Return a report as a group of subscribers takes it; None if it is of another message."""
-        report_class, takes_payloads = group
-        if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
-            return payload
-        try:
-            return report_class.decode(payload)
-        except DecodeError as error:
-            self.count_bad(self.provider, error)
-            return None
+        self._subscribers.deliver(payload, now)
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
         """Count a report that cannot be read."""
