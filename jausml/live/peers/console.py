@@ -135,7 +135,6 @@ class Console:
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
-        """Starts a session without a target."""
         self.failures = 0
         self.has_doubts = False
         self._operator = operator

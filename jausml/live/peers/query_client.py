@@ -68,7 +68,6 @@ class QueryClient:
         heard: Heard,
         timeout: float,
     ) -> None:
-        """Asks nothing yet."""
         self.catalogue = catalogue
         self.timeout = timeout
         self.survey = Survey(component, tuple(network.settings.address_book))

@@ -139,19 +139,16 @@ class ControlClient:
 
     def holds(self, target: JausAddress) -> bool:
         """Tell whether this component controls a target, as far as it knows."""
-        control = self._controls.get(target)
-        return control is not None and control.holds
+        return any(control.holds for control in self._of(target))
 
     def hand_over(self, target: JausAddress) -> None:
         """Leave control of a target to another component."""
-        control = self._controls.get(target)
-        if control is not None:
+        for control in self._of(target):
             control.hand_over()
 
     def take_over(self, target: JausAddress) -> None:
         """Go on with control of a target that another component has handed over."""
-        control = self._controls.get(target)
-        if control is not None:
+        for control in self._of(target):
             control.take_over()
 
     def stop(self) -> None:
@@ -163,29 +160,29 @@ class ControlClient:
         """Drop a control without sessions."""
         self._controls.pop(control.target, None)
 
-    def _released(self, target: JausAddress) -> None:
+    def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
+        """Return the control of a target, or none."""
         control = self._controls.get(target)
-        if control is not None:
+        return () if control is None else (control,)
+
+    def _released(self, target: JausAddress) -> None:
+        for control in self._of(target):
             control.released()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.confirmed(message.response_code)
 
     def _rejected(self, _message: RejectControl, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.rejected()
 
     def _timeout_reported(self, message: ReportTimeout, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.timeout_reported(message.timeout)
 
     def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.reported(message)
 
 

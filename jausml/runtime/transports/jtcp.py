@@ -58,7 +58,6 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         super().__init__(settings, loop)
         self._well_known: Endpoint = (settings.interface, settings.port)
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)

@@ -146,7 +146,6 @@ class ConformanceJudge(Judge):
     """Gives a point for each check of conformance that applies to the target."""
 
     def __init__(self, selection: CheckFilter, on_score: Callable[[Score], None]) -> None:
-        """Prepares; nothing is sent."""
         self._selection = selection
         self._groups = {
             each.name: Task(each.name, each.name, "one point for each check that applies")

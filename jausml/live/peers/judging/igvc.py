@@ -79,7 +79,6 @@ class Handshake:
     """The questions of an entry that introduces itself: when the last came, and from where."""
 
     def __init__(self) -> None:
-        """Nothing was heard yet."""
         self._heard = 0.0
         self._place: Endpoint | None = None
 

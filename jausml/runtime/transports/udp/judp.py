@@ -43,7 +43,6 @@ class JudpTransport(DatagramTransport):
     """Components of this process on one JUDP port (AS5669A)."""
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         self._port = SharedPort(settings)
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
