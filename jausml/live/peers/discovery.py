@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
@@ -23,7 +24,7 @@ from jausml.runtime.services.definitions import ServiceIdentity
 from jausml.runtime.services.discovery_messages import query_services, reported_services
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from jausml.live.peers.network import Network
     from jausml.runtime.messages import ReportServiceList
@@ -38,6 +39,8 @@ ROUND = 0.5
 POLL = 0.01
 """Seconds from one look for an answer to the next."""
 
+T = TypeVar("T")
+
 _TYPE_NAMES = {
     10001: "vehicle",
     20001: "OCU",
@@ -46,6 +49,14 @@ _TYPE_NAMES = {
     50001: "payload",
     60001: "component",
 }
+
+
+def awaited(look: Callable[[], T], seconds: float = math.inf) -> T:
+    """Returns what there is to see as soon as that is something, or what there is after a time."""
+    end = time.monotonic() + seconds
+    while not (seen := look()) and time.monotonic() < end:
+        time.sleep(POLL)
+    return seen
 
 
 def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> Services:
@@ -143,10 +154,7 @@ class Survey:
         if not known:
             self.ask(address)
             self.ask(JausAddress(address.subsystem, 255, 255))
-            end = time.monotonic() + seconds
-            while not known and time.monotonic() < end:
-                time.sleep(POLL)
-                known = self.services(address)
+            known = awaited(lambda: self.services(address), seconds)
         return known
 
     def forget(self, address: JausAddress) -> None:
