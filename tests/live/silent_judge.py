@@ -11,7 +11,7 @@ import sys
 from jausml_runtime.base.address import JausAddress
 from jausml_runtime.base.counters import Counters
 from jausml_runtime.messages import QueryIdentification, ReportIdentification, ReportServices
-from jausml_runtime.services.discovery_messages import query_all_services, reported_services
+from jausml_runtime.services.discovery_messages import query_services, reported_services
 from jausml_runtime.transports.packets.packet import AckNak, Packet, parse_datagram
 from roles import say
 
@@ -38,7 +38,7 @@ def main() -> None:
                     if scope == SUBSYSTEM:
                         greeted.add(packet.source)
                         answer = ReportIdentification(SUBSYSTEM, OCU, "judge")
-                        replies = [answer.encode(), query_all_services().encode()]
+                        replies = [answer.encode(), query_services().encode()]
                 elif code == ReportServices.CODE.to_bytes(2, "little"):
                     report = ReportServices.decode(packet.payload)
                     found = reported_services(report, packet.source.subsystem)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.live.peers.discovery import service_list, services_of
+from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportServiceList, ReportServices
 
@@ -46,7 +46,7 @@ def test_a_service_list_of_two_component_records_is_merged_too():
     subsystem = ReportServiceList.SubsystemSeq(
         subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=7), node_list=[node]
     )
-    found = service_list(ReportServiceList(subsystem_list=[subsystem]))
+    found = services_of(ReportServiceList(subsystem_list=[subsystem]), 0)
     assert {address: names(each) for address, each in found.items()} == {
         JausAddress(7, 2, 9): ["One", "Two"]
     }

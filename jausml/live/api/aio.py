@@ -81,7 +81,6 @@ class Subscribing:
     """A subscription under way: `await` it, or use it in an `async with` block at once."""
 
     def __init__(self, begin: Callable[[], Awaitable[AsyncSubscription]]) -> None:
-        """Begins nothing yet."""
         self._begin = begin
         self._made: AsyncSubscription | None = None
 

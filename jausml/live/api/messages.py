@@ -184,7 +184,6 @@ class Declarations:
     """Services of a component, the reports that it gives, and the messages that it takes."""
 
     def __init__(self, known: Catalogue, name: str, provides: str | Sequence[str]) -> None:
-        """Declares services alone."""
         named = (provides,) if isinstance(provides, str) else provides
         self.identity = Identity(name, _identities(known, named))
         self._known = known

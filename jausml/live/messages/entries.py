@@ -88,7 +88,6 @@ class ServiceEntry:
         definition: jaus.Service,
         messages: Callable[[Iterable[jaus.MessageDef]], tuple[MessageEntry, ...]],
     ) -> None:
-        """Makes an entry."""
         self.urn = str(definition.urn)
         self.version = str(definition.version)
         self.name = str(definition.name)
@@ -143,7 +142,6 @@ class MessageEntry:
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
     ) -> None:
-        """Makes an entry without services."""
         self.name = str(definition.name)
         self.code = int(str(definition.code), 16)
         self.is_command = bool(definition.isCommand)

@@ -21,7 +21,7 @@ from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.operator import Operator
@@ -31,38 +31,29 @@ _REPORTING = ("query", "watch")
 _SENDING = ("command", "request", "send")
 
 
-def completions(
-    operator: Operator, commands: Iterable[str], target: JausAddress | None, line: str
-) -> list[str]:
-    """Returns the words that may end a line, of which the last one was begun.
+def _next(
+    operator: Operator,
+    commands: Mapping[str, ConsoleCommand],
+    target: JausAddress | None,
+    words: list[str],
+) -> Iterable[str]:
+    """Returns what may follow the words of a line.
 
     Messages and fields are those of the component that is addressed, as far as it has said what it
     provides; nothing is asked for that.
     """
-    *before, begun = line.split(" ")
-    words = [each for each in before if each]
-    found = _next(operator, commands, target, words) if words else commands
-    return sorted(each for each in set(found) if each.lower().startswith(begun.lower()))
-
-
-def _next(
-    operator: Operator, commands: Iterable[str], target: JausAddress | None, words: list[str]
-) -> Collection[str]:
     command, *rest = words
     ids = {str(each): each for each in operator.senders()}
     if rest and rest[0] in ids:
         target, rest = ids[rest[0]], rest[1:]
-    elif not rest and command in commands and command not in _WITHOUT_ID:
-        return [*ids, *message_names(operator, target, command)]
+    elif not rest and command in commands and commands[command].takes_id:
+        return [*ids, *_message_names(operator, target, command)]
     if command not in (*_REPORTING, *_SENDING):
         return []
-    return _fields(operator, target, rest) if rest else message_names(operator, target, command)
+    return _fields(operator, target, rest) if rest else _message_names(operator, target, command)
 
 
-_WITHOUT_ID = ("discover", "help", "quit", "unwatch", "wait")
-
-
-def message_names(operator: Operator, target: JausAddress | None, command: str) -> list[str]:
+def _message_names(operator: Operator, target: JausAddress | None, command: str) -> list[str]:
     """Returns the names of the messages that a command may name, none for other commands.
 
     They are those that a component takes; all there are where it has not said what it provides.
@@ -121,11 +112,16 @@ class UsageError(Exception):
 
 @dataclass(frozen=True)
 class ConsoleCommand:
-    """A command of the session."""
+    """A command of the session; one that takes an id is run with the component and the rest."""
 
     usage: str
     help: str
-    run: Callable[[str], None]
+    run: Callable[..., None]
+
+    @property
+    def takes_id(self) -> bool:
+        """Whether its first word may name the component that it is for."""
+        return "ID" in self.usage
 
 
 class Console:
@@ -135,7 +131,6 @@ class Console:
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
-        """Starts a session without a target."""
         self.failures = 0
         self.has_doubts = False
         self._operator = operator
@@ -198,7 +193,12 @@ class Console:
 
     def completions(self, line: str) -> list[str]:
         """Returns the words that may end a line, of which the last one was begun."""
-        return completions(self._operator, self.commands, self._target, line)
+        *before, begun = line.split(" ")
+        words = [each for each in before if each]
+        found: Iterable[str] = self.commands
+        if words:
+            found = _next(self._operator, self.commands, self._target, words)
+        return sorted(each for each in set(found) if each.lower().startswith(begun.lower()))
 
     def execute(self, word: str, rest: str) -> None:
         """Carries out one command; what goes wrong is told and counted."""
@@ -209,7 +209,7 @@ class Console:
                     f"no command '{word}'{did_you_mean(similar(word, self.commands)) or ';'} "
                     "'help' lists them"
                 )
-            command.run(rest)
+            command.run(*(self._aim(rest) if command.takes_id else (rest,)))
         except UsageError as error:
             usage = f"; usage: {word} {command.usage}".rstrip() if command else ""
             self._fail(f"{error}{usage}")
@@ -229,30 +229,25 @@ class Console:
         if not found:
             raise NoAnswer(self._operator.nothing_heard)
 
-    def _choose(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _choose(self, target: JausAddress, _rest: str) -> None:
         self._emit(f"target {target}")
 
-    def _services(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _services(self, target: JausAddress, _rest: str) -> None:
         services = self._operator.services(target)
         if not services:
             raise self._operator.unanswered(target, "QueryServices", "ReportServices")
         for line in service_lines(services):
             self._emit(line)
 
-    def _status(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _status(self, target: JausAddress, _rest: str) -> None:
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
-    def _query(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _query(self, target: JausAddress, rest: str) -> None:
         name, fields = _message(rest)
         entry, answer = self._operator.query(target, name, fields)
         self._emit(report_line(target, entry, answer))
 
-    def _watch(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _watch(self, target: JausAddress, rest: str) -> None:
         words = shlex.split(rest)
         if not words:
             raise UsageError("which report?")
@@ -282,14 +277,12 @@ class Console:
 
     # ---- commanding -------------------------------------------------------------------------
 
-    def _control(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _control(self, target: JausAddress, rest: str) -> None:
         authority = int(_number(rest, DEFAULT_AUTHORITY))
         self._operator.control(target, authority, lambda news: self._changed(target, news))
         self._emit(f"{target} is controlled")
 
-    def _handoff(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _handoff(self, target: JausAddress, rest: str) -> None:
         word, _, reason = rest.partition(" ")
         authority = int(_number(word, DEFAULT_AUTHORITY))
         self._operator.request_handoff(
@@ -297,8 +290,7 @@ class Console:
         )
         self._emit(f"{target} is controlled")
 
-    def _decide(self, decision: HandoffDecision, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _decide(self, decision: HandoffDecision, target: JausAddress, rest: str) -> None:
         if not rest:
             raise UsageError("which request?")
         client = self._operator.decide_handoff(target, int(_number(rest, 0)), decision)
@@ -326,13 +318,11 @@ class Console:
             self.has_doubts = True
             self._emit(f"note: {outcome('messages', hold)}")
 
-    def _resume(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _resume(self, target: JausAddress, _rest: str) -> None:
         self._require_control(target)
         self.resume(target)
 
-    def _standby(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _standby(self, target: JausAddress, _rest: str) -> None:
         self._require_control(target)
         self._change(target, Standby(), Status.STANDBY)
 
@@ -340,8 +330,7 @@ class Console:
         state = self._operator.change(target, command, state_after)
         self._emit(f"{target} is in {state.name}" if state else f"{target} does not tell its state")
 
-    def _send(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _send(self, target: JausAddress, rest: str) -> None:
         name, fields = _message(rest)
         entry = self._operator.find(target, name)
         message = self._operator.message(entry, fields or {})
@@ -350,23 +339,19 @@ class Console:
         self._operator.send(target, message)
         self._emit(f"{entry.name} sent to {target}")
 
-    def _request(self, rest: str) -> None:
-        target, rest = self._aim(rest)
+    def _request(self, target: JausAddress, rest: str) -> None:
         name, fields = _message(rest)
         self._emit(report_line(target, *request(self._operator, target, name, fields)))
 
-    def _release(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _release(self, target: JausAddress, _rest: str) -> None:
         self.release(target)
 
-    def _emergency(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _emergency(self, target: JausAddress, _rest: str) -> None:
         self._emergencies.add(target)
         self._operator.emergency(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
-    def _clear(self, rest: str) -> None:
-        target, _ = self._aim(rest)
+    def _clear(self, target: JausAddress, _rest: str) -> None:
         self._operator.clear(target)
         self._emergencies.discard(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")

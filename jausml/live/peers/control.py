@@ -40,7 +40,6 @@ class Hold:
     """
 
     def __init__(self, target: JausAddress, on_change: Callable[[str], None] | None) -> None:
-        """Begins without control."""
         self.target = target
         self.sent = 0
         self.doubtful = 0
@@ -144,7 +143,6 @@ class Handoffs:
     """What a person is asked, and asks for."""
 
     def __init__(self, component: JausComponent) -> None:
-        """Shows nobody anything yet."""
         self._component = component
         self._waiting: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         self.on_news: Callable[[str], None] = lambda _: None

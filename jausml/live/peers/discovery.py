@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
@@ -20,16 +21,13 @@ from jausml.runtime.messages import (
     ReportStatus,
 )
 from jausml.runtime.services.definitions import ServiceIdentity
-from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.discovery_messages import query_services, reported_services
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from typing import TypeAlias
+    from collections.abc import Callable, Sequence
 
     from jausml.live.peers.network import Network
     from jausml.runtime.messages import ReportServiceList
-
-    _Component: TypeAlias = ReportServices.ComponentSeq | ReportServiceList.ComponentSeq
 
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
@@ -41,6 +39,8 @@ ROUND = 0.5
 POLL = 0.01
 """Seconds from one look for an answer to the next."""
 
+T = TypeVar("T")
+
 _TYPE_NAMES = {
     10001: "vehicle",
     20001: "OCU",
@@ -51,49 +51,28 @@ _TYPE_NAMES = {
 }
 
 
-def services_of(report: ReportServices, subsystem: int) -> Services:
-    """Returns the components of a ReportServices, which does not name their subsystem."""
-    return _merged(
-        (JausAddress(subsystem, node.node_rec.node_id, each.component_rec.component_id), each)
-        for node in report.node_list
-        for each in node.component_list
-    )
+def awaited(look: Callable[[], T], seconds: float = math.inf) -> T:
+    """Returns what there is to see as soon as that is something, or what there is after a time."""
+    end = time.monotonic() + seconds
+    while not (seen := look()) and time.monotonic() < end:
+        time.sleep(POLL)
+    return seen
 
 
-def service_list(report: ReportServiceList) -> Services:
-    """Returns the components of a ReportServiceList (AS5710A v1.1, Discovery)."""
-    return _merged(
-        (
-            JausAddress(
-                subsystem.subsystem_rec.subsystem_id,
-                node.node_rec.node_id,
-                each.component_rec.component_id,
-            ),
-            each,
-        )
-        for subsystem in report.subsystem_list
-        for node in subsystem.node_list
-        for each in node.component_list
-    )
+def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> Services:
+    """Returns the components of a report; a ReportServices does not name their subsystem.
+
+    Components of the JAUS Tool Set report a node record for each of their services.
+    """
+    found: dict[JausAddress, dict[ServiceIdentity, None]] = {}
+    for address, services in reported_services(report, subsystem):
+        found.setdefault(address, {}).update(dict.fromkeys(services))
+    return {address: tuple(services) for address, services in found.items()}
 
 
 def controller_of(report: ReportControl) -> str:
     """Returns the dotted address of the controller; 0.0.0 when there is none (AS5710)."""
     return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"
-
-
-def _merged(records: Iterable[tuple[JausAddress, _Component]]) -> Services:
-    """Returns the services of each component, of all records that name it.
-
-    Components of the JAUS Tool Set report a node record for each of their services.
-    """
-    found: dict[JausAddress, dict[ServiceIdentity, None]] = {}
-    for address, component in records:
-        services = found.setdefault(address, {})
-        for each in component.service_list:
-            number = (each.major_version_number, each.minor_version_number)
-            services[ServiceIdentity(each.uri, *number)] = None
-    return {address: tuple(services) for address, services in found.items()}
 
 
 @dataclass
@@ -175,10 +154,7 @@ class Survey:
         if not known:
             self.ask(address)
             self.ask(JausAddress(address.subsystem, 255, 255))
-            end = time.monotonic() + seconds
-            while not known and time.monotonic() < end:
-                time.sleep(POLL)
-                known = self.services(address)
+            known = awaited(lambda: self.services(address), seconds)
         return known
 
     def forget(self, address: JausAddress) -> None:
@@ -192,7 +168,7 @@ class Survey:
         """Asks one component, or everybody of a wildcard, who it is and what it provides."""
         for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
             self._component.send(QueryIdentification(query_type=scope), destination)
-        self._component.send(query_all_services(), destination)
+        self._component.send(query_services(), destination)
 
     def ask_all(self) -> None:
         """Asks everybody, also for state and controller, without waiting."""

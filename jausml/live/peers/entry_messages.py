@@ -43,7 +43,6 @@ class EntryMessage(Message):
     ENTRY: ClassVar[MessageEntry]
 
     def __init__(self, fields: dict[str, Any] | None = None) -> None:
-        """Makes a message."""
         self.fields: dict[str, Any] = {} if fields is None else fields
 
     def encode(self) -> bytes:

@@ -43,7 +43,6 @@ class Heard:
     """The messages that came to a tool: of each component and code the last one."""
 
     def __init__(self, catalogue: Catalogue, network: Network, counters: Counters) -> None:
-        """Starts with nothing."""
         self._catalogue = catalogue
         self._network = network
         self._counters = counters

@@ -8,7 +8,7 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.live.messages import AmbiguousMessageError, MessageError
-from jausml.live.peers.discovery import POLL, Survey, controller_of
+from jausml.live.peers.discovery import Survey, awaited, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
 from jausml.live.peers.heard import asked
 from jausml.runtime.messages import (
@@ -68,7 +68,6 @@ class QueryClient:
         heard: Heard,
         timeout: float,
     ) -> None:
-        """Asks nothing yet."""
         self.catalogue = catalogue
         self.timeout = timeout
         self.survey = Survey(component, tuple(network.settings.address_book))
@@ -151,10 +150,8 @@ class QueryClient:
             for question in (QueryStatus(), QueryControl()):
                 self._component.send(question, target)
             self.survey.ask(target)
-            end = time.monotonic() + min(self.timeout, _LAST_LOOK)
-            while not services and time.monotonic() < end:
-                time.sleep(POLL)
-                services = self.survey.services(target)
+            seconds = min(self.timeout, _LAST_LOOK)
+            services = awaited(lambda: self.survey.services(target), seconds)
         return NoAnswer(self._heard.why(target, message, report, services))
 
     def lack(self, target: JausAddress, message: str) -> str:
@@ -180,8 +177,7 @@ class QueryClient:
         After one answer those of the questions before it are waited for only briefly.
         """
         asked = [self._begin(target, *each) for each in questions]
-        while not any(each.is_over for each in asked):
-            time.sleep(POLL)
+        awaited(lambda: any(each.is_over for each in asked))
         found = (i for i, each in enumerate(asked) if each.within(_SHORT_GRACE) is not None)
         first = next(found, None)
         for each in asked:
@@ -250,8 +246,7 @@ class QueryClient:
         """
         states = self._begin(target, QueryStatus(), ReportStatus)
         controls = self._begin(target, QueryControl(), ReportControl)
-        while not states.is_over and not controls.is_over:
-            time.sleep(POLL)
+        awaited(lambda: states.is_over or controls.is_over)
         grace = _GRACE if target not in self._half_silent else _SHORT_GRACE
         state, control = states.within(grace), controls.within(grace)
         if state is None and control is None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.discovery import POLL
+from jausml.live.peers.discovery import awaited
 from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.query_client import M, NoAnswer, QueryClient, Refused
 from jausml.live.peers.rendering import printable
@@ -114,16 +113,13 @@ class WatchingClient(QueryClient):
         self, target: JausAddress, subscription: EventSubscription, report: MessageEntry
     ) -> EventSubscription:
         """Returns a subscription once its event is confirmed."""
-        end = time.monotonic() + self.timeout
-        while not subscription.active:
-            if refusal := subscription.refusal:
-                subscription.cancel()
-                raise Refused(f"{target} refuses events of {report.name}: {printable(refusal)}")
-            if time.monotonic() > end:
-                subscription.cancel()
-                raise self.unanswered(target, "CreateEvent")
-            time.sleep(POLL)
-        return subscription
+        if awaited(lambda: subscription.active or subscription.refusal, self.timeout) is True:
+            return subscription
+        refusal = subscription.refusal
+        subscription.cancel()
+        if refusal:
+            raise Refused(f"{target} refuses events of {report.name}: {printable(refusal)}")
+        raise self.unanswered(target, "CreateEvent")
 
 
 Reply = tuple[str, dict[str, Any]]

@@ -38,7 +38,6 @@ class QuietNode:
     """A node in a context of its own, without parameters, services or log."""
 
     def __init__(self, purpose: str) -> None:
-        """Does nothing before `open`."""
         self._name = f"jausml_{purpose}_{os.getpid()}"
         self._context: Any = None
         self._executor: Any = None

@@ -170,7 +170,6 @@ class ParameterReader:
     def __init__(
         self, node: Any, nodes: Iterable[str], is_wanted: Callable[[str], bool], come: Condition
     ) -> None:
-        """Prepares to ask."""
         from rcl_interfaces.srv import GetParameters, ListParameters  # noqa: PLC0415
 
         self.found: dict[str, dict[str, Any]] = {}

@@ -54,7 +54,6 @@ class OtherPorts:
     """
 
     def __init__(self, port: int) -> None:
-        """Starts with no endpoint."""
         self.unclaimed = 0
         # Hex needs no runtime, captures do.
         from jausml.runtime.transports.ports import neighbour_ports  # noqa: PLC0415
@@ -135,7 +134,6 @@ class UdpReader:
     """Finds the UDP datagrams of a port in frames, and JUDP of its speakers on other ports."""
 
     def __init__(self, port: int) -> None:
-        """Starts with no fragments."""
         self.skipped: Counter[str] = Counter()
         self.other_ports = OtherPorts(port)
         self._port = port
@@ -273,7 +271,6 @@ class PcapWriter:
     """Writes frames of raw IP."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        """Begins a file."""
         self._stream = stream
         stream.write(
             struct.pack("<IHHiIII", _PCAP_IN_NANOSECONDS, 2, 4, 0, 0, _LARGEST_FRAME, RAW_IP)

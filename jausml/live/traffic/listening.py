@@ -51,7 +51,6 @@ class InterfaceCapture:
     """Sees what passes an interface, that of others included, and takes no part in it."""
 
     def __init__(self, interface: str) -> None:
-        """Begins to listen."""
         try:
             kind = socket.SOCK_DGRAM  # without headers of the link
             self._socket = socket.socket(socket.AF_PACKET, kind, socket.htons(_ALL_PROTOCOLS))
@@ -150,7 +149,6 @@ class MulticastListener:
     """
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Joins the group."""
         self._group = Endpoint(settings.multicast_group, settings.port)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:

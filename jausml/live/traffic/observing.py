@@ -139,7 +139,6 @@ class Observer:
         service: str | None = None,
         message: str | None = None,
     ) -> None:
-        """Starts with no packets."""
         self.host_frames = 0
         self._catalogue = catalogue
         self._service = service

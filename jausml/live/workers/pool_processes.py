@@ -76,7 +76,6 @@ class PoolProcesses:
     """Processes for those who ask at once, one for each; close them at the end."""
 
     def __init__(self, begin: bytes) -> None:
-        """Begins none yet."""
         self._begin = begin
         self._idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
         self._all: list[PoolProcess] = []

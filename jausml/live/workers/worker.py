@@ -149,7 +149,6 @@ class Worker:
     """A process with the generated code of bridges; close it at the end."""
 
     def __init__(self, code: BridgeCode, script: Path, *arguments: str) -> None:
-        """Starts it."""
         self._lock = threading.Lock()
         self._folder = tempfile.TemporaryDirectory(prefix="jausml_worker_")
         workspace = Path(self._folder.name)

@@ -64,6 +64,39 @@ class Timing(Protocol):
         """Run a callback after a delay in seconds of this clock."""
 
 
+class Alarm:
+    """A timer that is set again and again: what it was set to before is dropped then.
+
+    To be used on the thread of the loop, or with its lock.
+    """
+
+    __slots__ = ("_clock", "_timer")
+
+    def __init__(self, clock: Timing) -> None:
+        self._clock = clock
+        self._timer: Timer | None = None
+
+    @property
+    def is_set(self) -> bool:
+        """Whether a callback is still to run."""
+        return self._timer is not None and self._timer.callback is not None
+
+    def set(self, delay_s: float, callback: Callable[[], None]) -> None:
+        """Run a callback after a delay in seconds."""
+        self.cancel()
+        self._timer = self._clock.call_later(delay_s, callback)
+
+    def set_at(self, when: float, callback: Callable[[], None]) -> None:
+        """Run a callback at a time of the clock."""
+        self.cancel()
+        self._timer = self._clock.call_at(when, callback)
+
+    def cancel(self) -> None:
+        """Run nothing any more; no effect when nothing is to run."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+
 class SimulatedClock:
     """Seconds that a simulation has progressed since its first time was heard.
 

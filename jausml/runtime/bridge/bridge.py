@@ -110,8 +110,8 @@ class Bridge:
         self.shared_messages = SharedMessages(self.component)
         self._list_drivers.clear()
         self.exchanges = Exchanges(self.component)
-        self._load_core(ros.parameter(parameters.compiled()))
-        frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
+        self._load_core(ros.parameter(parameters.COMPILED.of(value=True)))
+        frequency = parameters.DIAGNOSTICS_FREQUENCY.of(min(self.settings.frequency, 1.0))
         period = 1 / ros.parameter(frequency)
         for each in self.parameters:
             self._read(each)
@@ -125,7 +125,9 @@ class Bridge:
             for connection in self.connections:
                 connection.watch()
                 connection.follow(self.standing, None)
-            self._measure_latency(ros.parameter(parameters.latency(), self._measure_latency))
+            self._measure_latency(
+                ros.parameter(parameters.ALL_LATENCY.of(value=False), self._measure_latency)
+            )
             ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
             self._diagnosing = Diagnosing(self, period)
             self._diagnosing.start()

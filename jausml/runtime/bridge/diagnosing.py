@@ -9,6 +9,7 @@ import struct
 from collections import deque
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+from ..base.clocks import Alarm
 from ..transports.transport import accounts_of
 from .calls.calls import Calls
 from .connections.connection import Connection
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
     from ..transports.transport import Accountable
@@ -180,22 +181,21 @@ class Diagnosing:
         self._kernel_drops = 0
         self._dropped: Mapping[str, int] = {}
         self._accounting = Accounting(bridge.component)
-        self._timer: Timer | None = None
+        self._timer = Alarm(self._loop)
 
     def start(self) -> None:
         """Begins; the first report comes after a period."""
         self._next = self._loop.now() + self._period
-        self._timer = self._loop.call_at(self._next, self._begin)
+        self._timer.set_at(self._next, self._begin)
 
     def stop(self) -> None:
         """Ends."""
         self._waiting = ()
-        if self._timer is not None:
-            self._timer.cancel()
+        self._timer.cancel()
 
     def _begin(self) -> None:
         self._next = max(self._next + self._period, self._loop.now())
-        self._timer = self._loop.call_at(self._next, self._begin)
+        self._timer.set_at(self._next, self._begin)
         if self._waiting:
             return  # connections are many and the period is short: this report ends first
         self._array = DiagnosticArray(self._bridge.ros.name)

@@ -6,6 +6,7 @@ import importlib
 import struct
 from array import array
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
@@ -16,7 +17,16 @@ from .messages.limits import RosTypeError
 if TYPE_CHECKING:
     from collections.abc import Iterator, MutableSequence, Sequence
 
-__all__ = ["Layout", "LightMessage", "cdr", "differences", "installed_class", "is_light"]
+__all__ = [
+    "Layout",
+    "LightMessage",
+    "assign",
+    "cdr",
+    "differences",
+    "installed",
+    "installed_class",
+    "is_light",
+]
 
 MessageT = TypeVar("MessageT", bound="LightMessage")
 
@@ -125,6 +135,12 @@ class LightMessage:
         return f"{self.TYPE.replace('/', '.')}({fields})"
 
 
+def assign(message: Any, path: str, *, value: object) -> None:
+    """Sets a member of a message, light or of ROS, which may be inside another one."""
+    owner, _, name = path.rpartition(".")
+    setattr(attrgetter(owner)(message) if owner else message, name, value)
+
+
 # ------------------------------------------------------------------ installed types
 
 
@@ -152,7 +168,7 @@ def installed_class(light: type[LightMessage]) -> Any:
         RosTypeError: Its package is not installed, or the type is another there.
     """
     try:
-        real = _installed(light.TYPE)
+        real = installed(light.TYPE)
     except ImportError as error:
         package = light.TYPE.partition("/")[0]
         cure = f"install {package}, or add it to the path of the bridge"
@@ -167,7 +183,12 @@ def installed_class(light: type[LightMessage]) -> Any:
     return real
 
 
-def _installed(name: str) -> Any:
+def installed(name: str) -> Any:
+    """Returns the class of an installed type by its name, such as `nav_msgs/msg/Odometry`.
+
+    Raises:
+        ImportError: Its package is not installed, or has no such type.
+    """
     package, kind, own = name.split("/")
     module = importlib.import_module(f"{package}.{kind}")
     # The parts of services are SetBool_Request in ROS, and SetBool.Request in rclpy.
@@ -195,7 +216,7 @@ def _differences(
     for nested in light.NESTED:
         if nested not in known:
             try:
-                inner = _installed(nested.TYPE)
+                inner = installed(nested.TYPE)
             except ImportError as error:
                 yield f"{nested.TYPE}: {error}"
             else:

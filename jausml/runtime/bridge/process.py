@@ -273,12 +273,12 @@ def _configure(
     bridge.settings = replace(
         model,
         address=options.jaus_id,
-        authority=node.parameter(parameters.authority(model.authority)),
+        authority=node.parameter(parameters.AUTHORITY.of(model.authority)),
         component=replace(
             component,
-            max_events=node.parameter(parameters.max_events(component.max_events)),
+            max_events=node.parameter(parameters.MAX_EVENTS.of(component.max_events)),
             event_rate_budget=node.parameter(
-                parameters.event_rate_budget(component.event_rate_budget)
+                parameters.EVENT_RATE_BUDGET.of(float(component.event_rate_budget))
             ),
         ),
     )
@@ -319,7 +319,7 @@ def _serve(
         managed = ManagedBridge(bridge, node, node, network, stop.request)
         try:
             node.manage(managed)
-            if node.parameter(parameters.autostart()):
+            if node.parameter(parameters.AUTOSTART.of(value=True)):
                 with network.loop.lock:  # nothing is taken between the two transitions
                     node.bring_up()
             else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from ..messages import (
     CancelEvent,
     CommandEvent,
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
 
@@ -47,7 +47,7 @@ class PendingCommand:
         self._client = client
         self._on_done = on_done
         self._on_refused = on_refused
-        self._timer: Timer | None = None
+        self._timer = Alarm(client.component.loop)
 
     def cancel(self) -> None:
         """Await the end no longer; neither callback is called.
@@ -70,12 +70,12 @@ class PendingCommand:
             command_message=payload,
         )
         component.send(message, self.target, acknowledge=True)
-        self._wait(timeout, lambda: self.refused(None, "no answer"))
+        self._timer.set(timeout, lambda: self.refused(None, "no answer"))
 
     def confirmed(self, event_id: int, margin: float) -> None:
         """Wait for the end, a little longer than the target has for it."""
         self.event_id = event_id
-        self._wait(self.max_duration + margin, self._lost)
+        self._timer.set(self.max_duration + margin, self._lost)
 
     def refused(self, code: int | None, text: str) -> None:
         """Tell the user that the command was not executed."""
@@ -92,13 +92,7 @@ class PendingCommand:
 
     def stop_waiting(self) -> None:
         """Wait for nothing any more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-
-    def _wait(self, seconds: float, action: Callable[[], None]) -> None:
-        self.stop_waiting()
-        self._timer = self._client.component.loop.call_later(seconds, action)
+        self._timer.cancel()
 
     def _lost(self) -> None:
         self._client.component.counters.add("command_client.lost")

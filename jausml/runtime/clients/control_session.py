@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.api import JausError
+from ..base.clocks import Alarm
 from ..messages import (
     ConfirmControl,
     ConfirmHandoffRequest,
@@ -31,7 +32,6 @@ from .controlled_target import ControlledTarget
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..base.loop import Timer
     from ..services.definitions import Status
     from ..services.host import Host
     from .control_state import ControlState
@@ -139,19 +139,16 @@ class ControlClient:
 
     def holds(self, target: JausAddress) -> bool:
         """Tell whether this component controls a target, as far as it knows."""
-        control = self._controls.get(target)
-        return control is not None and control.holds
+        return any(control.holds for control in self._of(target))
 
     def hand_over(self, target: JausAddress) -> None:
         """Leave control of a target to another component."""
-        control = self._controls.get(target)
-        if control is not None:
+        for control in self._of(target):
             control.hand_over()
 
     def take_over(self, target: JausAddress) -> None:
         """Go on with control of a target that another component has handed over."""
-        control = self._controls.get(target)
-        if control is not None:
+        for control in self._of(target):
             control.take_over()
 
     def stop(self) -> None:
@@ -163,29 +160,29 @@ class ControlClient:
         """Drop a control without sessions."""
         self._controls.pop(control.target, None)
 
-    def _released(self, target: JausAddress) -> None:
+    def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
+        """Return the control of a target, or none."""
         control = self._controls.get(target)
-        if control is not None:
+        return () if control is None else (control,)
+
+    def _released(self, target: JausAddress) -> None:
+        for control in self._of(target):
             control.released()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.confirmed(message.response_code)
 
     def _rejected(self, _message: RejectControl, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.rejected()
 
     def _timeout_reported(self, message: ReportTimeout, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.timeout_reported(message.timeout)
 
     def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
+        for control in self._of(sender):
             control.reported(message)
 
 
@@ -221,30 +218,28 @@ class PendingHandoff:
         self._host = host
         self._message = message
         self._on_answer = on_answer
-        self._timer: Timer | None = None
+        self._timer = Alarm(host.loop)
 
     def cancel(self) -> None:
         """Take the request back; no effect once it is decided."""
         with self._host.loop.lock:
-            if self._timer is not None and self.number is not None:
+            if self._timer.is_set and self.number is not None:
                 removal = RemoveHandoffRequest(id_=self.number)
                 self._host.send(removal, self.target, acknowledge=True)
             self.end()
 
     def end(self) -> None:
         """Ask no more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def ask(self) -> None:
         """Send the request, and again before it lapses."""
-        self._timer = self._host.loop.call_later(self.pause, self.ask)
+        self._timer.set(self.pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
         """Take an answer; return whether it grants control."""
-        if self._timer is None:
+        if not self._timer.is_set:
             return False
         answer = HandoffAnswer(message.response_code)
         if answer in _GOES_ON:

@@ -6,6 +6,7 @@ from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ..base.clocks import Alarm
 from ..messages import (
     QueryControl,
     QueryStatus,
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
     from .discovery_client import Presence
@@ -196,7 +196,7 @@ class TargetWatch:
         self._target = target
         self._take = take
         self._subscriptions: list[EventSubscription] = []
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
 
     def start(self) -> None:
         """Subscribe, unless that was done."""
@@ -206,7 +206,7 @@ class TargetWatch:
             self._events.subscribe(self._target, query(), report, self._report, None, 0.0, None)
             for query, report in _WATCHED
         ]
-        self._timer = self._component.loop.call_later(PATIENCE, self._give_up)
+        self._timer.set(PATIENCE, self._give_up)
 
     def verify(self) -> None:
         """Have all events of the target renewed.
@@ -217,9 +217,7 @@ class TargetWatch:
 
     def stop(self) -> None:
         """Cancel the events."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
         subscriptions, self._subscriptions = self._subscriptions, []
         for subscription in subscriptions:
             subscription.cancel()
@@ -229,6 +227,5 @@ class TargetWatch:
 
     def _give_up(self) -> None:
         """Ask no longer for events that the target does not know; it may do so when restarted."""
-        self._timer = None
         if not any(each.active for each in self._subscriptions):
             self.stop()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from .. import messages
 from ..base.address import JausAddress
+from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
@@ -15,7 +16,6 @@ from .discovery_client import QUICK_TRIES, Pace
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
     from .control_state import Releases
@@ -78,7 +78,7 @@ class ControlledTarget:
         self._resumes = 0
         self._requests = self._answers = 0
         self._awaits_answer = False
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
         presence.watch(target, self._returned)
 
     # ---- what users want ----------------------------------------------------------------------
@@ -156,7 +156,7 @@ class ControlledTarget:
     def hand_over(self) -> None:
         """Request control no more, and do not release it: the target passes it on."""
         self._is_handed_over = True
-        self._stop_timer()
+        self._timer.cancel()
         self._questions.forget()
         self._change(ControlState.SEEKING)
 
@@ -408,7 +408,7 @@ class ControlledTarget:
             self._check_in(max(self._renewal_due, 0.0))
 
     def _release(self) -> None:
-        self._stop_timer()
+        self._timer.cancel()
         is_asked = self._requested_at > _LONG_AGO
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
@@ -424,14 +424,8 @@ class ControlledTarget:
         watch = self._settings.watch_interval
         return min(watch, self._timeout / RENEWALS) if self._timeout else watch
 
-    def _stop_timer(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-
     def _check_in(self, delay: float) -> None:
-        self._stop_timer()
-        self._timer = self._loop.call_later(delay, self._check)
+        self._timer.set(delay, self._check)
 
     def _change(self, state: ControlState) -> bool:
         """Tell the sessions a new state; return whether control is wanted any longer then."""

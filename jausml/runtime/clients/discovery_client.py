@@ -7,24 +7,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST
+from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from ..base.quirks import Quirk
 from ..messages import QueryIdentification, ReportIdentification, ReportServiceList, ReportServices
 from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
-    query_services_of,
+    query_service_lists,
+    query_services,
     register_services,
-    reported_service_list,
     reported_services,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..services.definitions import ComponentSettings, ServiceIdentity
     from ..services.host import Host
 
@@ -55,7 +54,7 @@ class ServicesById:
         if len(self._asked) >= _MOST_ASKED:
             self._asked.clear()
         self._asked[sender] = now
-        self._component.send(query_services_of(sender), sender)
+        self._component.send(query_services(sender), sender)
 
 
 EAGER_TRIES = 3
@@ -100,7 +99,7 @@ class DiscoveryClient:
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []
         self._asking_by_id = ServicesById(component)
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
         self._tries = 0
         self.server: JausAddress | None = None
         self._heard = 0.0
@@ -111,7 +110,7 @@ class DiscoveryClient:
         self._registers = settings.register_services and not self._is_server
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services_reported)
-        component.on_message(ReportServiceList, self._service_list_reported)
+        component.on_message(ReportServiceList, self._take)
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
         """Search for the providers of a service until the component stops."""
@@ -130,8 +129,8 @@ class DiscoveryClient:
             place: Whom to ask: a component, or several by a wildcard.
         """
         # Peers of v1.0 know the first alone.
-        self._component.send(query_all_services(), place)
-        self._component.send(query_all_service_lists(), place)
+        self._component.send(query_services(), place)
+        self._component.send(query_service_lists(), place)
 
     def start(self) -> None:
         """Look around now, and again and again."""
@@ -140,9 +139,7 @@ class DiscoveryClient:
 
     def stop(self) -> None:
         """Look around no more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def _look_around(self) -> None:
         self.stop()
@@ -157,7 +154,7 @@ class DiscoveryClient:
         if identifies or self._searches:
             self._tries += 1
             delay = EAGER_INTERVAL if self._tries < EAGER_TRIES else STEADY_INTERVAL
-            self._timer = self._component.loop.call_later(delay, self._look_around)
+            self._timer.set(delay, self._look_around)
 
     def _notice_loss(self) -> None:
         """Take a server for lost that answered nothing for long, and look for it eagerly."""
@@ -182,14 +179,12 @@ class DiscoveryClient:
     def _services_reported(self, report: ReportServices, sender: JausAddress) -> None:
         if self._searches or self._watchers:
             self._asking_by_id.take(report, sender)
-        self._take(reported_services(report, sender.subsystem))
+        self._take(report, sender)
 
-    def _service_list_reported(self, report: ReportServiceList, _sender: JausAddress) -> None:
-        self._take(reported_service_list(report))
-
-    def _take(self, found: Iterable[tuple[JausAddress, tuple[ServiceIdentity, ...]]]) -> None:
+    def _take(self, report: ReportServices | ReportServiceList, sender: JausAddress) -> None:
         """Tell what was found; nothing is read when nobody wants to know."""
-        for address, services in found if self._searches or self._watchers else ():
+        is_wanted = self._searches or self._watchers
+        for address, services in reported_services(report, sender.subsystem) if is_wanted else ():
             component = FoundComponent(address, services)
             for watcher in self._watchers:
                 watcher(component)
@@ -321,7 +316,7 @@ class Greeter:
         self._component = component
         self._presence = presence
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
 
     def start(self) -> None:
         """Greet now, and whoever is silent again and again."""
@@ -332,11 +327,9 @@ class Greeter:
 
     def stop(self) -> None:
         """Greet no more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-            for peer in self.unanswered:
-                self._presence.forget(peer, self._heard)
+        self._timer.cancel()
+        for peer in self.unanswered:
+            self._presence.forget(peer, self._heard)
 
     def _look(self) -> None:
         """Greet whoever was not heard for long."""
@@ -345,7 +338,7 @@ class Greeter:
         for peer in self.unanswered:
             if not self._presence.heard_since(peer, since):
                 self._greet(peer)
-        self._timer = component.loop.call_later(EAGER_INTERVAL, self._look)
+        self._timer.set(EAGER_INTERVAL, self._look)
 
     def _greet(self, peer: JausAddress) -> None:
         self.unanswered[peer] += 1

@@ -7,19 +7,18 @@ from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from ..wire.message import DecodeError, Message
 from .discovery_client import SILENCE, Pace
+from .event_subscription import Subscribers
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
-    from ..base.loop import Timer
     from ..services.host import Host
+    from ..wire.message import DecodeError, Message
     from .discovery_client import Presence
     from .event_subscription import EventSubscription
 
@@ -51,10 +50,6 @@ class _State(Enum):
     IDLE = "idle"
     CREATING = "creating"
     ACTIVE = "active"
-
-
-_Group = tuple[type[Message], bool]
-"""The codec of the report, and whether the subscribers take it encoded."""
 
 
 class Listener(Protocol):
@@ -113,7 +108,7 @@ class EventStream:
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
-        self._groups: dict[_Group, list[EventSubscription]] = {}
+        self._subscribers = Subscribers(partial(self.count_bad, provider))
         self._state = _State.IDLE
         self._rate: float | None = None
         self._asked_rate: float | None = None
@@ -123,8 +118,8 @@ class EventStream:
         self._renewals = 0
         self._is_renewed = False
         self._asked_at = self._confirmed_at = float("-inf")
-        self._timer: Timer | None = None
-        self._silence_timer: Timer | None = None
+        self._timer = Alarm(component.loop)
+        self._silence_timer = Alarm(component.loop)
         self._silence_wait = 0.0
         self._heard = 0.0
         self._expected: int | None = None
@@ -139,27 +134,22 @@ class EventStream:
 
     def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
         """Add a subscriber; it gets the last report of an event that is under way."""
-        group = report_class, subscription.takes_payloads
-        self._groups.setdefault(group, []).append(subscription)
+        self._subscribers.add(subscription, report_class)
         self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
         self._agree_on_rate()
         if self._state is _State.IDLE:
-            if len(self._subscriptions()) == 1:
+            if len(self._subscribers) == 1:
                 self.component.when_started(self._start)
         elif self._last is not None:
-            last = self._last
-            self._loop.call_soon(lambda: self._deliver_to(subscription, group, last))
+            give = partial(self._subscribers.give, subscription, self._last)
+            self._loop.call_soon(lambda: give(self._loop.now()))
 
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber; the event is cancelled with the last one."""
         self._loop.revision.changed()
-        for group, subscriptions in list(self._groups.items()):
-            if subscription in subscriptions:
-                subscriptions.remove(subscription)
-                if not subscriptions:
-                    del self._groups[group]
-        if self._groups:
+        self._subscribers.remove(subscription)
+        if self._subscribers:
             self._agree_on_rate()
         elif self._listener.has(self):
             self.stop()
@@ -167,10 +157,11 @@ class EventStream:
     def stop(self) -> None:
         """Cancel the event and forget the subscribers."""
         self._loop.revision.changed()
-        for subscription in self._subscriptions():
+        for subscription in self._subscribers:
             subscription.stop_watching()
-        self._groups.clear()
-        self._cancel_timers()
+        self._subscribers.clear()
+        self._timer.cancel()
+        self._silence_timer.cancel()
         if self._state is not _State.IDLE and self.event_id is not None:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
@@ -180,11 +171,10 @@ class EventStream:
 
     def fast_path(self) -> FastPath | None:
         """Return the fast path of the reports to the one who alone subscribes; None without one."""
-        groups = list(self._groups.items())
-        if len(groups) != 1 or len(groups[0][1]) != 1 or self._is_renewed:
+        if len(self._subscribers) != 1 or self._is_renewed:
             return None
-        ((report_class, takes_payloads), (subscription,)) = groups[0]
-        found = subscription.fast_path() if takes_payloads else None
+        ((subscription, report_class),) = self._subscribers.items()
+        found = subscription.fast_path() if subscription.takes_payloads else None
         if found is None or found.code != report_class.CODE:
             return None
         passed = found.passed
@@ -199,14 +189,9 @@ class EventStream:
 
         return replace(found, passed=note, expected=lambda: self._expected)
 
-    def _subscriptions(self) -> list[EventSubscription]:
-        return [each for group in self._groups.values() for each in group]
-
     def _agree_on_rate(self) -> None:
-        """Take every change when anybody wants that, else the highest rate asked for."""
-        rates = [each.rate for each in self._subscriptions()]
-        periodic = [rate for rate in rates if rate is not None]
-        rate = max(periodic) if len(periodic) == len(rates) else None
+        """Ask for the rate that the subscribers want by now."""
+        rate = self._subscribers.wanted_rate
         if rate != self._rate:
             self._rate = rate
             if self._state is _State.ACTIVE:
@@ -216,7 +201,7 @@ class EventStream:
     def _pace_subscriptions(self) -> None:
         """Tell each subscriber what it gets, to have its own rate of it."""
         given = None if self._rate is None else self._confirmed_rate or self._rate
-        for subscription in self._subscriptions():
+        for subscription in self._subscribers:
             subscription.follow(given)
 
     # ---- requests ---------------------------------------------------------------------------
@@ -246,7 +231,7 @@ class EventStream:
     def confirmed(self, event_id: int, rate: float) -> None:
         """Take the provider's confirmation of our last request."""
         self._take_answer()
-        if self._state is _State.IDLE or not self._groups:
+        if self._state is _State.IDLE or not self._subscribers:
             return
         if self._state is _State.ACTIVE and not self._renewals:
             # Nothing was asked: the provider says that the event has timed out, or answers twice.
@@ -293,7 +278,7 @@ class EventStream:
                 return  # the answer to a request of a former life
             self.refusal = f"{text} (code {code})" if text else f"code {code}"
             self._counters.count("event_client.refused", f"{self.provider}: {self.refusal}")
-            self._set_timer(self._settings.refused_retry, self._create)
+            self._timer.set(self._settings.refused_retry, self._create)
 
     def _take_answer(self) -> None:
         """Let the answer to CreateEvent end its repetition."""
@@ -317,7 +302,7 @@ class EventStream:
             self._renew()
 
     def _start(self) -> None:
-        if self._groups and self._state is _State.IDLE:
+        if self._subscribers and self._state is _State.IDLE:
             self._presence.watch(self.provider, self._returned)
             self._create()
 
@@ -327,15 +312,16 @@ class EventStream:
         if self._loop.now() >= self._asked_at + self._settings.retry_min:
             self._create()
         else:
-            self._set_timer(self._settings.retry_min, self._create)
+            self._timer.set(self._settings.retry_min, self._create)
 
     def _create(self) -> None:
         self._state = _State.CREATING
         self._renewals = 0
-        self._cancel_timers()
+        self._timer.cancel()
+        self._silence_timer.cancel()
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
-        self._set_timer(self._pace.next_pause(), self._create)
+        self._timer.set(self._pace.next_pause(), self._create)
         self._ask()
 
     def _renew(self) -> None:
@@ -346,7 +332,7 @@ class EventStream:
         self._renewals += 1
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
-        self._set_timer(self._settings.retry_min, self._renew)
+        self._timer.set(self._settings.retry_min, self._renew)
         self._ask()
 
     def _ask(self) -> None:
@@ -384,8 +370,8 @@ class EventStream:
         if self._rate is None:
             waits.append(self._settings.check_interval)
         if waits:
-            self._set_timer(min(waits), self._renew)
-        elif self._timer is not None:
+            self._timer.set(min(waits), self._renew)
+        else:
             self._timer.cancel()
 
     # ---- reports ----------------------------------------------------------------------------
@@ -412,29 +398,7 @@ class EventStream:
         self._silence_wait = 0.0
         if is_repeated:
             return  # the answer to a renewal: nothing has changed
-        for group, subscriptions in tuple(self._groups.items()):
-            report = self._read(group, payload)
-            if report is not None:
-                for subscription in tuple(subscriptions):
-                    if subscription in subscriptions:  # not cancelled by one before it
-                        subscription.deliver(report, now)
-
-    def _deliver_to(self, subscription: EventSubscription, group: _Group, payload: bytes) -> None:
-        if subscription in self._groups.get(group, ()):
-            report = self._read(group, payload)
-            if report is not None:
-                subscription.deliver(report, self._loop.now())
-
-    def _read(self, group: _Group, payload: bytes) -> Message | bytes | None:
-        """Return a report as a group of subscribers takes it; None if it is of another message."""
-        report_class, takes_payloads = group
-        if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
-            return payload
-        try:
-            return report_class.decode(payload)
-        except DecodeError as error:
-            self.count_bad(self.provider, error)
-            return None
+        self._subscribers.deliver(payload, now)
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
         """Count a report that cannot be read."""
@@ -444,34 +408,19 @@ class EventStream:
 
     def _watch_silence(self) -> None:
         """Wait for the reports of a periodic event, longer each time that they stay away."""
-        if self._silence_timer is not None:
-            self._silence_timer.cancel()
-            self._silence_timer = None
+        self._silence_timer.cancel()
         if self._confirmed_rate > 0:
             shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
             self._silence_wait = max(self._silence_wait, shortest)
-            self._silence_timer = self._loop.call_later(self._silence_wait, self._look)
+            self._silence_timer.set(self._silence_wait, self._look)
 
     def _look(self) -> None:
         shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
         wait = max(self._silence_wait, shortest)
         if self._loop.now() < self._heard + wait:
-            self._silence_timer = self._loop.call_at(self._heard + wait, self._look)
+            self._silence_timer.set_at(self._heard + wait, self._look)
             return
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
         self._listener.suspect(self.provider)
-
-    # ---- timers -----------------------------------------------------------------------------
-
-    def _set_timer(self, delay: float, action: Callable[[], None]) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-        self._timer = self._loop.call_later(delay, action)
-
-    def _cancel_timers(self) -> None:
-        for timer in (self._timer, self._silence_timer):
-            if timer is not None:
-                timer.cancel()
-        self._timer = self._silence_timer = None

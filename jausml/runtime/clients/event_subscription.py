@@ -1,20 +1,22 @@
-"""One subscriber to an event of another component."""
+"""Subscribers to an event of another component."""
 
 from __future__ import annotations
 
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ..base.clocks import Alarm
 from ..base.fast_path import fast_path_of
+from ..wire.message import DecodeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..base.loop import Loop, Timer
     from ..services.host import Host
-    from ..wire.message import DecodeError, Message
+    from ..wire.message import Message
 
 
 class QueryTimer:
@@ -109,7 +111,7 @@ class EventSubscription:
         )
         self._silence_timeout = silence_timeout
         self._on_silence = on_silence
-        self._watch: Timer | None = None
+        self._watch = Alarm(stream.component.loop)
         self._heard = 0.0
         self._silent = False
         self._query_timer: QueryTimer | None = None
@@ -166,9 +168,7 @@ class EventSubscription:
 
     def stop_watching(self) -> None:
         """Detect no silence any more."""
-        if self._watch is not None:
-            self._watch.cancel()
-            self._watch = None
+        self._watch.cancel()
         self._stop_asking()
 
     def follow(self, given: float | None) -> None:
@@ -220,8 +220,7 @@ class EventSubscription:
         self._take(report, self.provider)
 
     def _watch_from(self, heard: float) -> None:
-        loop = self._component.loop
-        self._watch = loop.call_at(heard + self._silence_timeout, self._look)
+        self._watch.set_at(heard + self._silence_timeout, self._look)
 
     def _look(self) -> None:
         """Re-arm for the last report instead of re-arming at every report."""
@@ -230,7 +229,84 @@ class EventSubscription:
             return
         self._silent = True
         self._component.loop.revision.changed()
-        self._watch = None
         self._component.counters.add("event_client.silent")
         if self._on_silence is not None:
             self._component.call(self._on_silence)
+
+
+class Subscribers:
+    """Those who get the reports of one event, each with the class of the report for it."""
+
+    def __init__(self, on_bad: Callable[[DecodeError], None]) -> None:
+        """Have nobody yet.
+
+        Args:
+            on_bad: Told why a report cannot be read.
+        """
+        self._on_bad = on_bad
+        self._classes: dict[EventSubscription, type[Message]] = {}
+
+    def __len__(self) -> int:
+        """Return how many they are."""
+        return len(self._classes)
+
+    def __iter__(self) -> Iterator[EventSubscription]:
+        """Iterate over those that there are now."""
+        return iter(tuple(self._classes))
+
+    def items(self) -> tuple[tuple[EventSubscription, type[Message]], ...]:
+        """Return each with its class of the report."""
+        return tuple(self._classes.items())
+
+    def add(self, subscription: EventSubscription, report_class: type[Message]) -> None:
+        """Add one."""
+        self._classes[subscription] = report_class
+
+    def remove(self, subscription: EventSubscription) -> None:
+        """Remove one; no effect when it is none of them."""
+        self._classes.pop(subscription, None)
+
+    def clear(self) -> None:
+        """Remove all."""
+        self._classes.clear()
+
+    @property
+    def wanted_rate(self) -> float | None:
+        """Every change, None, when anybody wants that; else the highest rate asked for."""
+        rates = [each.rate for each in self._classes]
+        periodic = [rate for rate in rates if rate is not None]
+        return max(periodic) if len(periodic) == len(rates) else None
+
+    def deliver(self, payload: bytes, now: float) -> None:
+        """Give each a report, which is read once for all that take it alike."""
+        read: dict[tuple[type[Message], bool], Message | bytes | None] = {}
+        for subscription, report_class in self.items():
+            group = report_class, subscription.takes_payloads
+            if group not in read:
+                read[group] = self._read(*group, payload)
+            report = read[group]
+            if report is not None and subscription in self._classes:  # not cancelled meanwhile
+                subscription.deliver(report, now)
+
+    def give(self, subscription: EventSubscription, payload: bytes, now: float) -> None:
+        """Give a report to one of them."""
+        if subscription in self._classes:
+            report_class = self._classes[subscription]
+            report = self._read(report_class, subscription.takes_payloads, payload)
+            if report is not None:
+                subscription.deliver(report, now)
+
+    def _read(
+        self,
+        report_class: type[Message],
+        takes_payloads: bool,  # noqa: FBT001 - one of two ways
+        payload: bytes,
+    ) -> Message | bytes | None:
+        """Return a report as some of them take it; None if it is of another message."""
+        if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
+            return payload
+        try:
+            return report_class.decode(payload)
+        except DecodeError as error:
+            self._on_bad(error)
+            return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from ..messages import (
     ConfirmElementRequest,
     DeleteElement,
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import Message
     from .query import QueryClient
@@ -62,7 +62,7 @@ class ListRequest:
         self._retries = retries
         self._attempts = 0
         self._request_id = -1  # none
-        self._timer: Timer | None = None
+        self._timer = Alarm(client.component.loop)
 
     @property
     def under_way(self) -> bool:
@@ -101,9 +101,7 @@ class ListRequest:
     def stop_waiting(self) -> None:
         """Wait for no answer any more."""
         self._request_id = -1
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def _send(self) -> None:
         if self._attempts <= 0:
@@ -111,7 +109,7 @@ class ListRequest:
             self._refuse(None)
             return
         self._attempts -= 1
-        self._timer = self._client.component.loop.call_later(self._timeout, self._send)
+        self._timer.set(self._timeout, self._send)
         self._client.component.send(self._requests[0], self.target)
 
     def _refuse(self, code: int | None) -> None:

@@ -13,13 +13,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from ..base.clocks import Alarm
 from ..messages import QueryHeartbeatPulse, QueryIdentification
 from ..services.definitions import Scope
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
 
-    from ..base.loop import Timer
     from ..services.host import Host
     from .discovery_client import DiscoveryClient, FoundComponent
 
@@ -247,8 +247,8 @@ class PeerClient:
         self._finders: dict[PeerSearch, _Finder] = {}
         # In the order in which they were found to live.
         self._providers: dict[JausAddress, _Provider] = {}
-        self._timer: Timer | None = None
-        self._choice: Timer | None = None
+        self._timer = Alarm(component.loop)
+        self._choice = Alarm(component.loop)
         self._next_search = 0.0
         self._interval = CHECK_INTERVAL
         component.on_message(QueryIdentification, self._newcomer)
@@ -269,17 +269,15 @@ class PeerClient:
 
     def stop(self) -> None:
         """Look for nobody any more."""
-        for timer in (self._timer, self._choice):
-            if timer is not None:
-                timer.cancel()
-        self._timer = self._choice = None
+        self._timer.cancel()
+        self._choice.cancel()
 
     # ---- looking around ---------------------------------------------------------------------
 
     def _check(self) -> None:
         """Look after the peers, and look around when somebody is missing."""
         loop = self._component.loop
-        self._timer = loop.call_later(CHECK_INTERVAL, self._check)
+        self._timer.set(CHECK_INTERVAL, self._check)
         for address in self._bound():
             self._probe(self._providers[address])
         searching = [each for each in self._finders.values() if self._is_open(each)]
@@ -365,13 +363,11 @@ class PeerClient:
     # ---- choice -----------------------------------------------------------------------------
 
     def _choose_soon(self) -> None:
-        if self._choice is None:
-            self._choice = self._component.loop.call_later(COLLECTING_TIME, self._choose)
+        if not self._choice.is_set:
+            self._choice.set(COLLECTING_TIME, self._choose)
 
     def _choose(self) -> None:
-        if self._choice is not None:
-            self._choice.cancel()
-            self._choice = None
+        self._choice.cancel()
         living = [provider for provider in self._providers.values() if provider.lives]
         for finder in self._finders.values():
             finder.choose(living)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from ..messages.discovery import (
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from ..services.host import Host
     from .peer_search import PeerClient
     from .query import QueryClient
@@ -41,16 +41,14 @@ class ResourceClient:
         self._queries = queries
         self._own = endpoints(component.settings.digital_resources, component.address)
         self._registry: JausAddress | None = None
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
         is_registry = any(each.urn == DIGITAL_RESOURCE_DISCOVERY for each in component.services)
         if self._own and not is_registry:
             peers.find(REGISTRY, self._found)
 
     def stop(self) -> None:
         """Look at nothing any more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def _found(self, registries: Sequence[JausAddress]) -> None:
         self.stop()
@@ -61,7 +59,7 @@ class ResourceClient:
         registry, component = self._registry, self._component
         if registry is None or not component.running:
             return
-        self._timer = component.loop.call_later(CHECK_INTERVAL, self._look)
+        self._timer.set(CHECK_INTERVAL, self._look)
         self._queries.ask(
             registry,
             QueryDigitalResourceEndpoint(),

@@ -1,45 +1,45 @@
-"""Base of a component, which serves others: its messages and its life cycle."""
+"""Base of a component, which serves others: its state and its life cycle."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from ..base.clocks import HostClock
 from ..clients.discovery_client import SILENCE
 from ..messages import Event
-from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity
-from ..services.dispatch import Provision, Router
+from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity, Status
+from ..services.dispatch import Router
+from ..services.host import Host
 from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
-from ..transports.packets.packet import Priority
 from ..transports.transport import log_accounts
-from ..wire.message import Message
-from .state import Clients, ComponentState, CoreServices
+from .parts import Clients, CoreServices
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from datetime import datetime
 
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..services.definitions import Completion, ListElement
+    from ..services.definitions import ListElement
+    from ..services.list_manager import ElementList
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
+    from ..wire.message import Message
 
 COMPONENT_TYPE = 60001
 """Type of a plain component (AS5710, ReportIdentification)."""
 
-M = TypeVar("M", bound=Message)
-Q = TypeVar("Q", bound=Message)
-R = TypeVar("R", bound=Message)
 
-
-class ComponentBase(ComponentState):
+class ComponentBase(Host):
     """A component that handles commands and answers queries; see ``JausComponent``.
 
     Attributes:
         clock: The time, for user code that shall run in virtual time as well.
     """
+
+    _jaus_core: CoreServices
+    _jaus_clients: Clients
 
     def __init__(
         self,
@@ -88,165 +88,82 @@ class ComponentBase(ComponentState):
         self._jaus_clients = Clients(self)
         self._jaus_dispatch = self._jaus_dispatcher()
 
-    # ---- messages of the component's own services -------------------------------------------
+    # ---- state -------------------------------------------------------------------------------
 
-    def handle(
-        self,
-        message_class: type[M],
-        handler: Callable[[M, JausAddress], Completion | None],
-        *,
-        when: Guard | Callable[[M], Guard] = Guard.ANY,
-        counts_each: bool | None = None,
-    ) -> None:
-        """Call ``handler(message, sender)`` for each such input message.
+    @property
+    def status(self) -> Status:
+        """Management state (AS5710, ReportStatus)."""
+        return self._jaus_core.management.status
 
-        Args:
-            handler: Acts on the message. It returns a new ``Completion`` when the command takes
-                time, for the client of a command event.
-            when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
-                no error reply. A function tells it from the message, e.g. to take the limits of
-                a SetVelocityCommand in Standby and its current command in Ready alone.
-            counts_each: Whether a message is of use that a newer one of its sender came before.
-                If not, such a one is counted and ignored, unless it asked for acknowledgement. So
-                it is by default with what has a guard: a command replaces the one before.
+    @property
+    def controller(self) -> JausAddress | None:
+        """The component that controls this one."""
+        return self._jaus_core.access_control.controller
 
-        Raises:
-            ValueError: The message has a handler or a provider already.
-        """
+    @property
+    def has_control_lapsed(self) -> bool:
+        """Whether the last controller let control lapse: it did not request it again in time."""
+        return self._jaus_core.access_control.has_lapsed
+
+    @property
+    def authority(self) -> int:
+        """Authority code of the controller, or the default authority without one."""
+        return self._jaus_core.access_control.authority
+
+    @property
+    def control_available(self) -> bool:
+        """Whether control may be requested: not in Init, Failure, Shutdown or Emergency."""
+        return self._jaus_core.access_control.available
+
+    @control_available.setter
+    def control_available(self, available: bool) -> None:
         with self.loop.lock:
-            each = when is Guard.ANY if counts_each is None else counts_each
-            self._jaus_router.set_handler(message_class, handler, when, counts_each=each)
+            self._jaus_core.access_control.offered = available
+            if self._jaus_running:
+                self.core_state_changed()
 
-    def handle_payload(
-        self,
-        message_class: type[M],
-        handler: Callable[[bytes, JausAddress], Completion | None],
-        *,
-        when: Guard | Callable[[M], Guard] = Guard.ANY,
-        is_robust: bool = False,
-    ) -> None:
-        """Call ``handler(payload, sender)`` for each such input message, as ``handle`` does.
+    @property
+    def current_time(self) -> datetime:
+        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        return self._jaus_core.time.now()
 
-        The payload, the message code and the body, is not decoded. A handler that finds it wrong
-        raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
+    @property
+    def elements(self) -> ElementList:
+        """The list that the controller edits (AS5710, ListManager); not to be changed here."""
+        return self._jaus_core.list_manager.elements
 
-        Args:
-            when: Whom to obey. A function is only asked, about the decoded message, when the sender
-                is not obeyed in Ready; it can thus not be stricter than that.
-            is_robust: Whether the handler raises nothing and tells itself when it takes too long:
-                nothing else looks after it then, which is a little faster.
+    def allows(self, guard: Guard, sender: JausAddress) -> bool:
+        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        if guard is Guard.ANY:
+            return True
+        access = self._jaus_core.access_control
+        if sender != access.controller or not access.managed:
+            return False
+        return guard is Guard.CONTROLLED or self._jaus_core.management.status is Status.READY
 
-        Raises:
-            ValueError: The message has a handler or a provider already.
+    # ---- for the services and clients of the component --------------------------------------
+
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back.
+
+        It happens in the next round of the loop: what hooks send to stop them comes before.
         """
-        with self.loop.lock:
-            self._jaus_router.set_handler(
-                message_class,
-                handler,
-                when,
-                takes_payload=True,
-                is_robust=is_robust,
-                counts_each=when is Guard.ANY,
-            )
+        self.loop.call_soon(lambda: self._jaus_clients.control.permit(permitted))
 
-    def provide(
-        self,
-        query_class: type[Q],
-        report_class: type[R],
-        provider: Callable[[Q, JausAddress], R | bytes | None],
-        *,
-        periodic: bool = True,
-        every_change: bool = True,
-    ) -> None:
-        """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
+    @property
+    def unanswered_greetings(self) -> dict[JausAddress, int]:
+        """How often each peer that is to be greeted was so since it spoke last."""
+        return self._jaus_clients.greeter.unanswered
 
-        Args:
-            provider: Returns the present report, or the bytes of it with the message code. They
-                are sent as they are where the query asks for all that is in them. None means that
-                there is no report now: the query stays unanswered and no event is sent.
-            periodic: Whether clients may have the report at a rate.
-            every_change: Whether clients may have the report at every change; the component
-                then calls ``report_changed`` when it may have changed.
-
-        Raises:
-            ValueError: The query has a handler or a provider already.
-        """
-        with self.loop.lock:
-            provision = Provision(query_class, report_class, provider, periodic, every_change)
-            self._jaus_router.set_provision(provision, self._jaus_answer)
+    def permissions_changed(self) -> None:
+        """End the commands under way that are not allowed any more; called by the services."""
+        self.loop.revision.changed()
+        self._jaus_core.events.permissions_changed()
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one sent."""
         with self.loop.lock:
             self._jaus_core.events.report_changed(report_class)
-
-    def on_message(
-        self, message_class: type[M], callback: Callable[[M, JausAddress], None]
-    ) -> None:
-        """Call ``callback(message, sender)`` for each such message, asked for or not.
-
-        Any number of callbacks may listen to one message, next to its handler.
-        """
-        with self.loop.lock:
-            self._jaus_router.add_listener(message_class, callback)
-
-    def on_payload(
-        self,
-        message_class: type[Message],
-        callback: Callable[[bytes, JausAddress], None],
-        *,
-        is_robust: bool = False,
-        counts_each: bool = True,
-    ) -> None:
-        """Call ``callback(payload, sender)`` for each such message, as ``on_message`` does.
-
-        The payload, the message code and the body, is not decoded. A callback that finds it wrong
-        raises DecodeError; the message is counted then as one that cannot be decoded.
-
-        Args:
-            is_robust: Whether the callback raises nothing and tells itself when it takes too long.
-            counts_each: Whether a message is of use that a newer one of its sender came before;
-                as with ``handle``.
-        """
-        with self.loop.lock:
-            self._jaus_router.add_payload_listener(
-                message_class, callback, is_robust=is_robust, counts_each=counts_each
-            )
-
-    def watch_unwanted(
-        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
-    ) -> None:
-        """Call ``callback(payload, sender)`` for each such message that nothing else takes.
-
-        Args:
-            callback: Takes an encoded message and its sender; there is one for each message.
-        """
-        with self.loop.lock:
-            self._jaus_router.unwanted[message_class.CODE] = callback
-
-    def send(
-        self,
-        message: Message,
-        destination: JausAddress,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-    ) -> None:
-        """Send one message.
-
-        Args:
-            destination: A component, or a wildcard address.
-
-        Raises:
-            EncodeError: A value does not fit its field.
-        """
-        self.transport.send(
-            self.address,
-            destination,
-            message.encode(),
-            priority=priority,
-            acknowledge=acknowledge,
-        )
 
     # ---- life cycle -------------------------------------------------------------------------
 
@@ -367,11 +284,3 @@ class ComponentBase(ComponentState):
     def note_heard(self, sender: JausAddress, at: float) -> None:
         """Note a message of a component that has taken the fast path."""
         self._jaus_clients.presence.note(sender, at)
-
-    def _jaus_answer(
-        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
-    ) -> None:
-        _, report = self._jaus_router.attempt(provision.provider, query, sender)
-        payload = None if report is None else self.encoded_report(provision, query, report)
-        if payload is not None:
-            self.transport.send(self.address, sender, payload)

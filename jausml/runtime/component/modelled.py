@@ -268,7 +268,6 @@ class Simulation:
     """
 
     def __init__(self, component: JausComponent) -> None:
-        """Has been told nothing yet."""
         self._component = component
         self._kept: dict[type[Message], dict[str, Any]] = {}
         component.when_started(self._warn)

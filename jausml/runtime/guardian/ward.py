@@ -10,13 +10,14 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
 
 PERIOD = 0.1
 """Seconds between two beats."""
@@ -95,7 +96,7 @@ class Ward:
         self._page_descriptor = -1
         self._channel: socket.socket | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._timer: Timer | None = None
+        self._timer = Alarm(loop)
         self._beats = self._taken = 0
         self._begun = 0.0
         self.failure = ""
@@ -175,9 +176,7 @@ class Ward:
 
     def close(self) -> None:
         """Ends the guardian; nothing is left to say."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
         self.send("bye", {})
         self._end()
         if self._page is not None:
@@ -203,8 +202,8 @@ class Ward:
             self._page = Page(self._page_descriptor)
         if self._process is None and not self.failure:
             self._start()
-        if self._timer is None:
-            self._timer = self._loop.call_later(0.0, self._beat)
+        if not self._timer.is_set:
+            self._timer.set(0.0, self._beat)
         return self._page
 
     def _start(self) -> None:
@@ -250,7 +249,7 @@ class Ward:
         page = self._page
         if page is None:
             return
-        self._timer = self._loop.call_later(PERIOD, self._beat)
+        self._timer.set(PERIOD, self._beat)
         self._mark(page)
         taken = page.taken
         if taken != self._taken:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from ..messages import (
     ConfirmControl,
     QueryAuthority,
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..wire.message import Message
     from .host import Host
 
@@ -118,7 +119,7 @@ class AccessControlService:
 
     def __init__(self, component: Host) -> None:
         self._component = component
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
         self._timeout = component.settings.control_timeout
         self._default = component.settings.default_authority
         self.controller: JausAddress | None = None
@@ -158,7 +159,7 @@ class AccessControlService:
         former = self.controller
         if former is None:
             return
-        self._stop_timer()
+        self._timer.cancel()
         self.controller = None
         self.authority = self._default
         self.on_lost()
@@ -243,14 +244,8 @@ class AccessControlService:
             self._restart_timer()
 
     def _restart_timer(self) -> None:
-        self._stop_timer()
         if self._timeout:
-            self._timer = self._component.loop.call_later(self._timeout, self._timed_out)
-
-    def _stop_timer(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+            self._timer.set(self._timeout, self._timed_out)
 
     def _refuse(self, message: RequestControl, sender: JausAddress, code: Confirm) -> None:
         """Refuse control, but do not answer a client faster and faster that asks again at once."""

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from ..base.address import (
+    BROADCAST,
+    WILDCARD_COMPONENT,
+    WILDCARD_NODE,
+    WILDCARD_SUBSYSTEM,
+    JausAddress,
+)
 from ..messages import (
     QueryServiceList,
     QueryServices,
@@ -28,17 +34,8 @@ INSTANCE_ID = 0
 """Instance ids tell components of one kind apart in old systems; addresses do here."""
 
 
-def query_all_services() -> QueryServices:
-    """Return the query for all services of all components."""
-    component = QueryServices.ComponentRec(component_id=WILDCARD_COMPONENT)
-    node = QueryServices.NodeSeq(
-        node_rec=QueryServices.NodeRec(node_id=WILDCARD_NODE), component_list=[component]
-    )
-    return QueryServices(node_list=[node])
-
-
-def query_services_of(component: JausAddress) -> QueryServices:
-    """Return the query for the services of one component, which names it.
+def query_services(component: JausAddress = BROADCAST) -> QueryServices:
+    """Return the query for the services of one component, or of all.
 
     Args:
         component: The component. There are stacks that know no wildcards, and report nothing.
@@ -50,14 +47,14 @@ def query_services_of(component: JausAddress) -> QueryServices:
     return QueryServices(node_list=[node])
 
 
-def query_all_service_lists() -> QueryServiceList:
-    """Return the query of v1.1 for all services of all components of all subsystems."""
-    component = QueryServiceList.ComponentRec(component_id=WILDCARD_COMPONENT)
+def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
+    """Return the query of v1.1 for the services of one component, or of all."""
+    asked = QueryServiceList.ComponentRec(component_id=component.component)
     node = QueryServiceList.NodeSeq(
-        node_rec=QueryServiceList.NodeRec(node_id=WILDCARD_NODE), component_list=[component]
+        node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[asked]
     )
     subsystem = QueryServiceList.SubsystemSeq(
-        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=WILDCARD_SUBSYSTEM),
+        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=component.subsystem),
         node_list=[node],
     )
     return QueryServiceList(subsystem_list=[subsystem])
@@ -65,24 +62,12 @@ def query_all_service_lists() -> QueryServiceList:
 
 def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
     """Return the registration of a component's services."""
-    return RegisterServices(
-        service_list=[
-            RegisterServices.ServiceRec(
-                uri=service.urn,
-                major_version_number=service.major,
-                minor_version_number=service.minor,
-            )
-            for service in services
-        ]
-    )
+    return RegisterServices(service_list=_records(services))
 
 
 def registered_services(message: RegisterServices) -> tuple[ServiceIdentity, ...]:
     """Return the services that a component registers."""
-    return tuple(
-        ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
-        for each in message.service_list
-    )
+    return _services(message)
 
 
 def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
@@ -101,65 +86,27 @@ def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> R
         for address, services in catalog.items()
         if not wanted.isdisjoint(_names(address))
     }
-    return ReportServices(
-        node_list=[
-            ReportServices.NodeSeq(
-                node_rec=ReportServices.NodeRec(node_id=node),
-                component_list=[
-                    ReportServices.ComponentSeq(
-                        component_rec=ReportServices.ComponentRec(
-                            component_id=address.component, instance_id=INSTANCE_ID
-                        ),
-                        service_list=[
-                            ReportServices.ServiceRec(
-                                uri=service.urn,
-                                major_version_number=service.major,
-                                minor_version_number=service.minor,
-                            )
-                            for service in chosen[address]
-                        ],
-                    )
-                    for address in addresses
-                ],
-            )
-            for node, addresses in _by(chosen, lambda address: address.node)
-        ]
-    )
+    return ReportServices(node_list=_nodes(chosen, chosen))
 
 
 def reported_services(
-    report: ReportServices, subsystem: int
+    report: ReportServices | ReportServiceList, subsystem: int
 ) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a ReportServices with their services."""
-    for node in report.node_list:
-        for component in node.component_list:
-            services = tuple(
-                ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
-                for each in component.service_list
-            )
-            address = JausAddress(
-                subsystem, node.node_rec.node_id, component.component_rec.component_id
-            )
-            yield address, services
+    """Yield the components of a report with their services.
 
-
-def reported_service_list(
-    report: ReportServiceList,
-) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a ReportServiceList with their services."""
-    for subsystem in report.subsystem_list:
-        for node in subsystem.node_list:
-            for component in node.component_list:
-                services = tuple(
-                    ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
-                    for each in component.service_list
-                )
-                address = JausAddress(
-                    subsystem.subsystem_rec.subsystem_id,
-                    node.node_rec.node_id,
-                    component.component_rec.component_id,
-                )
-                yield address, services
+    Args:
+        subsystem: Where the components of a ReportServices are, which does not tell it.
+    """
+    if isinstance(report, ReportServices):
+        parts = [(subsystem, report.node_list)]
+    else:
+        lists = report.subsystem_list
+        parts = [(each.subsystem_rec.subsystem_id, each.node_list) for each in lists]
+    for number, nodes in parts:
+        for node in nodes:
+            for each in node.component_list:
+                component = each.component_rec.component_id
+                yield JausAddress(number, node.node_rec.node_id, component), _services(each)
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
@@ -186,15 +133,7 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
         subsystem_list=[
             ReportServiceList.SubsystemSeq(
                 subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=subsystem),
-                node_list=[
-                    ReportServiceList.NodeSeq(
-                        node_rec=ReportServiceList.NodeRec(node_id=node),
-                        component_list=[
-                            _listed_component(address, chosen[address]) for address in addresses
-                        ],
-                    )
-                    for node, addresses in _by(members, lambda address: address.node)
-                ],
+                node_list=_nodes(members, chosen),
             )
             for subsystem, members in _by(chosen, lambda address: address.subsystem)
         ]
@@ -207,12 +146,7 @@ def report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguratio
         node_list=[
             ReportConfiguration.NodeSeq(
                 node_rec=ReportConfiguration.NodeRec(node_id=node),
-                component_list=[
-                    ReportConfiguration.ComponentRec(
-                        component_id=address.component, instance_id=INSTANCE_ID
-                    )
-                    for address in members
-                ],
+                component_list=[_component(address) for address in members],
             )
             for node, members in _by(addresses, lambda address: address.node)
         ]
@@ -231,21 +165,36 @@ def report_subsystem_list(servers: Iterable[JausAddress]) -> ReportSubsystemList
     )
 
 
-def _listed_component(
-    address: JausAddress, services: Sequence[ServiceIdentity]
-) -> ReportServiceList.ComponentSeq:
-    return ReportServiceList.ComponentSeq(
-        component_rec=ReportServiceList.ComponentRec(
-            component_id=address.component, instance_id=INSTANCE_ID
-        ),
-        service_list=[
-            ReportServiceList.ServiceRec(
-                uri=service.urn,
-                major_version_number=service.major,
-                minor_version_number=service.minor,
-            )
-            for service in services
-        ],
+def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportServices.NodeSeq]:
+    """Return the nodes of some components, with what these provide."""
+    return [
+        ReportServices.NodeSeq(
+            node_rec=ReportServices.NodeRec(node_id=node),
+            component_list=[
+                ReportServices.ComponentSeq(
+                    component_rec=_component(address), service_list=_records(catalog[address])
+                )
+                for address in members
+            ],
+        )
+        for node, members in _by(addresses, lambda address: address.node)
+    ]
+
+
+def _component(address: JausAddress) -> ReportServices.ComponentRec:
+    return ReportServices.ComponentRec(component_id=address.component, instance_id=INSTANCE_ID)
+
+
+def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.ServiceRec]:
+    return [ReportServices.ServiceRec(each.urn, each.major, each.minor) for each in services]
+
+
+def _services(
+    component: RegisterServices | ReportServices.ComponentSeq,
+) -> tuple[ServiceIdentity, ...]:
+    return tuple(
+        ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
+        for each in component.service_list
     )
 
 

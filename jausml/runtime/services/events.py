@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base.budgets import Held, fair_rates, who_gives_way
+from ..base.clocks import Alarm
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -92,7 +93,7 @@ class EventsService:
         self._events: dict[int, _Event] = {}
         self._watchers: dict[int, list[_Event]] = {}
         self._ids = EventIds(component.settings.max_events, self._make_room)
-        self._shares_at: Timer | None = None
+        self._shares_at = Alarm(component.loop)
         self._is_cut = False
         self._is_1_1 = component.core_version("Events") >= VERSION_1_1
         self._timeout = component.settings.event_timeout if self._is_1_1 else 0
@@ -134,9 +135,7 @@ class EventsService:
         self._commands.stop()
         for event in list(self._events.values()):
             self._remove(event)
-        if self._shares_at is not None:
-            self._shares_at.cancel()
-            self._shares_at = None
+        self._shares_at.cancel()
 
     # ---- requests ---------------------------------------------------------------------------
 
@@ -308,12 +307,11 @@ class EventsService:
     def _plan_shares(self) -> None:
         """Share the rates soon, where they are more than one component serves."""
         is_due = self._is_cut or self._wanted() > self._settings.event_rate_budget
-        if is_due and self._shares_at is None:
-            self._shares_at = self._loop.call_later(_SHARING_INTERVAL_S, self._share)
+        if is_due and not self._shares_at.is_set:
+            self._shares_at.set(_SHARING_INTERVAL_S, self._share)
 
     def _share(self) -> None:
         """Set the rate of each event; a burst of requests is shared once."""
-        self._shares_at = None
         held = [self._held(each) for each in self._events.values() if each.setup.periodic]
         rates = fair_rates(held, self._settings.event_rate_budget)
         cut = 0

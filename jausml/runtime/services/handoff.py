@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from ..messages import (
     ConfirmHandoffRequest,
     ConfirmReleaseControl,
@@ -23,7 +24,6 @@ from ..messages.access_control import HandoffDecision as Decision
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from .access_control import AccessControlService
     from .host import Host
 
@@ -64,8 +64,8 @@ class HandoffService:
         self._enhanced_timeout = component.settings.enhanced_timeout
         self._requests: dict[JausAddress, _Request] = {}
         self._last_number = NO_REQUEST - 1
-        self._expiry: Timer | None = None
-        self._telling: Timer | None = None
+        self._expiry = Alarm(component.loop)
+        self._telling = Alarm(component.loop)
 
     def attach(self) -> None:
         """Take the messages of EnhancedAccessControl."""
@@ -204,12 +204,11 @@ class HandoffService:
 
     def _changed(self) -> None:
         """Tell the controller soon who waits, and watch how long they do."""
-        if self._telling is None:
-            self._telling = self._component.loop.call_later(PAUSE, self._tell)
+        if not self._telling.is_set:
+            self._telling.set(PAUSE, self._tell)
         self._watch()
 
     def _tell(self) -> None:
-        self._telling = None
         controller = self._access.controller
         if controller is None:
             return
@@ -230,12 +229,10 @@ class HandoffService:
     # ---- time ---------------------------------------------------------------------------------
 
     def _watch(self) -> None:
-        if self._expiry is not None:
-            self._expiry.cancel()
-            self._expiry = None
+        self._expiry.cancel()
         due = min((min(self._ends_of(each)) for each in self._requests.values()), default=None)
         if due is not None and due != float("inf"):
-            self._expiry = self._component.loop.call_at(due, self._expire)
+            self._expiry.set_at(due, self._expire)
 
     def _ends_of(self, request: _Request) -> tuple[float, float]:
         """Return when a request has waited too long, and when its client is taken for gone."""

@@ -1,11 +1,13 @@
-"""Host of services and clients: what they need of the component that they belong to."""
+"""Host of services and clients: a component as they see it, which has none of them yet."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..wire.message import Message
-from .definitions import Guard
+from ..transports.packets.packet import Priority
+from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
+from .definitions import VERSION_1_1, Guard
+from .dispatch import Provision
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.loop import Loop
     from ..transports.transport import Transport
-    from ..wire.message import DecodeError
     from .definitions import (
         Completion,
         ComponentSettings,
@@ -24,15 +25,73 @@ if TYPE_CHECKING:
         ListElement,
         ServiceIdentity,
     )
-    from .dispatch import Handler, Provision
+    from .dispatch import Handler, Router
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
 
-class Host(Protocol):
-    """A component as its core services and clients see it; ``JausComponent`` is the one."""
+class Hooks:
+    """Hooks of a component; they do nothing unless they are overridden, and must not block."""
+
+    def on_initialize(self) -> None:
+        """Prepare or reset the component: at the start and after Reset; Standby follows."""
+
+    def on_ready(self) -> None:
+        """The controller resumed the component: commands are obeyed from now on."""
+
+    def on_not_ready(self) -> None:
+        """The component left Ready, for whatever reason: stop all motion."""
+
+    def on_control_lost(self) -> None:
+        """The controller is the controller no more: what it commanded must not stand.
+
+        It released control or let it lapse, a higher authority took over, or the component gave
+        control up. The component may still be in Ready, for its new controller; where it was left,
+        ``on_not_ready`` ran before. ``on_controller_changed`` follows.
+        """
+
+    def on_controller_changed(self, controller: JausAddress | None) -> None:
+        """Another component controls this one, or none does (None)."""
+
+    def on_handoff_requested(
+        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
+    ) -> None:
+        """Others ask for control of a component that this one controls: have a person decide.
+
+        ``decide_handoff`` tells the target. Without a decision nobody gets control, and the target
+        tells them after its time-out.
+
+        Args:
+            requests: All that wait now; none when the last one has ended.
+        """
+
+    def on_emergency(self, active: bool) -> None:  # noqa: FBT001
+        """An emergency was set, or the last one was cleared."""
+
+    def on_shutdown(self) -> None:
+        """The component entered Shutdown, by its controller's command or by ``stop``."""
+
+    def on_set_time(self, time: datetime) -> None:
+        """The controller has set the component's clock (AS5710, Time, SetTime).
+
+        Args:
+            time: What it was set to, in UTC. The host's clock is left as it is.
+        """
+
+    def on_list_changed(self) -> None:
+        """The controller has changed ``elements`` (AS5710, ListManager)."""
+
+    def core_state_changed(self) -> None:
+        """The status changed, who controls the component, or whether control is to be had."""
+
+    def core_event(self, name: str) -> None:
+        """An internal event of a core service happened; for modelled state machines."""
+
+
+class Host(Hooks):
+    """Messages of a component, and its user code; `ComponentBase` adds services and clients."""
 
     transport: Transport
     address: JausAddress
@@ -41,18 +100,27 @@ class Host(Protocol):
     component_type: int
     settings: ComponentSettings
     event_clock: Timing
+    # Sub-classes are user code: the prefix keeps their private attributes apart from these.
+    _jaus_running: bool
+    _jaus_starters: list[Callable[[], None]]
+    _jaus_enders: list[Callable[[], None]]
+    _jaus_versions: dict[str, tuple[int, int]]
+    _jaus_router: Router
 
     @property
     def loop(self) -> Loop:
         """The loop on whose thread everything happens."""
+        return self.transport.loop
 
     @property
     def counters(self) -> Counters:
         """Counts of what was dropped, ignored or failed."""
+        return self.transport.counters
 
     @property
     def running(self) -> bool:
-        """Whether the component is between its start and its stop."""
+        """Whether the component is between ``start`` and ``stop``."""
+        return self._jaus_running
 
     # ---- messages ---------------------------------------------------------------------------
 
@@ -64,7 +132,56 @@ class Host(Protocol):
         when: Guard | Callable[[M], Guard] = Guard.ANY,
         counts_each: bool | None = None,
     ) -> None:
-        """Call a handler for each message of a class whose sender is obeyed."""
+        """Call ``handler(message, sender)`` for each such input message.
+
+        Args:
+            handler: Acts on the message. It returns a new ``Completion`` when the command takes
+                time, for the client of a command event.
+            when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
+                no error reply. A function tells it from the message, e.g. to take the limits of
+                a SetVelocityCommand in Standby and its current command in Ready alone.
+            counts_each: Whether a message is of use that a newer one of its sender came before.
+                If not, such a one is counted and ignored, unless it asked for acknowledgement. So
+                it is by default with what has a guard: a command replaces the one before.
+
+        Raises:
+            ValueError: The message has a handler or a provider already.
+        """
+        with self.loop.lock:
+            each = when is Guard.ANY if counts_each is None else counts_each
+            self._jaus_router.set_handler(message_class, handler, when, counts_each=each)
+
+    def handle_payload(
+        self,
+        message_class: type[M],
+        handler: Callable[[bytes, JausAddress], Completion | None],
+        *,
+        when: Guard | Callable[[M], Guard] = Guard.ANY,
+        is_robust: bool = False,
+    ) -> None:
+        """Call ``handler(payload, sender)`` for each such input message, as ``handle`` does.
+
+        The payload, the message code and the body, is not decoded. A handler that finds it wrong
+        raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
+
+        Args:
+            when: Whom to obey. A function is only asked, about the decoded message, when the sender
+                is not obeyed in Ready; it can thus not be stricter than that.
+            is_robust: Whether the handler raises nothing and tells itself when it takes too long:
+                nothing else looks after it then, which is a little faster.
+
+        Raises:
+            ValueError: The message has a handler or a provider already.
+        """
+        with self.loop.lock:
+            self._jaus_router.set_handler(
+                message_class,
+                handler,
+                when,
+                takes_payload=True,
+                is_robust=is_robust,
+                counts_each=when is Guard.ANY,
+            )
 
     def provide(
         self,
@@ -75,12 +192,32 @@ class Host(Protocol):
         periodic: bool = True,
         every_change: bool = True,
     ) -> None:
-        """Answer a query, and events on it, with what a provider returns."""
+        """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
+
+        Args:
+            provider: Returns the present report, or the bytes of it with the message code. They
+                are sent as they are where the query asks for all that is in them. None means that
+                there is no report now: the query stays unanswered and no event is sent.
+            periodic: Whether clients may have the report at a rate.
+            every_change: Whether clients may have the report at every change; the component
+                then calls ``report_changed`` when it may have changed.
+
+        Raises:
+            ValueError: The query has a handler or a provider already.
+        """
+        with self.loop.lock:
+            provision = Provision(query_class, report_class, provider, periodic, every_change)
+            self._jaus_router.set_provision(provision, self._jaus_answer)
 
     def on_message(
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
     ) -> None:
-        """Call a callback for each message of a class, next to its handler."""
+        """Call ``callback(message, sender)`` for each such message, asked for or not.
+
+        Any number of callbacks may listen to one message, next to its handler.
+        """
+        with self.loop.lock:
+            self._jaus_router.add_listener(message_class, callback)
 
     def on_payload(
         self,
@@ -88,32 +225,111 @@ class Host(Protocol):
         callback: Callable[[bytes, JausAddress], None],
         *,
         is_robust: bool = False,
+        counts_each: bool = True,
     ) -> None:
-        """Call a callback with the bytes of each message of a class, next to its handler."""
+        """Call ``callback(payload, sender)`` for each such message, as ``on_message`` does.
+
+        The payload, the message code and the body, is not decoded. A callback that finds it wrong
+        raises DecodeError; the message is counted then as one that cannot be decoded.
+
+        Args:
+            is_robust: Whether the callback raises nothing and tells itself when it takes too long.
+            counts_each: Whether a message is of use that a newer one of its sender came before;
+                as with ``handle``.
+        """
+        with self.loop.lock:
+            self._jaus_router.add_payload_listener(
+                message_class, callback, is_robust=is_robust, counts_each=counts_each
+            )
+
+    def watch_unwanted(
+        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
+    ) -> None:
+        """Call ``callback(payload, sender)`` for each such message that nothing else takes.
+
+        Args:
+            callback: Takes an encoded message and its sender; there is one for each message.
+        """
+        with self.loop.lock:
+            self._jaus_router.unwanted[message_class.CODE] = callback
 
     def send(
-        self, message: Message, destination: JausAddress, *, acknowledge: bool = False
+        self,
+        message: Message,
+        destination: JausAddress,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
     ) -> None:
-        """Send one message."""
+        """Send one message.
 
-    def report_changed(self, report_class: type[Message]) -> None:
-        """Send a report to every-change events if it differs from the last one sent."""
+        Args:
+            destination: A component, or a wildcard address.
+
+        Raises:
+            EncodeError: A value does not fit its field.
+        """
+        self.transport.send(
+            self.address,
+            destination,
+            message.encode(),
+            priority=priority,
+            acknowledge=acknowledge,
+        )
+
+    def _jaus_answer(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> None:
+        _, report = self._jaus_router.attempt(provision.provider, query, sender)
+        payload = None if report is None else self.encoded_report(provision, query, report)
+        if payload is not None:
+            self.transport.send(self.address, sender, payload)
 
     def command_handler(self, code: int) -> Handler | None:
         """Return what acts on a message."""
+        return self._jaus_router.handler(code)
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
         """Return what answers a query."""
+        return self._jaus_router.provision(query_code)
 
     def encoded_report(
         self, provision: Provision[Any, Any], query: Message, report: Message | bytes
     ) -> bytes | None:
         """Return what a query asks for of a report as bytes, or None when that is impossible."""
+        try:
+            if isinstance(report, bytes):
+                return asked_for_in(query, provision.report_class, report)
+            return asked_for(query, report).encode()
+        except (DecodeError, EncodeError) as error:
+            self.counters.count("component.report_not_encodable", str(error))
+            return None
+
+    def drops_of(self, sender: JausAddress) -> dict[str, int]:
+        """Return how many messages of a sender were dropped before they were acted on, by reason.
+
+        Those that came out of order, were refused, could not be read or are not known, each with
+        the name of the message. With the lock of the loop, as it changes while messages come.
+        """
+        return {
+            f"{reason} {message}": count
+            for (each, reason, message), count in self._jaus_router.drops.items()
+            if each == sender
+        }
+
+    def drops_before(self, message: str) -> list[tuple[JausAddress, str, int]]:
+        """Return the drops of ``drops_of`` for one kind of message: sender, reason and number."""
+        return [
+            (sender, reason, count)
+            for (sender, reason, each), count in self._jaus_router.drops.items()
+            if each == message
+        ]
 
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""
+        return self._jaus_router.call(function, *arguments)
 
     def payload_caller(
         self,
@@ -121,69 +337,54 @@ class Host(Protocol):
         on_bad: Callable[[JausAddress, DecodeError], None],
     ) -> Callable[[bytes, JausAddress], None]:
         """Return what calls user code with encoded messages, and tells of those it cannot read."""
+        return self._jaus_router.payload_caller(function, on_bad)
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call user code; tell whether it raised no error, and what it returned."""
-
-    # ---- state ------------------------------------------------------------------------------
-
-    def core_version(self, name: str) -> tuple[int, int]:
-        """Return the version of a core service that the component provides, 1.1 if of none."""
-
-    def allows(self, guard: Guard, sender: JausAddress) -> bool:
-        """Return whether a message of a sender is obeyed under a guard."""
-
-    def permissions_changed(self) -> None:
-        """End the commands under way that are not allowed any more."""
-
-    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back."""
+        return self._jaus_router.attempt(function, *arguments)
 
     def when_started(self, action: Callable[[], None]) -> None:
         """Run an action now, or at the start of a component that does not run yet."""
+        if self._jaus_running:
+            action()
+        else:
+            self._jaus_starters.append(action)
+
+    def when_shut_down(self, action: Callable[[], None]) -> None:
+        """Also run an action when the component enters Shutdown."""
+        self._jaus_enders.append(action)
 
     def shut_down(self) -> None:
-        """Run the hook and the actions of Shutdown."""
+        """Run the hook and the actions of Shutdown; called by the Management service."""
+        for action in (self.on_shutdown, *self._jaus_enders):
+            self.call(action)
 
-    # ---- hooks ------------------------------------------------------------------------------
+    def core_version(self, name: str) -> tuple[int, int]:
+        """Return the version of a core service that the component provides, 1.1 if of none."""
+        return self._jaus_versions.get(name, VERSION_1_1)
 
-    def on_initialize(self) -> None:
-        """Prepare or reset."""
+    # ---- what services and clients decide ---------------------------------------------------
 
-    def on_ready(self) -> None:
-        """Obey commands from now on."""
+    def allows(self, guard: Guard, sender: JausAddress) -> bool:
+        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        raise NotImplementedError
 
-    def on_not_ready(self) -> None:
-        """Stop all motion: Ready was left."""
+    def permissions_changed(self) -> None:
+        """End the commands under way that are not allowed any more; called by the services."""
+        raise NotImplementedError
 
-    def on_control_lost(self) -> None:
-        """Let nothing stand that the former controller commanded."""
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back."""
+        raise NotImplementedError
 
-    def on_controller_changed(self, controller: JausAddress | None) -> None:
-        """Learn who controls the component."""
-
-    def on_handoff_requested(
-        self, target: JausAddress, requests: tuple[HandoffRequest, ...]
-    ) -> None:
-        """Have a person decide who controls a target that this component controls."""
-
-    def on_emergency(self, active: bool) -> None:  # noqa: FBT001
-        """Learn that an emergency was set, or the last one cleared."""
-
-    def on_set_time(self, time: datetime) -> None:
-        """Learn what the component's clock was set to."""
+    def report_changed(self, report_class: type[Message]) -> None:
+        """Send the report to every-change events whose report differs from the last one sent."""
+        raise NotImplementedError
 
     def host_time(self) -> datetime:
         """Return the time in UTC that the component's clock runs by."""
-
-    def on_list_changed(self) -> None:
-        """Learn that the list was edited."""
+        raise NotImplementedError
 
     def supports_element(self, element: ListElement) -> bool:
-        """Return whether the list may hold an element."""
-
-    def core_state_changed(self) -> None:
-        """Learn that the status changed, or who controls the component."""
-
-    def core_event(self, name: str) -> None:
-        """Learn of an internal event of a core service."""
+        """Return whether the component's list may hold an element (AS5710, ListManager)."""
+        raise NotImplementedError

@@ -6,12 +6,12 @@ from datetime import datetime, time, timedelta, timezone
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
+from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from ..messages import QueryHeartbeatPulse, QueryTime, ReportHeartbeatPulse, ReportTime, SetTime
 from .definitions import CORE, Guard, Scope
 
 if TYPE_CHECKING:
-    from ..base.loop import Timer
     from ..wire.message import Message
     from .host import Host
 
@@ -30,7 +30,7 @@ class LivenessService:
     def __init__(self, component: Host) -> None:
         """Learn from settings and services of the component what it sends unasked."""
         self._component = component
-        self._timer: Timer | None = None
+        self._timer = Alarm(component.loop)
         settings, own = component.settings, component.address
         unsolicited = any(service.urn == UNSOLICITED for service in component.services)
         default = UNSOLICITED_RATE if unsolicited else 0.0
@@ -58,12 +58,10 @@ class LivenessService:
 
     def stop(self) -> None:
         """Send no heartbeat any more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
 
     def _beat(self) -> None:
-        self._timer = self._component.loop.call_later(1.0 / self._rate, self._beat)
+        self._timer.set(1.0 / self._rate, self._beat)
         self._component.send(ReportHeartbeatPulse(), self._audience)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST
 from ..base.budgets import Held, who_gives_way
+from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from .address_book import SOURCE_REFUSED, AllowedHosts, resolve
 from .delivery import ReliableCarrier, report
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     import socket
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..base.settings import Endpoint, TransportSettings
     from .delivery import OnResult, Receive, Take
 
@@ -36,11 +37,11 @@ _LONGEST_PAUSE_S = 5.0
 class _Line:
     """A connection to an endpoint, made again and again, more and more seldom."""
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: Endpoint, loop: Loop) -> None:
         self.endpoint = endpoint
         self.connection: TcpConnection | None = None
         self.pause = _FIRST_PAUSE_S
-        self.retry: Timer | None = None
+        self.retry = Alarm(loop)
 
 
 class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
@@ -57,7 +58,6 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         super().__init__(settings, loop)
         self._well_known: Endpoint = (settings.interface, settings.port)
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)
@@ -71,7 +71,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
         self._listener: socket.socket | None = None
-        self._takeover: Timer | None = None
+        self._takeover = Alarm(loop)
         self._is_open = False
 
     def open(self) -> None:
@@ -86,11 +86,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         with self.loop.lock:
             self._send_unsent()
             self._is_open = False
-            timers = [self._takeover, *(line.retry for line in self._lines.values())]
-            for timer in timers:
-                if timer is not None:
-                    timer.cancel()
-            self._takeover = None
+            for timer in (self._takeover, *(line.retry for line in self._lines.values())):
+                timer.cancel()
             if self._listener is not None:
                 self.loop.unregister(self._listener)
                 self._listener.close()
@@ -171,12 +168,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             return None
         line = self._lines.get(endpoint)
         if line is None:
-            line = self._lines[endpoint] = _Line(endpoint)
+            line = self._lines[endpoint] = _Line(endpoint, self.loop)
             self._dial(line)
         return line.connection
 
     def _dial(self, line: _Line) -> None:
-        line.retry = None
         try:
             sock = connect(line.endpoint)
         except OSError as error:
@@ -188,7 +184,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self._announce(line.connection)
 
     def _plan_retry(self, line: _Line) -> None:
-        line.retry = self.loop.call_later(line.pause, partial(self._dial, line))
+        line.retry.set(line.pause, partial(self._dial, line))
         line.pause = min(line.pause * 2, _LONGEST_PAUSE_S)
 
     def _accept(self) -> None:
@@ -337,7 +333,6 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _share_port(self) -> None:
         """Try to own the port; until then stay connected to its owner."""
-        self._takeover = None
         try:
             self._listener = listen(self._well_known)
         except OSError as error:
@@ -354,15 +349,12 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                     advice("tcp", self._settings),
                 )
             self._connect(self._well_known)
-            self._takeover = self.loop.call_later(
-                self._settings.takeover_interval, self._share_port
-            )
+            self._takeover.set(self._settings.takeover_interval, self._share_port)
             return
         self.loop.register(self._listener, self._accept)
         line = self._lines.pop(self._well_known, None)
         if line is not None:
-            if line.retry is not None:
-                line.retry.cancel()
+            line.retry.cancel()
             self.counters.add("jtcp.port_taken_over")
 
     def _announce(self, connection: TcpConnection) -> None:

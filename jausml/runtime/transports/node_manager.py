@@ -11,6 +11,7 @@ from enum import Enum, auto
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..base.clocks import Alarm
 from .delivery import Carrier
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
@@ -19,7 +20,7 @@ from .transport import Transport
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..base.quirks import Quirks
     from ..base.settings import TransportSettings
     from .delivery import Receive, Take
@@ -80,8 +81,8 @@ class NodeManagerClient(Carrier[str]):
         self._waiting_bytes = 0
         self._attempts = 0
         self._pause = _FIRST_PAUSE_S
-        self._timer: Timer | None = None
-        self._retry: Timer | None = None
+        self._timer = Alarm(loop)
+        self._retry = Alarm(loop)
         self.messenger: Messenger[str] = Messenger(settings, loop, self, quirks)
 
     @property
@@ -138,14 +139,13 @@ class NodeManagerClient(Carrier[str]):
         self._ask()
 
     def _ask(self) -> None:
-        self._timer = None
         if self._attempts == _CONNECT_ATTEMPTS:
             self._give_up()
             return
         self._attempts += 1
         self._identity = _identity(self._manager)
         self._command(_CONNECT)
-        self._timer = self._loop.call_later(_CONNECT_INTERVAL_S, self._ask)
+        self._timer.set(_CONNECT_INTERVAL_S, self._ask)
 
     def _give_up(self) -> None:
         with self._lock:
@@ -157,7 +157,7 @@ class NodeManagerClient(Carrier[str]):
             f"nobody accepts {self.address} at {self._manager}; {lost} messages are lost; "
             "is the node manager running?",
         )
-        self._timer = self._loop.call_later(self._pause, self._attach)
+        self._timer.set(self._pause, self._attach)
         self._pause = min(self._pause * 2, _LONGEST_PAUSE_S)
 
     def _on_lost(self, reason: str) -> None:
@@ -187,10 +187,8 @@ class NodeManagerClient(Carrier[str]):
             self._sendto(_HEAD.pack(1, 0, size) + body)
 
     def _cancel_timer(self) -> None:
-        for timer in (self._timer, self._retry):
-            if timer is not None:
-                timer.cancel()
-        self._timer = self._retry = None
+        self._timer.cancel()
+        self._retry.cancel()
 
     # ---- sending ----------------------------------------------------------------------------
 
@@ -223,14 +221,13 @@ class NodeManagerClient(Carrier[str]):
         return False
 
     def _flush(self) -> None:
-        self._retry = None
         with self._lock:
             self._send_waiting()
 
     def _send_waiting(self) -> None:
         while self._waiting and self.is_attached:
             if not self._sendto(self._waiting[0]):
-                self._retry = self._loop.call_later(_BUSY_PAUSE_S, self._flush)
+                self._retry.set(_BUSY_PAUSE_S, self._flush)
                 return
             self._waiting_bytes -= len(self._waiting.popleft()) + _DATAGRAM_OVERHEAD
 
@@ -310,7 +307,7 @@ class NodeManagerTransport(Transport):
         super().__init__(settings, loop)
         self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
         self._clients: dict[JausAddress, NodeManagerClient] = {}
-        self._watch: Timer | None = None
+        self._watch = Alarm(loop)
         self._is_open = False
 
     def open(self) -> None:
@@ -336,9 +333,7 @@ class NodeManagerTransport(Transport):
         """Take leave of the manager; messages that wait are reported as lost."""
         with self.loop.lock:
             self._is_open = False
-            if self._watch is not None:
-                self._watch.cancel()
-                self._watch = None
+            self._watch.cancel()
             for client in self._clients.values():
                 client.close()
 
@@ -370,7 +365,7 @@ class NodeManagerTransport(Transport):
         return None if client is None else client.messenger
 
     def _plan_watch(self) -> None:
-        self._watch = self.loop.call_later(_WATCH_INTERVAL_S, self._look_after)
+        self._watch.set(_WATCH_INTERVAL_S, self._look_after)
 
     def _look_after(self) -> None:
         """Notice a manager that ended or restarted even when nobody sends."""

@@ -9,6 +9,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from ..base.api import JausError
+from ..base.clocks import Alarm
 from .delivery import report
 from .packets.packet import (
     EMPTY_MESSAGE_SIZE,
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from ..base.counters import Counters
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..base.settings import Endpoint
     from .delivery import OnResult
 
@@ -130,13 +131,15 @@ class TcpConnection:
         """Whether a whole message has come."""
         self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
         self._then = on_packet
-        self._idle = loop.call_later(idle, self._on_idle) if idle else None
+        self._idle = Alarm(loop)
+        if idle:
+            self._idle.set(idle, self._on_idle)
         self._on_close = on_close
         self._reader = StreamReader(loop.counters)
         self._outgoing: deque[tuple[bytes, OnResult | None]] = deque([(_VERSION, None)])
         self._waiting = len(_VERSION)
         self._sent = 0
-        self._watchdog: Timer | None = None
+        self._watchdog = Alarm(loop)
         sock.settimeout(0)
         _keep_alive(sock)
         loop.register(sock, self._on_ready)
@@ -174,9 +177,8 @@ class TcpConnection:
         if self.is_closed:
             return
         self.is_closed = True
-        for timer in (self._watchdog, self._idle):
-            if timer is not None:
-                timer.cancel()
+        self._watchdog.cancel()
+        self._idle.cancel()
         self._loop.unregister(self._socket)
         self._socket.close()
         waiting = [each for each in self._outgoing if each[0] is not _VERSION]
@@ -225,11 +227,9 @@ class TcpConnection:
 
     def _guard(self) -> None:
         """Give the peer its time again; a connection without anything to send has no limit."""
-        if self._watchdog is not None:
-            self._watchdog.cancel()
-            self._watchdog = None
+        self._watchdog.cancel()
         if self._waiting:
-            self._watchdog = self._loop.call_later(self._timeout, self._on_stalled)
+            self._watchdog.set(self._timeout, self._on_stalled)
 
     def _take_first(self, packet: Packet, connection: TcpConnection) -> None:
         """Take the first message; those that follow go straight on."""
@@ -238,7 +238,6 @@ class TcpConnection:
         self._then(packet, connection)
 
     def _on_idle(self) -> None:
-        self._idle = None
         if not self.has_spoken:
             self._end("jtcp.never_spoke", "said nothing")
 

@@ -32,7 +32,6 @@ class Transport(ABC):
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         self.loop = loop
         self.counters: Counters = loop.counters
         self.arrival = Arrival()

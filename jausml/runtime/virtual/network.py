@@ -9,6 +9,7 @@ from struct import Struct
 from typing import TYPE_CHECKING, TypeAlias
 
 from ..base.address import JausAddress, address_of
+from ..base.clocks import Alarm
 from ..base.settings import JUDP_GROUP, JUDP_PORT
 from ..transports.packets.packet import parse_datagram
 from ..transports.udp.datagrams import DatagramTransport
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from random import Random
 
-    from ..base.loop import Loop, Timer
+    from ..base.loop import Loop
     from ..base.settings import Endpoint, TransportSettings
 
 LONGEST_HOLD = 1.0
@@ -94,7 +95,7 @@ class Way:
         self._random = random
         self._is_losing = False
         self._held: list[Callable[[], None]] = []
-        self._hold: Timer | None = None
+        self._hold = Alarm(loop)
 
     def carry(self, arrive: Callable[[], None]) -> bool:
         """Let something pass, in a later turn of the loop.
@@ -143,14 +144,12 @@ class Way:
 
     def _keep(self, arrive: Callable[[], None]) -> None:
         self._held.append(arrive)
-        if self._hold is None:
-            self._hold = self._loop.call_later(LONGEST_HOLD, self._release)
+        if not self._hold.is_set:
+            self._hold.set(LONGEST_HOLD, self._release)
 
     def _release(self) -> None:
         """Let what was overtaken follow."""
-        if self._hold is not None:
-            self._hold.cancel()
-            self._hold = None
+        self._hold.cancel()
         held, self._held = self._held, []
         for arrive in held:
             self._send(arrive, self.link)

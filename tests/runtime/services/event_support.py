@@ -42,4 +42,5 @@ def kill(world, component):
     component._jaus_running = False
     component._jaus_clients.events._component = world.component("77.7.7")
     for stream in list(component._jaus_clients.events._streams.values()):
-        stream._cancel_timers()
+        stream._timer.cancel()
+        stream._silence_timer.cancel()

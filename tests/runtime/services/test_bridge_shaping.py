@@ -316,12 +316,12 @@ def test_parameters_shape_while_the_bridge_runs(world, setting):
 
 
 def test_a_pace_that_is_none_is_refused():
-    check = parameters.max_rate("drive", 0.0).check
+    check = parameters.MAX_RATE.check
     check(0.0)
     check(0.001)
     with pytest.raises(ValueError, match=r"0\.0001 Hz is neither 0 nor 0\.001 Hz or more"):
         check(0.0001)
-    limits = parameters.decimation("drive", 1).limits, parameters.age_limit("drive", 0.0).limits
+    limits = parameters.DECIMATION.limits, parameters.AGE_LIMIT.limits
     assert limits == ((1, rules.GREATEST_DECIMATION), (0.0, rules.LONGEST_TIME))
     assert rules.LEAST_RATE == parameters.LEAST_MAX_RATE
 

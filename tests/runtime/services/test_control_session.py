@@ -44,7 +44,7 @@ def target(world, **settings):
 
 def kill(world, component):
     """End a component as a crash does: without a word."""
-    component._jaus_core.access_control._stop_timer()
+    component._jaus_core.access_control._timer.cancel()
     world.detach(component.address)
 
 

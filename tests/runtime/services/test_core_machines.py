@@ -30,8 +30,8 @@ from jausml.runtime.messages import (
     UpdateEvent,
 )
 from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
+    query_service_lists,
+    query_services,
     register_services,
 )
 
@@ -239,8 +239,8 @@ def asked(trigger, says):
         "CancelEvent": lambda: CancelEvent(request_id=9, event_id=0 if exists else 99),
         "CreateCommandEvent": lambda: command(SLOW if supported else UNKNOWN),
         "QueryIdentification": lambda: QueryIdentification(query_type=4),
-        "QueryServices": query_all_services,
-        "QueryServiceList": query_all_service_lists,
+        "QueryServices": query_services,
+        "QueryServiceList": query_service_lists,
         "RegisterServices": lambda: register_services((ServiceIdentity("urn:x:Y", 1, 0),)),
         "QueryConfiguration": lambda: messages.QueryConfiguration(query_type=2),
     }

@@ -22,8 +22,8 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
+    query_service_lists,
+    query_services,
     report_services,
 )
 
@@ -56,7 +56,7 @@ def registration(*services):
     )
 
 
-def query_services(*pairs):
+def query_pairs(*pairs):
     return QueryServices(
         node_list=[
             QueryServices.NodeSeq(
@@ -143,7 +143,7 @@ class TestRegistration:
         return probe
 
     def test_all_services(self, tested, client):
-        (report,) = client.ask(query_services((255, 255)), tested)
+        (report,) = client.ask(query_pairs((255, 255)), tested)
         assert found(report) == {(1, 1): [DISCOVERY.urn], (2, 3): [SENSOR.urn]}
 
     @pytest.mark.parametrize(
@@ -158,26 +158,26 @@ class TestRegistration:
         ],
     )
     def test_wildcards_and_unknown_ids(self, tested, client, node, component, expected):
-        (report,) = client.ask(query_services((node, component)), tested)
+        (report,) = client.ask(query_pairs((node, component)), tested)
         assert set(found(report)) == expected
 
     def test_several_components(self, tested, client):
-        (report,) = client.ask(query_services((2, 3), (1, 1), (5, 5)), tested)
+        (report,) = client.ask(query_pairs((2, 3), (1, 1), (5, 5)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
     def test_versions(self, tested, client):
-        (report,) = client.ask(query_services((2, 3)), tested)
+        (report,) = client.ask(query_pairs((2, 3)), tested)
         service = report.node_list[0].component_list[0].service_list[0]
         assert (service.major_version_number, service.minor_version_number) == (1, 0)
 
     def test_registering_again_replaces(self, tested, member, client):
         member.ask(registration(DISCOVERY, SENSOR), tested)
-        (report,) = client.ask(query_services((2, 3)), tested)
+        (report,) = client.ask(query_pairs((2, 3)), tested)
         assert found(report) == {(2, 3): [DISCOVERY.urn, SENSOR.urn]}
 
     def test_other_subsystems_are_ignored(self, world, tested, client):
         client.ask(registration(SENSOR), tested)
-        (report,) = client.ask(query_services((255, 255)), tested)
+        (report,) = client.ask(query_pairs((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
         assert world.counters.snapshot()["discovery.registration_ignored"] == 1
 
@@ -185,28 +185,28 @@ class TestRegistration:
         narrow = server(world, Scope.NODE, "2.1.1")
         world.probe("2.1.2").ask(registration(SENSOR), narrow)
         world.probe("2.2.2").ask(registration(SENSOR), narrow)
-        (report,) = client.ask(query_services((255, 255)), narrow)
+        (report,) = client.ask(query_pairs((255, 255)), narrow)
         assert set(found(report)) == {(1, 1), (1, 2)}
 
     def test_component_scope_answers_for_itself(self, world, client):
         narrow = server(world, Scope.COMPONENT, "2.1.1")
         world.probe("2.1.2").ask(registration(SENSOR), narrow)
-        (report,) = client.ask(query_services((255, 255)), narrow)
+        (report,) = client.ask(query_pairs((255, 255)), narrow)
         assert set(found(report)) == {(1, 1)}
 
     def test_registrations_lapse(self, world, tested, client):
         world.run(299.0, step=10.0)
-        (report,) = client.ask(query_services((255, 255)), tested)
+        (report,) = client.ask(query_pairs((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
         world.run(2.0, step=1.0)
-        (report,) = client.ask(query_services((255, 255)), tested)
+        (report,) = client.ask(query_pairs((255, 255)), tested)
         assert set(found(report)) == {(1, 1)}
 
     def test_looking_for_the_server_renews_the_registration(self, world, tested, member, client):
         world.run(200.0, step=10.0)
         member.ask(QueryIdentification(query_type=SUBSYSTEM), tested)
         world.run(200.0, step=10.0)
-        (report,) = client.ask(query_services((255, 255)), tested)
+        (report,) = client.ask(query_pairs((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
     def test_registrations_are_bounded(self, world, tested):
@@ -300,7 +300,7 @@ def test_component_registers_with_its_subsystem(world, client):
     member.start()
     stranger.start()
     world.settle()
-    (report,) = client.ask(query_services((255, 255)), tested)
+    (report,) = client.ask(query_pairs((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (5, 6)}
 
 
@@ -311,7 +311,7 @@ def test_component_registers_with_a_server_that_comes_later_or_again(world, clie
     for _ in range(2):
         tested = server(world)
         world.run(16.0, step=1.0)
-        (report,) = client.ask(query_services((5, 6)), tested)
+        (report,) = client.ask(query_pairs((5, 6)), tested)
         assert set(found(report)) == {(5, 6)}
         tested.stop()
 
@@ -422,7 +422,7 @@ def test_stale_registrations_make_room(world, client):
     world.run(20.0, step=5.0)
     world.send(JausAddress(1, 9, 9), tested.address, payload)
     world.settle()
-    (report,) = client.ask(query_services((255, 255)), tested)
+    (report,) = client.ask(query_pairs((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (9, 9)}
 
 
@@ -432,7 +432,7 @@ def test_list_of_more_subsystems_than_a_report_holds(world, client):
     for number in range(2, 302):
         world.send(JausAddress(number, 1, 1), tested.address, payload)
     world.settle()
-    (report,) = client.ask(query_all_service_lists(), tested)
+    (report,) = client.ask(query_service_lists(), tested)
     assert len(report.subsystem_list) == 255
 
 
@@ -447,7 +447,7 @@ def test_search_is_not_filled_by_inventions(world):
             for node in range(1, 11)
             for number in range(1, 101)
         }
-        report = report_services(query_all_services(), catalog, subsystem)
+        report = report_services(query_services(), catalog, subsystem)
         world.send(JausAddress(subsystem, 1, 1), seeker.address, report.encode())
     world.settle()
     assert len(told) == MAX_FOUND

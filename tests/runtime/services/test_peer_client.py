@@ -8,7 +8,7 @@ from jausml.runtime import PeerChoice, PeerSearch, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients import peer_search
 from jausml.runtime.messages import QueryHeartbeatPulse, QueryServiceList, ReportHeartbeatPulse
-from jausml.runtime.services.discovery_messages import query_all_services, report_services
+from jausml.runtime.services.discovery_messages import query_services, report_services
 
 from .conftest import CORE_SERVICES
 
@@ -187,7 +187,7 @@ def test_a_dead_component_that_a_server_still_lists_is_not_taken(world):
     registry = world.probe("200.1.1", strict=False)
     searcher = Searcher(world, search())
     dead = {JausAddress.parse("200.1.7"): (ServiceIdentity(SENSOR, 1, 0),)}
-    everything = query_all_services()
+    everything = query_services()
     for _ in range(5):
         registry.send(report_services(everything, dead, 200), searcher.component)
         world.run(2)
@@ -198,7 +198,7 @@ def test_inventions_of_a_peer_do_not_fill_the_memory(world):
     liar = world.probe("200.1.1", strict=False)
     searcher = Searcher(world, search())
     world.lost = lambda *what: what[2] == QueryHeartbeatPulse.CODE
-    everything = query_all_services()
+    everything = query_services()
     for node in range(1, 6):
         many = {
             JausAddress(200, node, number): (ServiceIdentity(SENSOR, 1, 0),)

@@ -22,8 +22,8 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
+    query_service_lists,
+    query_services,
     register_services,
     report_service_list,
     report_services,
@@ -111,7 +111,7 @@ def own(version=V1_1):
 
 
 def services(catalog, query=None):
-    return {"client": [report_services(query or query_all_services(), catalog, 1)]}
+    return {"client": [report_services(query or query_services(), catalog, 1)]}
 
 
 JOINED = registers(MEMBER, SENSOR)
@@ -187,13 +187,13 @@ CATALOG = (
     row(
         "QueryServices 255/255: all",
         JOINED,
-        when=("client", query_all_services()),
+        when=("client", query_services()),
         then=services({OWN: own(), MEMBER: (SENSOR,)}),
     ),
     row(
         "QueryServices, v1.0: the same",
         JOINED,
-        when=("client", query_all_services()),
+        when=("client", query_services()),
         then=services({OWN: own(V1_0), MEMBER: (SENSOR,)}),
         version=V1_0,
     ),
@@ -212,11 +212,9 @@ CATALOG = (
     row(
         "QueryServiceList 65535/255/255: all",
         JOINED,
-        when=("client", query_all_service_lists()),
+        when=("client", query_service_lists()),
         then={
-            "client": [
-                report_service_list(query_all_service_lists(), {OWN: own(), MEMBER: (SENSOR,)})
-            ]
+            "client": [report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)})]
         },
     ),
     row(
@@ -227,7 +225,7 @@ CATALOG = (
                 subsystem_list=[
                     QueryServiceList.SubsystemSeq(
                         subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=77),
-                        node_list=query_all_service_lists().subsystem_list[0].node_list,
+                        node_list=query_service_lists().subsystem_list[0].node_list,
                     )
                 ]
             ),
@@ -236,7 +234,7 @@ CATALOG = (
     ),
     row(
         "QueryServiceList, v1.0: unknown, ignored",
-        when=("client", query_all_service_lists()),
+        when=("client", query_service_lists()),
         version=V1_0,
         counted="component.unknown_message",
     ),
@@ -386,12 +384,12 @@ def test_servers_find_each_other(world):
     [
         pytest.param(
             QueryServices.CODE,
-            report_services(query_all_services(), {MEMBER: (SENSOR,)}, 1),
+            report_services(query_services(), {MEMBER: (SENSOR,)}, 1),
             id="v1.0: ReportServices",
         ),
         pytest.param(
             QueryServiceList.CODE,
-            report_service_list(query_all_service_lists(), {MEMBER: (SENSOR,)}),
+            report_service_list(query_service_lists(), {MEMBER: (SENSOR,)}),
             id="v1.1: ReportServiceList",
         ),
     ],

@@ -43,8 +43,8 @@ from jausml.runtime.messages import (
     UpdateEvent,
 )
 from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
+    query_service_lists,
+    query_services,
     report_services,
 )
 
@@ -87,14 +87,14 @@ EXCHANGES = [
     (QueryTime(presence_vector=3), [ReportTime]),
     (QueryIdentification(query_type=2), [ReportIdentification]),
     (QuerySubsystemList(), [ReportSubsystemList]),
-    (query_all_services(), [ReportServices]),
+    (query_services(), [ReportServices]),
     (SetEmergency(), [RejectControl]),
     (ClearEmergency(), []),
     (ReleaseControl(), [RejectControl]),
 ]
 
 # What came with v1.1; a v1.0 component does not know it and says nothing.
-ADDED = [QueryEventTimeout(), query_all_service_lists()]
+ADDED = [QueryEventTimeout(), query_service_lists()]
 
 
 def started(world, version):
@@ -210,5 +210,5 @@ def test_discovery_of_a_v1_0_subsystem(world):
     world.run(1.0, step=0.25)
     assert [hit.address for hit in hits] == [SERVER]
     catalog = {SERVER: hits[0].services}
-    assert report_services(query_all_services(), catalog, 1).node_list
+    assert report_services(query_services(), catalog, 1).node_list
     assert {(each.major, each.minor) for each in hits[0].services} == {V1_0}

@@ -21,8 +21,8 @@ from jausml.live.peers.conformance.check import (
     skips,
     usual,
 )
-from jausml.live.peers.discovery import Services, service_list, services_of
-from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
+from jausml.live.peers.discovery import Services, services_of
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -36,6 +36,7 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.definitions import CORE, Scope
+from jausml.runtime.services.discovery_messages import query_service_lists, query_services
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
@@ -52,43 +53,23 @@ _TYPES = {
 _Listing = ReportServices | ReportServiceList
 
 
-def _query(node: int, component: int) -> QueryServices:
-    return QueryServices(
-        node_list=[
-            QueryServices.NodeSeq(
-                node_rec=QueryServices.NodeRec(node_id=node),
-                component_list=[QueryServices.ComponentRec(component_id=component)],
-            )
-        ]
-    )
-
-
 def _query_service_list(session: Session) -> QueryServiceList:
-    target = session.probe.target
-    node = QueryServiceList.NodeSeq(
-        node_rec=QueryServiceList.NodeRec(node_id=target.node),
-        component_list=[QueryServiceList.ComponentRec(component_id=target.component)],
-    )
-    subsystem = QueryServiceList.SubsystemSeq(
-        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=target.subsystem),
-        node_list=[node],
-    )
-    return QueryServiceList(subsystem_list=[subsystem])
+    return query_service_lists(session.probe.target)
 
 
 def _all(_: Session) -> QueryServices:
-    return _query(WILDCARD_NODE, WILDCARD_COMPONENT)
+    return query_services()
 
 
 def _of_target(session: Session) -> QueryServices:
-    return _query(session.probe.target.node, session.probe.target.component)
+    return query_services(session.probe.target)
 
 
 def _of_nobody(session: Session) -> QueryServices:
     """Asks for a component that the target has not listed."""
     known, target = _everything(session), session.probe.target
     ids = (JausAddress(target.subsystem, target.node, each) for each in range(254, 0, -1))
-    return _query(target.node, next(each.component for each in ids if each not in known))
+    return query_services(next(each for each in ids if each not in known))
 
 
 def _everything(session: Session) -> Services:
@@ -96,8 +77,6 @@ def _everything(session: Session) -> Services:
 
 
 def _services(session: Session, report: _Listing) -> Services:
-    if isinstance(report, ReportServiceList):
-        return service_list(report)
     return services_of(report, session.probe.target.subsystem)
 
 

@@ -67,7 +67,6 @@ class Trace:
     def __init__(
         self, describe: Callable[[bytes], str], now: Callable[[], float] = time.monotonic
     ) -> None:
-        """Starts an empty trace."""
         self._describe = describe
         self._now = now
         self._begin = now()

@@ -30,7 +30,7 @@ from jausml.live.peers.conformance.session import PINGS, Limits, Session
 from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from jausml.runtime.messages import ReportServices
-from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.discovery_messages import query_services
 from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:
@@ -184,12 +184,12 @@ def _why(probe: Probe, network: Network) -> str:
 def _announced(session: Session) -> Sequence[ServiceIdentity]:
     """Returns the services that the target, or the Discovery server of its subsystem, lists."""
     target = session.probe.target
-    report = session.tried(query_all_services(), ReportServices, attempts=2)
+    report = session.tried(query_services(), ReportServices, attempts=2)
     if report is not None:
         own = services_of(report, target.subsystem).get(target)
         if own:
             return own
-    query = query_all_services().encode()
+    query = query_services().encode()
     everyone = JausAddress(target.subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
     for server, endpoint in session.probe.servers(everyone).items():
         payload = session.probe.ask_bystander(server, endpoint, query)

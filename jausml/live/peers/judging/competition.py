@@ -159,7 +159,6 @@ class Judge:
     """Lets a target take the tasks of a competition."""
 
     def __init__(self, tasks: Iterable[Task], on_score: Callable[[Score], None]) -> None:
-        """Prepares; nothing is sent."""
         self._tasks = tuple(tasks)
         self._on_score = on_score
         self.scores: list[Score] = []

@@ -27,7 +27,7 @@ from jausml.live.peers.judging.competition import (
 from jausml.live.peers.judging.driving import DRIVER, Course
 from jausml.live.peers.judging.igvc import lists_service, own_services, waypoint_navigation
 from jausml.runtime.messages import ReportServices
-from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.discovery_messages import query_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -96,7 +96,7 @@ def _platform() -> Task:
 
 @step
 def _somebody_lists(session: Session, name: str) -> None:
-    report = session.first.ask(query_all_services(), ReportServices)
+    report = session.first.ask(query_services(), ReportServices)
     found = services_of(report, session.probe.target.subsystem)
     session.require(
         any(each.urn.endswith(f":{name}") for services in found.values() for each in services),
@@ -146,7 +146,6 @@ class ConformanceJudge(Judge):
     """Gives a point for each check of conformance that applies to the target."""
 
     def __init__(self, selection: CheckFilter, on_score: Callable[[Score], None]) -> None:
-        """Prepares; nothing is sent."""
         self._selection = selection
         self._groups = {
             each.name: Task(each.name, each.name, "one point for each check that applies")

@@ -39,7 +39,7 @@ from jausml.live.peers.judging.driving import (
     told,
 )
 from jausml.runtime import messages as core
-from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.discovery_messages import query_services
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.check import Judgement
@@ -79,7 +79,6 @@ class Handshake:
     """The questions of an entry that introduces itself: when the last came, and from where."""
 
     def __init__(self) -> None:
-        """Nothing was heard yet."""
         self._heard = 0.0
         self._place: Endpoint | None = None
 
@@ -172,7 +171,7 @@ def _capabilities_discovery() -> Task:
 
 def own_services(session: Session) -> None:
     """The target lists its services, which are those of the session from now on."""
-    report = session.first.ask(query_all_services(), core.ReportServices)
+    report = session.first.ask(query_services(), core.ReportServices)
     target = session.probe.target
     found = services_of(report, target.subsystem)
     session.require(target in found, f"ReportServices does not hold {target} itself")

@@ -322,7 +322,6 @@ class JtsComponent(JuniorPeer):
         report: Callable[[int], bytes | None] = lambda _: None,
         obey: Callable[[bytes, JausAddress], None] = lambda *_: None,
     ) -> None:
-        """Stands by."""
         self._report, self._further = report, obey
         self._reset()
         super().__init__(address, place)

@@ -105,7 +105,6 @@ class Rover:
     """Takes SetWrenchEffort, and reports a velocity that follows at once (AS6009)."""
 
     def __init__(self, catalogue: Catalogue, on_command: OnCommand) -> None:
-        """Stands."""
         self._effort = catalogue.message("SetWrenchEffort")
         self._velocity = catalogue.message("ReportVelocityState")
         self._query = catalogue.message("QueryVelocityState")

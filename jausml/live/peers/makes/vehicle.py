@@ -117,7 +117,6 @@ class Vehicle:
         dies_of_updates: bool = False,
         doubles_events: bool = False,
     ) -> None:
-        """Stands by."""
         self.address = address
         self.dies_of_updates, self.doubles_events = dies_of_updates, doubles_events
         self.is_dead = False

@@ -184,7 +184,7 @@ class Calls(Generic[CallT, AskingT]):
             each.open(ends)
         self.service = parameters.service(ends.ros, self.name, self.service)
         self.timeout = ends.ros.parameter(
-            parameters.timeout(self.name, self.timeout), self._set_timeout
+            parameters.TIMEOUT.of(self.timeout, self.name), self._set_timeout
         )
 
     def abandon(self, call: CallT, reason: str, text: str) -> None:

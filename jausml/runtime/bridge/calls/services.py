@@ -14,6 +14,7 @@ from ..connections.controlled_peers import ControlledPeers
 from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
 from ..ends.ends import Taker
+from ..light_message import assign
 from .calls import (
     FAILED,
     NOT_ASKED,
@@ -201,12 +202,6 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
 
     def _changed(self, peer: JausAddress) -> None:
         """Nothing is prepared for a peer: the next call looks who obeys."""
-
-
-def assign(message: Any, path: str, *, value: object) -> None:
-    """Sets a member of a message, which may be inside another one."""
-    owner, _, name = path.rpartition(".")
-    setattr(attrgetter(owner)(message) if owner else message, name, value)
 
 
 def _told(rejection: type[Message], payload: bytes) -> str:

@@ -19,17 +19,15 @@ from ..messages.compiled import compiled_of
 from ..reports.diagnostics import Latency, Limiting
 from ..reports.states import StopReason
 from .ages import Backlog
-from .reporting import Reporter
+from .reporting import Reported, Reporter
 from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
 from .translations import Form, compiled_first, override_of, transcoder, with_joins
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
-    from ...base.address import JausAddress
     from ..ends.ends import Ends
-    from ..ends.topics import TopicFault
     from ..reports.diagnostics import ConnectionStatus
     from .ages import Age
     from .translations import Joined, Transcode
@@ -49,15 +47,12 @@ _PLAIN = Shape()
 """Everything passes when it comes."""
 
 
-class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
+class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
     """What the connections of both directions have in common.
 
     Attributes:
         form: Form in which the translation runs, while the bridge is open.
     """
-
-    form: Form
-    override: list[tuple[str, str]]
 
     def __init__(
         self,
@@ -104,7 +99,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Declares the parameters of the connection, and reads what they say."""
         super().declare(ends)
         self._wants_latency = ends.ros.parameter(
-            parameters.latency(self.name), self._set_wants_latency
+            parameters.LATENCY.of(value=False, owner=self.name), self._set_wants_latency
         )
 
     def decoder(self) -> Callable[[bytes], SourceT]:
@@ -135,26 +130,6 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Returns what tells how old a message is; None where messages are not shaped."""
         return None
 
-    def describe_peers(self) -> list[tuple[str, str]]:
-        """Names and states of the other ends, for diagnostics."""
-        raise NotImplementedError
-
-    def lacks_peers(self) -> str:
-        """What the connection searches for and has not found, empty when it lacks nothing."""
-        return ""
-
-    def forbidden(self) -> str:
-        """Why nothing may be passed on now, empty while it may."""
-        return "" if self._halt is None else self._halt.value
-
-    def refusal(self) -> str:
-        """Why nobody at the other end obeys, empty while somebody does or need not."""
-        return ""
-
-    def unwilling(self) -> str:
-        """Which of several at the other end do not obey, empty while all do or none does."""
-        return ""
-
     def join(self, joined: Sequence[Joined]) -> None:
         """Has the translation given the latest messages of joins, which are open."""
         self._joined = tuple(joined)
@@ -173,31 +148,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Names of the joins that have nothing fresh."""
         return [each.name for each in self._joined if each.is_stale]
 
-    def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that were asked for messages and say nothing."""
-        return ()
-
-    def topic_faults(self) -> Iterable[TopicFault]:
-        """What is wrong with the topics at present."""
-        return ()
-
-    def losses(self) -> Mapping[str, int]:
-        """How many messages never came as far as this, or no further than this, by reason."""
-        return {}
-
-    def not_taken(self) -> Mapping[str, int]:
-        """How many messages for this were dropped before it was asked, by reason."""
-        return {}
-
     @property
     def is_latched(self) -> bool:
         """Whether the latest message counts until there is another, however old it is."""
         return False
-
-    @property
-    def declared_rate(self) -> float:
-        """Messages each second that the model promises; 0 when it promises none."""
-        return 0.0
 
     # ------------------------------------------------------------------ messages
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..reports.diagnostics import FAILURES, NOT_LOST, THINNED, ConnectionStatus
 from ..reports.states import Facts, StateLog, StopReason, judge
@@ -65,8 +65,8 @@ class _Totals(NamedTuple):
     limited: int = 0
 
 
-class Reported(Protocol):
-    """A connection as its reports see it; `Connection` says what each of it is."""
+class Reported:
+    """What the reports of a connection tell; here, what holds for most of them."""
 
     name: str
     statistics: Statistics
@@ -74,54 +74,66 @@ class Reported(Protocol):
     stopped: StopReason | None
     form: Form
     override: list[tuple[str, str]]
-
-    @property
-    def counters(self) -> Counters:
-        """Where losses and faults are counted."""
+    counters: Counters
+    _halt: StopReason | None
 
     @property
     def declared_rate(self) -> float:
-        """Messages each second that the model promises."""
+        """Messages each second that the model promises; 0 when it promises none."""
+        return 0.0
 
     @property
     def when_lost(self) -> str:
-        """What happens when the source of a command is lost."""
+        """What happens on the target side when the source of a command is lost."""
+        raise NotImplementedError
 
     def losses(self) -> Mapping[str, int]:
-        """What was lost, by reason."""
+        """How many messages never came as far as this, or no further than this, by reason."""
+        return {}
 
     def not_taken(self) -> Mapping[str, int]:
-        """What was dropped before the connection was asked, by reason."""
+        """How many messages for this were dropped before it was asked, by reason."""
+        return {}
 
     def lacks_peers(self) -> str:
-        """What is searched for and not found."""
+        """What the connection searches for and has not found, empty when it lacks nothing."""
+        return ""
 
     def forbidden(self) -> str:
-        """Why nothing may be passed on now."""
+        """Why nothing may be passed on now, empty while it may."""
+        return "" if self._halt is None else self._halt.value
 
     def refusal(self) -> str:
-        """Why nobody at the other end obeys."""
+        """Why nobody at the other end obeys, empty while somebody does or need not."""
+        return ""
 
     def unwilling(self) -> str:
-        """Which of several at the other end do not obey."""
+        """Which of several at the other end do not obey, empty while all do or none does."""
+        return ""
 
     def stale_joins(self) -> list[str]:
-        """Joins that have nothing fresh."""
+        """Names of the joins that have nothing fresh."""
+        return []
 
     def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that were asked and say nothing."""
+        """Peers that were asked for messages and say nothing."""
+        return ()
 
     def topic_faults(self) -> Iterable[TopicFault]:
-        """What is wrong with the topics."""
+        """What is wrong with the topics at present."""
+        return ()
 
     def describe_joins(self) -> list[tuple[str, str]]:
-        """Names and ages of joined topics."""
+        """What is joined and the age of its latest message, for diagnostics."""
+        return []
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """Names and states of the other ends."""
+        """Names and states of the other ends, for diagnostics."""
+        raise NotImplementedError
 
     def describe_latency(self) -> list[tuple[str, str]]:
-        """Measured latency."""
+        """Names and values of the latency for diagnostics; none unless it is measured."""
+        return []
 
 
 class Reporter:

@@ -59,7 +59,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
-            self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+            self.rate = ends.ros.parameter(parameters.RATE.of(self.rate, self.name), self._set_rate)
         super().open(ends)
 
     def begin(self, ends: Ends) -> None:
@@ -139,7 +139,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         """Makes the publishers, then starts to ask."""
         super().open(ends)
         self._queries = QueryRequests(ends, self._query, self._message, self._take, self.rate)
-        rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+        rate = ends.ros.parameter(parameters.RATE.of(self.rate, self.name), self._set_rate)
         self.rate = self._queries.rate = rate
         self._queries.start(self._peers)
 

@@ -267,13 +267,13 @@ class JoinedReport(Joined):
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
         elif join.is_asked and join.rate is not None:
             asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)
-            asked.rate = ends.ros.parameter(parameters.rate(owner, join.rate), asked.set_rate)
+            asked.rate = ends.ros.parameter(parameters.RATE.of(join.rate, owner), asked.set_rate)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
             asked.start(self._peers)
         else:
             events = EventRequests(ends, join.query, join.message, self.keep, join.rate)
             if join.rate is not None:
-                rate = parameters.rate(owner, join.rate)
+                rate = parameters.RATE.of(join.rate, owner)
                 events.rate = ends.ros.parameter(rate, events.set_rate)
             self._peers.follow(ends.component.find_peers, events.begin, events.end)
 

@@ -9,13 +9,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ...base.clocks import Alarm
 from ..ends import parameters
 from ..reports.diagnostics import TOO_OLD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ...base.loop import Timer
     from ..ends.ends import Ends
     from ..reports.diagnostics import Statistics
     from .ages import Age
@@ -141,7 +141,7 @@ class Shaping:
         self._is_usable = False
         self._passed = -math.inf
         self._waiting: Waiting | None = None
-        self._timer: Timer | None = None
+        self._timer: Alarm
 
     def open(
         self,
@@ -158,12 +158,13 @@ class Shaping:
         """
         self._ends, self._age, self._reshaped = ends, age, reshaped
         self._judge_silence = judge_silence
+        self._timer = Alarm(ends.clock)
         self._skipped, self._is_usable, self._passed = 0, False, -math.inf
         shape, declare = self._shape, ends.ros.parameter
         self._shape = Shape(
-            declare(parameters.max_rate(name, shape.max_rate), self._set_max_rate),
-            declare(parameters.decimation(name, shape.decimation), self._set_decimation),
-            declare(parameters.age_limit(name, shape.age_limit), self._set_age_limit),
+            declare(parameters.MAX_RATE.of(shape.max_rate, name), self._set_max_rate),
+            declare(parameters.DECIMATION.of(shape.decimation, name), self._set_decimation),
+            declare(parameters.AGE_LIMIT.of(shape.age_limit, name), self._set_age_limit),
         )
 
     def _set_max_rate(self, hertz: float) -> None:
@@ -198,9 +199,8 @@ class Shaping:
         """Begins anew; returns what waited and passes no more."""
         self._skipped = 0
         waiting, self._waiting = self._waiting, None
-        if self._timer is not None:
+        if waiting is not None:
             self._timer.cancel()
-            self._timer = None
         return waiting
 
     def thin(self) -> None:
@@ -238,11 +238,9 @@ class Shaping:
 
     def _arrange(self) -> None:
         """Has what waits pass when its time has come, or now."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._timer.cancel()
         if self._ends.clock.now() < self._due:
-            self._timer = self._ends.clock.call_at(self._due, self._arrange)
+            self._timer.set_at(self._due, self._arrange)
             return
         self._judge_silence()
         waiting, self._waiting = self._waiting, None

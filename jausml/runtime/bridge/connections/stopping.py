@@ -85,7 +85,8 @@ class Stopping:
     def declare(self, ends: Ends) -> None:
         """Declares the parameters of the connection, and reads what they say."""
         self.silence_timeout = ends.ros.parameter(
-            parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
+            parameters.SILENCE_TIMEOUT.of(self.silence_timeout, self.name),
+            self._set_silence_timeout,
         )
 
     # ------------------------------------------------------------------ for the kinds

@@ -290,7 +290,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
         super().open(ends)
-        self._rate_cap = ends.ros.parameter(parameters.rate_cap(self.name, self._rate_cap))
+        self._rate_cap = ends.ros.parameter(parameters.RATE_CAP.of(self._rate_cap, self.name))
         if self._rate_cap > 0:
             self._take = RateCap(self._rate_cap, ends.loop.now, self.refuse).before(self._take)
         senders = None if self._peers.is_anybody else self._peers

@@ -194,7 +194,7 @@ class Joined:
         self._ends = ends
         self._decode = decode
         self._arrival = self._data = self._latest = None
-        stale = parameters.freshness(owner, self.freshness)
+        stale = parameters.FRESHNESS.of(self.freshness, owner)
         self.freshness = ends.ros.parameter(stale, self._set_freshness)
 
     def fresh(self) -> Any:

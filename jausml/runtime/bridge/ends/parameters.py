@@ -146,102 +146,93 @@ def digital_resources(urls: Sequence[str]) -> Parameter:
     return Parameter("jaus_digital_resources", " ".join(urls), text, check=check)
 
 
-def max_events(value: int) -> Parameter:
-    """Returns how many events are served at a time."""
-    return Parameter("jaus_max_events", value, "JAUS events at a time.", (1, 255))
+@dataclass(frozen=True)
+class Known:
+    """A parameter that is not declared yet: all of it but its value.
 
-
-def event_rate_budget(value: float) -> Parameter:
-    """Returns how many reports a second all periodic events may have together."""
-    text = "Reports of all periodic JAUS events together each second."
-    return Parameter("jaus_event_rate_budget", float(value), text, (1.0, 255 * MAX_EVENT_RATE))
-
-
-def authority(value: int) -> Parameter:
-    """Returns the authority code that control of others is requested with."""
-    text = "Authority that control of JAUS components is requested with."
-    return Parameter("jaus_authority", value, text, (0, 255))
-
-
-def diagnostics_frequency(value: float) -> Parameter:
-    """Returns how often diagnostics are published each second."""
-    text = "Diagnostics published each second (Hz)."
-    return Parameter("diagnostics_frequency", value, text, (0.01, 100.0))
-
-
-def autostart() -> Parameter:
-    """Returns whether the bridge becomes active by itself."""
-    text = "Whether the node becomes active by itself; if not, it waits unconfigured."
-    return Parameter("autostart", default=True, description=text)
-
-
-def queue_age_limit() -> Parameter:
-    """Returns the time in seconds after which a ROS message that waits is too old; 0 is never."""
-    text = "Seconds after which a message of a topic that is not latched is too old to be taken."
-    return Parameter("queue_age_limit", QUEUE_AGE_LIMIT, text, (0.0, LONGEST_TIME))
-
-
-def rate(connection: str, value: float) -> Parameter:
-    """Returns the rate of a connection in messages each second."""
-    text = f"Messages of the connection {connection} each second (Hz)."
-    return Parameter(f"{connection}.rate", value, text, (0.02, MAX_EVENT_RATE))
-
-
-def silence_timeout(connection: str, seconds: float) -> Parameter:
-    """Returns the silence timeout of a connection in seconds; 0 is never."""
-    text = f"Seconds without a message that count as silence of the source of {connection}."
-    return Parameter(f"{connection}.silence_timeout", seconds, text, (0.0, LONGEST_TIME))
-
-
-def max_rate(connection: str, hertz: float) -> Parameter:
-    """Returns the rate above which messages of a connection are thinned out; 0 is never."""
-    text = f"Messages of {connection} that pass each second at most (Hz); 0 is all."
-    return _limit(f"{connection}.max_rate", hertz, text)
-
-
-def rate_cap(connection: str, hertz: float) -> Parameter:
-    """Returns the rate above which messages of one source are dropped; 0 is never."""
-    text = f"Messages of {connection} that are taken of one source each second (Hz); 0 is all."
-    return _limit(f"{connection}.rate_cap", hertz, text)
-
-
-def _limit(name: str, hertz: float, text: str) -> Parameter:
-    """Returns a rate in hertz that limits; 0 is no limit."""
-
-    def check(value: float) -> None:
-        if 0 < value < LEAST_MAX_RATE:
-            raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
-
-    return Parameter(name, hertz, text, (0.0, GREATEST), check)
-
-
-def decimation(connection: str, number: int) -> Parameter:
-    """Returns every how many messages of a connection one passes."""
-    text = f"Every how many messages of {connection} one passes."
-    return Parameter(f"{connection}.decimation", number, text, (1, GREATEST_DECIMATION))
-
-
-def age_limit(connection: str, seconds: float) -> Parameter:
-    """Returns the age in seconds above which messages of a connection do not pass; 0 is never."""
-    text = f"Seconds after which a message of {connection} is too old to pass; 0 is never."
-    return Parameter(f"{connection}.age_limit", seconds, text, (0.0, LONGEST_TIME))
-
-
-def latency(connection: str = "") -> Parameter:
-    """Returns whether the latency of a connection is measured, or that of all of them.
-
-    Args:
-        connection: The connection; empty for all.
+    Attributes:
+        name: Its name; `{}` stands for the connection, or the connection and join, that it is of.
     """
-    name, whose = (f"{connection}.latency", connection) if connection else ("latency", "all")
-    text = f"Whether the latency of {whose} is measured."
-    return Parameter(name, default=False, description=text)
+
+    name: str
+    description: str
+    limits: tuple[float, float] | None = None
+    check: Callable[[Any], object] | None = None
+
+    def of(self, value: Any, owner: str = "") -> Parameter:
+        """Returns the parameter of the node, or of a connection."""
+        text = self.description.format(owner)
+        return Parameter(self.name.format(owner), value, text, self.limits, self.check)
 
 
-def compiled() -> Parameter:
-    """Returns whether the compiled core of the bridge is used where it is built."""
-    text = "Whether compiled translations are used where they are built."
-    return Parameter("compiled", default=True, description=text)
+def _is_no_limit(hertz: float) -> None:
+    if 0 < hertz < LEAST_MAX_RATE:
+        raise ValueError(f"{hertz:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
+
+
+MAX_EVENTS = Known("jaus_max_events", "JAUS events at a time.", (1, 255))
+EVENT_RATE_BUDGET = Known(
+    "jaus_event_rate_budget",
+    "Reports of all periodic JAUS events together each second.",
+    (1.0, 255 * MAX_EVENT_RATE),
+)
+AUTHORITY = Known(
+    "jaus_authority", "Authority that control of JAUS components is requested with.", (0, 255)
+)
+DIAGNOSTICS_FREQUENCY = Known(
+    "diagnostics_frequency", "Diagnostics published each second (Hz).", (0.01, 100.0)
+)
+AUTOSTART = Known(
+    "autostart", "Whether the node becomes active by itself; if not, it waits unconfigured."
+)
+QUEUE_AGE = Known(
+    "queue_age_limit",
+    "Seconds after which a message of a topic that is not latched is too old to be taken.",
+    (0.0, LONGEST_TIME),
+)
+COMPILED = Known("compiled", "Whether compiled translations are used where they are built.")
+
+RATE = Known("{}.rate", "Messages of the connection {} each second (Hz).", (0.02, MAX_EVENT_RATE))
+SILENCE_TIMEOUT = Known(
+    "{}.silence_timeout",
+    "Seconds without a message that count as silence of the source of {}.",
+    (0.0, LONGEST_TIME),
+)
+MAX_RATE = Known(
+    "{}.max_rate",
+    "Messages of {} that pass each second at most (Hz); 0 is all.",
+    (0.0, GREATEST),
+    _is_no_limit,
+)
+RATE_CAP = Known(
+    "{}.rate_cap",
+    "Messages of {} that are taken of one source each second (Hz); 0 is all.",
+    (0.0, GREATEST),
+    _is_no_limit,
+)
+DECIMATION = Known(
+    "{}.decimation", "Every how many messages of {} one passes.", (1, GREATEST_DECIMATION)
+)
+AGE_LIMIT = Known(
+    "{}.age_limit",
+    "Seconds after which a message of {} is too old to pass; 0 is never.",
+    (0.0, LONGEST_TIME),
+)
+LATENCY = Known("{}.latency", "Whether the latency of {} is measured.")
+ALL_LATENCY = Known("latency", "Whether the latency of all is measured.")
+FRESHNESS = Known(
+    "{}.freshness",
+    "Seconds after which the latest message of {} is stale.",
+    (0.001, LONGEST_TIME),
+)
+SPEED = Known(
+    "{}.speed", "Speed at which the lists of {} are executed (m/s).", (0.0, GREATEST_SPEED)
+)
+TIMEOUT = Known(
+    "{}.timeout",
+    "Seconds after which a call of {} without an answer has failed.",
+    (0.001, LONGEST_TIME),
+)
 
 
 def service_introspection(states: Iterable[str]) -> Parameter:
@@ -259,16 +250,6 @@ def lift_emergency(check: Callable[[str], None]) -> Parameter:
     """Returns whose emergencies are to be lifted, by somebody at the robot."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
     return Parameter("lift_emergency", "", text, check=check)
-
-
-def freshness(join: str, seconds: float) -> Parameter:
-    """Returns the time in seconds after which the latest message of a join is stale.
-
-    Args:
-        join: Connection and join, e.g. `pose.imu`.
-    """
-    text = f"Seconds after which the latest message of {join} is stale."
-    return Parameter(f"{join}.freshness", seconds, text, (0.001, LONGEST_TIME))
 
 
 def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
@@ -301,23 +282,11 @@ def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
     )
 
 
-def speed(connection: str, value: float) -> Parameter:
-    """Returns the speed in m/s at which the lists of a connection are executed."""
-    text = f"Speed at which the lists of {connection} are executed (m/s)."
-    return Parameter(f"{connection}.speed", value, text, (0.0, GREATEST_SPEED))
-
-
 def service(ros: RosSide, connection: str, modelled: RosService) -> RosService:
     """Returns the service of a connection under the name that a parameter gives it."""
     text = f"ROS service of {connection}."
     name = ros.parameter(Parameter(f"{connection}.service", modelled.name, text))
     return replace(modelled, name=name)
-
-
-def timeout(connection: str, seconds: float) -> Parameter:
-    """Returns the time in seconds after which a call without an answer has failed."""
-    text = f"Seconds after which a call of {connection} without an answer has failed."
-    return Parameter(f"{connection}.timeout", seconds, text, (0.001, LONGEST_TIME))
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:

@@ -172,7 +172,6 @@ class Library:
     """
 
     def __init__(self, core: ctypes.CDLL) -> None:
-        """Finds the functions."""
         if sys.platform != "linux":
             raise NoFastPathError(f"not tried on {sys.platform}")
         try:

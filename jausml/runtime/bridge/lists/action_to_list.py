@@ -100,7 +100,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._stops.open(ends)
         self._action = parameters.action(ends.ros, self.name, self._action)
         self.speed = ends.ros.parameter(
-            parameters.speed(self.name, self.speed), partial(setattr, self, "speed")
+            parameters.SPEED.of(self.speed, self.name), partial(setattr, self, "speed")
         )
         self._peers.open(
             ends,

@@ -12,6 +12,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ...base.clocks import Alarm
 from ...services.list_manager import ALL_UIDS, NO_UID, chain
 from ..ends.ros_side import Outcome
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ...base.address import JausAddress
-    from ...base.loop import Timer
     from ...clients.command_client import PendingCommand
     from ...clients.event_subscription import EventSubscription
     from ...clients.list_client import ListRequest
@@ -87,7 +87,7 @@ class Run:
         self._last = -1  # index of the element that was active last
         self._has_ended = self._is_stopping = False
         self._begun = 0.0  # when the peer was told to begin
-        self._poll: Timer | None = None
+        self._poll = Alarm(component.loop)
 
     # ------------------------------------------------------------------ what the kinds say
 
@@ -170,9 +170,7 @@ class Run:
         self._watcher.ended(self, outcome, reason)
 
     def _drop_requests(self) -> None:
-        if self._poll is not None:
-            self._poll.cancel()
-        self._poll = None
+        self._poll.cancel()
 
     # ------------------------------------------------------------------ how it is followed
 
@@ -199,7 +197,7 @@ class Run:
                 retries=ASKED_AGAIN,
             )
             on_failure = None
-        self._poll = self._component.loop.call_later(self._timeout, self._ask)
+        self._poll.set(self._timeout, self._ask)
 
     def _silent(self) -> None:
         if not (self._has_ended or self._is_stopping):

@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...base.clocks import Alarm
 from ...clients.peer_search import PeerBinding
 from ..connections.connection import NOT_READY
 from ..connections.translations import ros_encoder
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...base.loop import Timer
     from ...clients.peer_search import PeerSearch
     from ...services.definitions import ListElement
     from ...wire.message import Message
@@ -90,7 +90,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._elements: tuple[ListElement, ...] = ()  # those of the goal
         self._is_accepted = self._is_cancelled = False
         self._sent = 0.0
-        self._check: Timer | None = None
+        self._check: Alarm
         self._result = "none yet"
 
     # ------------------------------------------------------------------ as a connection
@@ -100,6 +100,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._encode = ros_encoder(ends.ros, self._action.element)
         super().open(ends)
         self._start = self._goal = None  # of an earlier life
+        self._check = Alarm(ends.loop)
         self._action = parameters.action(ends.ros, self.name, self._action)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
@@ -215,7 +216,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._is_accepted = self._is_cancelled = False
         self._sent = self._ends.loop.now()
         self._goal = self._client.send(payloads, fill, self)
-        self._arm(ANSWER_PERIOD)
+        self._check.set(ANSWER_PERIOD, self._look)
 
     @staticmethod
     def _fill_in(
@@ -238,11 +239,6 @@ class ListToAction(ListConnection[SourceT, TargetT]):
             self._is_cancelled = True
             self._goal.cancel()
 
-    def _arm(self, delay: float) -> None:
-        if self._check is not None:
-            self._check.cancel()
-        self._check = self._ends.loop.call_later(delay, self._look)
-
     def _look(self) -> None:
         """Looks after the goal: an answer may be due, its server gone, or a cancellation lost."""
         goal, loop = self._goal, self._ends.loop
@@ -257,7 +253,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         if self._is_cancelled:
             goal.cancel()
         goal.check()
-        self._arm(CHECK_PERIOD if self._is_accepted else ANSWER_PERIOD)
+        self._check.set(CHECK_PERIOD if self._is_accepted else ANSWER_PERIOD, self._look)
 
     # ------------------------------------------------------------------ GoalWatcher
 

@@ -106,7 +106,6 @@ class Limit(Generic[Absent]):
     """Keeps values within what their target field can carry; the subclasses are the policies."""
 
     def __init__(self, count: Callable[[str, str, str], None]) -> None:
-        """Prepares the limit of one connection."""
         self._count = count
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | Absent:

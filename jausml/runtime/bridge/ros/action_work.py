@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import threading
 import time
@@ -16,6 +15,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from ..ends.ros_side import LONGEST_GOAL, Progress
+from ..light_message import assign, installed
 from ..messages.limits import RosTypeError
 from .internals import Codec
 
@@ -79,8 +79,10 @@ class ActionMessages:
     """The classes of rclpy of an action, and their members that the bridge knows."""
 
     def __init__(self, action: ListAction) -> None:
-        """Finds them."""
-        self.type = _installed(action.type_name)
+        try:
+            self.type = installed(action.type_name)
+        except ImportError as error:
+            raise RosTypeError(f"{action.type_name} is not installed ({error})") from error
         self._codec = Codec(action.element)
         self._action = action
         kind = self._codec.message_class
@@ -95,7 +97,7 @@ class ActionMessages:
         """Returns a goal with these serialized elements."""
         goal = self.type.Goal()
         made = [self._codec.decode(each) for each in elements]
-        _set(goal, self._action.goal, made)
+        assign(goal, self._action.goal, value=made)
         # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
         around = self._action.goal.rpartition(".")[0]
         holder: Any = attrgetter(around)(goal) if around else None
@@ -123,7 +125,7 @@ class ActionMessages:
         if not self._action.progress:
             return None
         feedback = self.type.Feedback()
-        _set(feedback, self._action.progress, number)
+        assign(feedback, self._action.progress, value=number)
         return feedback
 
     def progress(self, feedback: Any, distances: Sequence[float]) -> int | None:
@@ -143,20 +145,12 @@ class ActionMessages:
         """Returns a result that gives a reason, if results have a place for one."""
         result = self.type.Result()
         if self._action.reason:
-            _set(result, self._action.reason, reason)
+            assign(result, self._action.reason, value=reason)
         return result
 
     def reason(self, result: Any) -> str:
         """Returns the reason that a result gives; empty when there is none."""
         return str(attrgetter(self._action.reason)(result)) if self._action.reason else ""
-
-
-def _installed(name: str) -> Any:
-    package, kind, own = name.split("/")
-    try:
-        return getattr(importlib.import_module(f"{package}.{kind}"), own)
-    except (ImportError, AttributeError) as error:
-        raise RosTypeError(f"{name} is not installed ({error})") from error
 
 
 def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> None:
@@ -176,8 +170,3 @@ def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> N
 
 def _position(element: Any) -> Any:
     return getattr(element, "pose", element).position
-
-
-def _set(message: Any, path: str, value: object) -> None:
-    parent, _, member = path.rpartition(".")
-    setattr(attrgetter(parent)(message) if parent else message, member, value)

@@ -22,7 +22,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ..light_message import installed_class, is_light
+from ..light_message import installed, installed_class, is_light
 from ..messages.limits import RosLostError
 
 internals: Any = rclpy_implementation
@@ -108,8 +108,7 @@ def message_class(ros_type: type[Any]) -> type[Any]:
     named: str | None = getattr(ros_type, "TYPE", None)
     if named is None:
         return ros_type
-    package, kind, name = named.split("/")
-    found: type[Any] = getattr(import_module(f"{package}.{kind}"), name)
+    found: type[Any] = installed(named)
     return found
 
 

@@ -116,7 +116,9 @@ class RosNode:
         self._is_simulated = False
         self._node.add_post_set_parameters_callback(self._follow_simulation)
         self._follow_simulation()
-        self._age_limit = round(self.parameter(parameters.queue_age_limit()) * 1e9)
+        self._age_limit = round(
+            self.parameter(parameters.QUEUE_AGE.of(parameters.QUEUE_AGE_LIMIT)) * 1e9
+        )
 
     @property
     def name(self) -> str:

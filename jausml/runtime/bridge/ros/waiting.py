@@ -193,7 +193,6 @@ class Listener:
     """
 
     def __init__(self, loop: Loop) -> None:
-        """Finds the functions."""
         self._loop = loop
         self._callback, self._on_message, self._on_event = _functions()
         self._unset: list[Callable[[], int]] = []

@@ -6,7 +6,7 @@ import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any, Generic
 
-from ...base.clocks import HostClock
+from ...base.clocks import Alarm, HostClock
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...base.loop import Loop, Timer
+    from ...base.loop import Loop
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import Carrier, Receive, Take
@@ -113,7 +113,7 @@ class Inbox(Generic[Origin]):
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
-        self.expiry: Timer | None = None
+        self._expiry = Alarm(loop)
         """Set while incomplete messages are watched."""
         self._doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Receive] = {}
@@ -167,9 +167,7 @@ class Inbox(Generic[Origin]):
 
     def close(self) -> None:
         """Stop to watch for incomplete messages."""
-        if self.expiry is not None:
-            self.expiry.cancel()
-            self.expiry = None
+        self._expiry.cancel()
 
     def refuses(self, packet: Packet, origin: Origin) -> bool:
         """Return whether the source of a packet cannot be true; it is counted then."""
@@ -261,8 +259,7 @@ class Inbox(Generic[Origin]):
         whole: Packet | None = packet
         if packet.data_flags:
             whole = self.reassembly.add(packet, now)
-            if self.expiry is None:
-                self.plan_expiry()
+            self.plan_expiry()
         if whole is not None:
             self.deliver(whole, receivers)
 
@@ -306,10 +303,9 @@ class Inbox(Generic[Origin]):
 
     def plan_expiry(self) -> None:
         """Watch for incomplete messages, if there are any."""
-        if self.reassembly.size and self.expiry is None:
-            self.expiry = self._loop.call_later(self._timeout / 2, self._expire_fragments)
+        if self.reassembly.size and not self._expiry.is_set:
+            self._expiry.set(self._timeout / 2, self._expire_fragments)
 
     def _expire_fragments(self) -> None:
-        self.expiry = None
         self.reassembly.expire(self._loop.now())
         self.plan_expiry()

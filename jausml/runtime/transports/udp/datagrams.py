@@ -48,7 +48,6 @@ class DatagramTransport(Transport):
         port: Port,
         draw: Callable[[int], int] | None = None,
     ) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         super().__init__(settings, loop)
         self._book = AddressBook(
             settings.address_lifetime,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ...base.clocks import Alarm
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import JUDP_PORT
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...base.loop import Loop, Timer
+    from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ...base.standstill import Watch
     from ..delivery import Receive, Take
@@ -42,7 +43,6 @@ class JudpTransport(DatagramTransport):
     """Components of this process on one JUDP port (AS5669A)."""
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` puts it on the network."""
         self._port = SharedPort(settings)
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
@@ -50,9 +50,9 @@ class JudpTransport(DatagramTransport):
         self._usual = Usual(self._port, self._book, self._inbox)
         self._receive_by: Callable[[socket.socket, bool], Receiver] | None = None
         self._standstill: Watch | None = None
-        self._takeover: Timer | None = None
-        self._drops_watch: Timer | None = None
-        self._manager_watch: Timer | None = None
+        self._takeover = Alarm(loop)
+        self._drops_watch = Alarm(loop)
+        self._manager_watch = Alarm(loop)
 
     def open(self) -> None:
         """Open the sockets and begin to receive."""
@@ -72,9 +72,7 @@ class JudpTransport(DatagramTransport):
         """Close the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
             for timer in (self._takeover, self._manager_watch, self._drops_watch):
-                if timer is not None:
-                    timer.cancel()
-            self._takeover = self._manager_watch = self._drops_watch = None
+                timer.cancel()
             if self._standstill is not None:
                 self._standstill.cancel()
             self._drops.look()
@@ -199,28 +197,24 @@ class JudpTransport(DatagramTransport):
 
     def _share_port(self) -> None:
         """Try to own the port; until then tell its owner again and again who lives here."""
-        self._takeover = None
         if not self._port.is_owner and self._port.take_over():
             self._inbox.forget_usual()
             self._watch(self._port.unicast)
             self.counters.add("judp.port_taken_over")
         if not self._port.is_owner:
             self._announce()
-            self._takeover = self.loop.call_later(
-                self._settings.takeover_interval, self._share_port
-            )
+            self._takeover.set(self._settings.takeover_interval, self._share_port)
 
     def _watch_for_manager(self) -> None:
         """Warn of a node manager that started later, and cannot have the port.
 
         Node managers want the standard port; Junior's goes on without a network if it is taken.
         """
-        self._manager_watch = None
         if self._settings.port != JUDP_PORT:
             return
         folder = manager_folder(self._settings) if self._port.is_owner else None
         if folder is None:
-            self._manager_watch = self.loop.call_later(_MANAGER_INTERVAL_S, self._watch_for_manager)
+            self._manager_watch.set(_MANAGER_INTERVAL_S, self._watch_for_manager)
             return
         LOGGER.warning(
             "a node manager runs on this host (its socket is in %s), but this process owns UDP "
@@ -233,7 +227,7 @@ class JudpTransport(DatagramTransport):
     def _watch_for_drops(self) -> None:
         """Count each second what the kernel has dropped."""
         self._drops.look()
-        self._drops_watch = self.loop.call_later(_DROPS_INTERVAL_S, self._watch_for_drops)
+        self._drops_watch.set(_DROPS_INTERVAL_S, self._watch_for_drops)
 
     def _throw_away(self, still: float) -> None:
         """Throws away what waited while the process stood still; what is acknowledged comes again.

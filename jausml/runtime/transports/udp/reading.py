@@ -207,8 +207,7 @@ class Usual:
         self.book.learnt.move_to_end(way.source)
         inbox.duplicates.seen.move_to_end(way.pair)
         inbox.duplicates.remember(way.pair, way.numbers, sequence, way.destination, payload, now)
-        if inbox.expiry is None:
-            inbox.plan_expiry()
+        inbox.plan_expiry()
 
     def _learn(self, data: bytes, origin: Endpoint) -> None:
         """Remember what the next datagram has in common with one that was taken as packets."""
