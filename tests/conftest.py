@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import compile_once
 import pytest
 from hypothesis import settings
-from isolation import isolate, own_domain
+from isolation import announce_often, isolate, own_domain
 from ports import MOST_WORKERS, worker
 from xdist.scheduler import LoadFileScheduling
 
@@ -47,6 +47,8 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
     _keep_bytecode()
     own_domain(worker())
+    if "JAUSML_FAULTS" not in os.environ:  # What is measured has the settings of users.
+        announce_often()
     kept = config.rootpath / ".pytest_cache" / "d"
     compile_once.use(kept / "compiled", compiler())
     os.environ["MYPY_CACHE_DIR"] = str(kept / "mypy")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from isolation import PROFILES
 from ports import free_domain
 
 from jausml.runtime.base.loop import Loop
@@ -25,6 +26,13 @@ def peer():
 def waiting(request):
     """Each way to wait for topics."""
     return request.param
+
+
+@pytest.fixture
+def announced_as_by_default(monkeypatch):
+    """Lets nodes find each other as late as they do where nobody has chosen."""
+    for each in PROFILES:
+        monkeypatch.delenv(each, raising=False)
 
 
 @pytest.fixture

@@ -138,6 +138,7 @@ def test_changes_come_by_the_event_and_times_go_on_meanwhile(component, network,
 
 def test_who_stops_telling_is_not_shown_where_it_was(component, network, catalogue, monkeypatch):
     monkeypatch.setattr(monitoring, "_SELDOM", 3)
+    monkeypatch.setattr(monitoring, "ROUND", 0.25)
     answers, seen = [nonsense()], []
 
     def report(_query, _sender):
@@ -196,8 +197,11 @@ def rover(port, name, services):
 
 
 @pytest.mark.parametrize("answers", [True, False])
-def test_what_one_provided_that_was_replaced_is_forgotten(network, catalogue, free_port, answers):
+def test_what_one_provided_that_was_replaced_is_forgotten(
+    network, catalogue, free_port, answers, monkeypatch
+):
     """The other one, which answers no Discovery or has another name, provides less."""
+    monkeypatch.setattr(monitoring, "ROUND", 0.25)  # or it takes twenty to find it gone and back
     monitor, target = Monitor(SystemState()), JausAddress(100, 1, 7)
 
     def seen(condition):

@@ -23,6 +23,9 @@ IFF_UP, IFF_MULTICAST, RTF_UP = 0x1, 0x1000, 0x1
 CAP_NET_ADMIN, CAP_SYS_ADMIN, CAPABILITY_VERSION_3 = 12, 21, 0x20080522
 PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE = 47, 2
 
+PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+"""Where Fast DDS is told its settings: that of Jazzy, and that of Kilted."""
+
 
 def isolate() -> str:
     """Gives this process a network and shared memory of its own; returns why not, or nothing."""
@@ -42,6 +45,12 @@ def own_domain(number: int) -> None:
     """Sets the ROS domain of this process and of those it starts."""
     os.environ["ROS_DOMAIN_ID"] = str(1 + number)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+def announce_often() -> None:
+    """Lets nodes that are started from now on find each other at once, and not after 3 s."""
+    for name in PROFILES:
+        os.environ[name] = str(Path(__file__).with_name("discovery.xml"))
 
 
 def small_folder(path: Path, size: int) -> str:

@@ -24,8 +24,11 @@ def test_{name}():
 
 
 @pytest.fixture
-def suite(tmp_path):
-    """Runs a suite of its own; returns the exit status and what was printed."""
+def suite(tmp_path, monkeypatch):
+    """Runs a suite of its own with one worker; returns the exit status and what was printed."""
+    monkeypatch.setenv("PYTEST_XDIST_AUTO_NUM_WORKERS", "1")
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # half of what it takes to begin
+    monkeypatch.setenv("PYTEST_PLUGINS", "xdist.plugin")
     (tmp_path / "tools").mkdir()
     shutil.copy(SUITE, tmp_path / "tools")
     (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\n", encoding="utf-8")

@@ -179,6 +179,7 @@ def test_a_bridge_that_ends_stops_the_robot(system, operator):
     wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
 
 
+@pytest.mark.usefixtures("announced_as_by_default")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, number):
     operator.give(1, 2)

@@ -18,13 +18,13 @@ from jausml.runtime.guardian.page import Page, frame, read_frame
 ROOT = Path(__file__).parents[3]
 PATIENCE = 20.0
 BRIDGE = """
-import os, signal, sys, time
+import os, signal, sys, threading
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.guardian.ward import Ward, stops
 
 port, life = int(sys.argv[1]), sys.argv[2]
 with Loop() as loop:
-    taken = []
+    taken, goes_on = [], threading.Event()
     ward = Ward(loop, dict, lambda: 0, lambda: taken.append(1) or print("taken", flush=True))
     loop.start()
     with loop.lock:
@@ -42,7 +42,9 @@ with Loop() as loop:
                 guarded.arm(False)
             print("disarmed", flush=True)
         if line == "hang\\n":
-            loop.call_soon(lambda: time.sleep(3))
+            loop.call_soon(goes_on.wait)
+        if line == "go on\\n":
+            goes_on.set()
     ward.close()
 print("ended", flush=True)
 """
@@ -62,6 +64,8 @@ class Bridge:
             self.process.kill()
             self.process.wait()
         self.guardian = self._guardian()
+        # It tells the end of a process at once: who inherits one may take seconds to wait for it.
+        self._end_of_guardian = os.pidfd_open(self.guardian)
 
     def _guardian(self):
         """The process that has this one as its last argument."""
@@ -89,14 +93,12 @@ class Bridge:
             return None
         return self.vehicle.recv(100)
 
-    def has_guardian(self):
-        return Path(f"/proc/{self.guardian}").exists()
+    def has_guardian(self, seconds=0.0):
+        """Whether the guardian goes on for a time."""
+        return not select.select([self._end_of_guardian], [], [], seconds)[0]
 
     def wait_alone(self):
-        end = time.monotonic() + PATIENCE
-        while self.has_guardian():
-            assert time.monotonic() < end, "the guardian goes on"
-            time.sleep(0.01)
+        assert not self.has_guardian(PATIENCE), "the guardian goes on"
 
     def close(self):
         self.process.kill()
@@ -104,6 +106,7 @@ class Bridge:
         self.process.stdin.close()
         self.process.stdout.close()
         self.wait_alone()
+        os.close(self._end_of_guardian)
         self.vehicle.close()
 
 
@@ -167,6 +170,7 @@ def test_the_stop_is_said_when_the_loop_hangs(bridge):
     hanging = bridge()
     hanging.tell("hang")
     assert hanging.stop() == STOP
+    hanging.tell("go on")
     assert hanging.said() == "taken"
 
 
