@@ -46,7 +46,7 @@ interface Shown {
 }
 
 /** So many boxes and frames come at once, and so many go. */
-export const BOXES_AT_ONCE = 60;
+export const BOXES_AT_ONCE = 30;
 
 /** Returns boxes and frames of which few come or go with one picture of the screen; at first all. */
 export function useFewAtOnce<T extends Shown>(wanted: T[]): T[] {

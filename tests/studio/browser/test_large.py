@@ -21,7 +21,7 @@ MOST_SENT = 250_000
 """Bytes: the picture of all would be ten million."""
 
 
-MOST_AT_ONCE = 60
+MOST_AT_ONCE = 30
 """Boxes and frames that come with one picture of the screen."""
 
 COUNT = """() => {
