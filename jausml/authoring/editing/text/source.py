@@ -318,8 +318,10 @@ class Outline:
     def _bodies_of(self, part: Part) -> list[Body]:
         found = self._bodies.get(id(part))
         if found is None:
-            owners = _held(part) if isinstance(part, Feature) else [part]
-            found = [b for each in owners if isinstance(each, Item) for b in self._listed(each)]
+            if isinstance(part, Feature):
+                found = [body for each in _held(part) for body in self._bodies_of(each)]
+            else:
+                found = self._listed(part) if isinstance(part, Item) else []
             self._bodies[id(part)] = found
         return found
 
