@@ -7,7 +7,7 @@ ENVIRONMENT := .venv$(RELEASE)
 BIN := $(ENVIRONMENT)/bin
 READY := $(ENVIRONMENT)/.ready
 
-.PHONY: help demo quick test test-slow test-random coverage live live-each lint format bench docs fuzz emf reference \
+.PHONY: help demo quick test test-all test-random coverage live live-each lint format bench docs fuzz emf reference \
 	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
@@ -27,12 +27,15 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 	$(BIN)/python tools/quick.py
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
-# TESTS=tests/runtime runs a part. Up to three tests that fail in the crowd are run again, alone.
-test: $(READY)  ## run the tests that guard everything
+# TESTS=tests/runtime runs a part. Tests that fail in the crowd are run again, alone.
+test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
-test-slow: $(READY)  ## run the sweeps that go further than those
+# The budget of tests is judged by a whole run only.
+test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in a quarter of an hour
+	$(BIN)/python tools/suite.py -m "not slow" $(if $(TESTS),$(TESTS),--judge-budget)
 	$(BIN)/python tools/suite.py -m slow $(TESTS)
+	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'
 
 test-random: export JAUSML_EXAMPLES ?= 200
 test-random: export PYTEST_ADDOPTS ?= --timeout=1200

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from xdist.scheduler import Scheduling
 
 # No test judges the clock: an example that imports something for the first time may take long.
-# Examples are few and the same in each run, or JAUSML_EXAMPLES random ones (make test-slow).
+# Examples are few and the same in each run, or JAUSML_EXAMPLES random ones (make test-random).
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "0"))
 settings.register_profile(
     "jausml", deadline=None, max_examples=EXAMPLES or 50, derandomize=not EXAMPLES
 )
 settings.load_profile("jausml")
 
-pytest_plugins = ["shared_library"]
+pytest_plugins = ["processor_time", "shared_library"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 

@@ -1,8 +1,12 @@
-"""The whole suite; a few tests that fail in the crowd are run once more, alone.
+"""The whole suite; tests that fail in the crowd are run once more, alone.
 
-Tests with real processes wait for conditions, with bounds. On a computer that is busy with three of
-them at once a bound is missed now and then, which says nothing about the code; a test that fails
+Tests with real processes wait for conditions, with bounds. On a computer that is busy with several
+of them at once a bound is missed now and then, which says nothing about the code; a test that fails
 alone too does. What failed first is named at the end either way: it may hide a race.
+
+In the crowd, assertions are compiled as Python has them: to rewrite them, so that a failure shows
+its values, takes as long as to read all tests. Alone they are rewritten, and so the second run shows
+why a test fails.
 """
 
 from __future__ import annotations
@@ -16,6 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 LAST_FAILED = ROOT / ".pytest_cache" / "v" / "cache" / "lastfailed"
 MOST = 3
 """So many failures may be bad luck; more are a fault."""
+SHOWN = 20
+"""So many are run again to show why they fail."""
 
 FAILED, NOTHING_CHOSEN, INTERRUPTED = 1, 5, 130
 
@@ -42,17 +48,18 @@ def failed() -> list[str]:
 def main(arguments: list[str]) -> int:
     """Runs the suite with pytest's arguments; returns the exit status."""
     LAST_FAILED.unlink(missing_ok=True)
-    status = run("--durations=15", "-n", "auto", "--dist", "worksteal", *arguments)
+    status = run("--assert=plain", "--durations=15", "-n", "auto", "--dist", "worksteal", *arguments)
     first = failed()
-    if status != FAILED or not 0 < len(first) <= MOST:
+    if status != FAILED or not first:
         return status
-    print(f"{len(first)} failed beside other tests; once more, alone:", flush=True)
-    status = run("-p", "no:xdist", *first)
+    shown = first[:SHOWN]
+    print(f"{len(first)} failed beside other tests; {len(shown)} once more, alone:", flush=True)
+    alone = run("-p", "no:xdist", *shown)
     again = failed()
-    for each in first:
-        verdict = "fails alone too" if each in again else "passed alone, and may hide a race"
-        print(f"{each}: {verdict}")
-    return status
+    for test in shown:
+        verdict = "fails alone too" if test in again else "passed alone, and may hide a race"
+        print(f"{test}: {verdict}")
+    return alone if len(first) <= MOST else status
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Sweeps of which a part guards in `make test`, and all of the rest is left to `make test-slow`."""
+"""Sweeps of which a part guards in `make test`, and all of the rest is left to `make test-all`."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ the templates that are compiled, is what a second command of the same process wo
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import gc
 import json
@@ -31,6 +32,10 @@ PAGE = "JAUSML_PAGE"
 """Names, in the environment of a command, the page of the studio of a test."""
 
 
+_servers: list[int] = []
+"""The process, once it was started."""
+
+
 @functools.cache
 def command() -> list[str]:
     """Returns how a command line begins; starts the process, which ends with this one."""
@@ -44,7 +49,18 @@ def command() -> list[str]:
             line, stdin=subprocess.PIPE, pass_fds=[listener.fileno()], start_new_session=True
         )
     atexit.register(server.communicate)
+    _servers.append(server.pid)
     return [sys.executable, "-S", str(CLIENT), str(address)]
+
+
+def seconds() -> float:
+    """Returns the processor time of all commands that have ended."""
+    if not _servers:
+        return 0.0
+    status = Path("/proc", str(_servers[0]), "stat").read_text(encoding="ascii")
+    _, _, fields = status.rpartition(") ")
+    ticks = sum(int(field) for field in fields.split()[11:15])  # utime to cstime, proc(5)
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 @functools.cache
@@ -69,7 +85,7 @@ def serve(listener: socket.socket) -> None:
     _prepare()
     gc.collect()
     gc.freeze()
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # no zombies: nobody waits for who watches
+    signal.signal(signal.SIGCHLD, _reap)
     while listener in select.select([listener, sys.stdin], [], [])[0]:
         client, _ = listener.accept()
         if os.fork() == 0:
@@ -77,6 +93,13 @@ def serve(listener: socket.socket) -> None:
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
             _watch(client)
         client.close()
+
+
+def _reap(*_: object) -> None:
+    """Lets go of who has watched a command, and so counts its time."""
+    with contextlib.suppress(ChildProcessError):
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
 
 
 def _prepare() -> None:

@@ -73,7 +73,15 @@ def test_many_failures_are_a_fault(suite):
     names = [f"once{number}" for number in range(4)]
     status, output = suite(**{each: FAILS_ONCE.format(name=each) for each in names})
     assert status == 1
-    assert "once more" not in output
+    assert output.count("passed alone, and may hide a race") == 4
+
+
+def test_what_fails_shows_its_values_in_the_second_run(suite):
+    status, output = suite(bad="def test_bad():\n    found = 6 * 7\n    assert found == 43\n")
+    assert status == 1
+    in_the_crowd, _, alone = output.partition("once more, alone")
+    assert "assert 42 == 43" not in in_the_crowd
+    assert "assert 42 == 43" in alone
 
 
 def test_nothing_chosen_is_no_failure(suite):

@@ -1,0 +1,146 @@
+"""A plugin: the processor time that each file of tests takes, and whether the table knows the dear.
+
+What `make test` costs is held by a table in CONTRIBUTING.md: each file of tests that takes more than
+ten seconds stands there with a reason. `--judge-budget` fails a run that finds the table wrong by
+more than half. Seconds are those of the computer on which the table was made: a piece of work of
+fixed size tells how much faster or slower this one is.
+"""
+
+from __future__ import annotations
+
+import re
+import resource
+import time
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import warm
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = ROOT / "CONTRIBUTING.md"
+DEAR = 10.0
+"""Seconds above which a file stands in the table."""
+TOLERANCE = 1.5
+"""So many times a figure may be off, either way."""
+SHOWN = 10
+
+_ROW = re.compile(r"^\| `([\w/]+\.py)` \| (\d+) \| .+ \|$", re.MULTILINE)
+_WORK = 300_000
+_WORK_SECONDS = 0.018
+"""Seconds that the piece of work takes on the computer of the table."""
+
+_SPENT = pytest.StashKey[Counter[str]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds the option."""
+    parser.addoption(
+        "--judge-budget",
+        action="store_true",
+        help="fail where the table of dear files in CONTRIBUTING.md is wrong by more than half",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Begins at nothing."""
+    config.stash[_SPENT] = Counter()
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
+    """Notes what a test and its fixtures take, with the processes that ended meanwhile."""
+    before = _seconds()
+    try:
+        return (yield)
+    finally:
+        file = item.nodeid.partition("::")[0].removeprefix("tests/")
+        item.config.stash[_SPENT][file] += _seconds() - before
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Hands what a worker has noted to the process that tells it."""
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["processor_time"] = dict(session.config.stash[_SPENT])
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """Adds what a worker has noted; nothing is known of one that has crashed."""
+    noted = getattr(node, "workeroutput", {}).get("processor_time", {})
+    node.config.stash[_SPENT].update(noted)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Tells the dearest files, and where the table is wrong if it is to be judged."""
+    config = terminalreporter.config
+    spent = config.stash[_SPENT]
+    files = ", ".join(f"{file} {seconds:.0f}" for file, seconds in spent.most_common(SHOWN))
+    total = sum(spent.values())
+    terminalreporter.write_line(f"processor time of tests: {total:.0f} s; most of it {files}")
+    for line in _found(config):
+        terminalreporter.write_line(f"{TABLE.name}: {line}", red=True)
+
+
+@pytest.hookimpl(trylast=True, wrapper=True)
+def pytest_cmdline_main(config: pytest.Config) -> Iterator[Any]:
+    """Lets a run fail by its table alone."""
+    status = yield
+    return status or int(bool(_found(config)))
+
+
+def _found(config: pytest.Config) -> list[str]:
+    if hasattr(config, "workerinput") or not config.getoption("judge_budget"):
+        return []
+    spent = config.stash[_SPENT]
+    return differences(table(TABLE.read_text(encoding="utf-8")), scaled(spent, work_seconds()))
+
+
+def table(text: str) -> dict[str, int]:
+    """Returns the seconds of the files that a page lists."""
+    return {file: int(seconds) for file, seconds in _ROW.findall(text)}
+
+
+def scaled(spent: Mapping[str, float], own_seconds: float) -> dict[str, float]:
+    """Returns times as they would be on the computer of the table.
+
+    Args:
+        spent: Seconds of each file on this one.
+        own_seconds: Seconds that the piece of work takes on this one.
+    """
+    return {file: seconds * _WORK_SECONDS / own_seconds for file, seconds in spent.items()}
+
+
+def differences(listed: Mapping[str, int], spent: Mapping[str, float]) -> list[str]:
+    """Returns a line for each file that a table leaves out, or whose figure is far off."""
+    lines = []
+    for file in sorted({*listed, *spent}):
+        seconds, figure = spent.get(file, 0.0), listed.get(file)
+        if figure is None:
+            if seconds > DEAR * TOLERANCE:
+                lines.append(f"{file} takes {seconds:.0f} s and is not listed")
+        elif not figure / TOLERANCE <= seconds <= figure * TOLERANCE:
+            lines.append(f"{file} takes {seconds:.0f} s, and {figure} s are listed")
+    return lines
+
+
+def work_seconds() -> float:
+    """Returns the processor time that a piece of work of fixed size takes, the least of five."""
+
+    def work() -> float:
+        began = time.process_time()
+        sum(number % 7 for number in range(_WORK))
+        return time.process_time() - began
+
+    return min(work() for _ in range(5))
+
+
+def _seconds() -> float:
+    """Returns the processor time of this process, and of its children that have ended."""
+    own = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(usage.ru_utime + usage.ru_stime for usage in own) + warm.seconds()
