@@ -48,7 +48,9 @@ def failed() -> list[str]:
 def main(arguments: list[str]) -> int:
     """Runs the suite with pytest's arguments; returns the exit status."""
     LAST_FAILED.unlink(missing_ok=True)
-    status = run("--assert=plain", "--durations=15", "-n", "auto", "--dist", "worksteal", *arguments)
+    status = run(
+        "--assert=plain", "--durations=15", "-n", "auto", "--dist", "worksteal", *arguments
+    )
     first = failed()
     if status != FAILED or not first:
         return status

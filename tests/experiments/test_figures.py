@@ -45,6 +45,7 @@ def test_both_rows_of_the_turn_have_the_same_axes():
     assert paths[0].get_ylim()[1] > 0.3
 
 
+@pytest.mark.slow
 def test_the_boundary_of_the_safe_region_is_where_the_acceleration_is_the_limit():
     region = turn_figure().axes[1]
     curve = next(line for line in region.lines if "boundary" in line.get_label())
@@ -58,6 +59,7 @@ def test_a_drive_without_samples_is_refused():
         turns.Turns("JAUS alone", [[]])
 
 
+@pytest.mark.slow
 def test_equal_figures_give_equal_files(tmp_path):
     first = style.store(turn_figure(), tmp_path / "one", "turn")
     second = style.store(turn_figure(), tmp_path / "two", "turn")
@@ -95,6 +97,7 @@ def test_a_hundredth_more_steering_does_not_look_wild():
     assert low <= 0 < high
 
 
+@pytest.mark.slow
 def test_gaps_are_of_all_pairs():
     drives = [drive(0.01 * number) for number in range(8)]
     figure = comparisons.gaps(drives, drives, {})

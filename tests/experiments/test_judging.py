@@ -52,6 +52,7 @@ def rows(verdict: Verdict) -> dict[str, Row]:
     return {row.name: row for row in verdict.rows}
 
 
+@pytest.mark.slow
 def test_the_same_system_twice_is_equivalent() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 2, 4), PARAMETERS)
 
@@ -66,6 +67,7 @@ def test_a_good_bridge_is_equivalent() -> None:
     assert verdict.passes, verdict
 
 
+@pytest.mark.slow
 def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.1, 4, 3), PARAMETERS)
 
@@ -109,6 +111,7 @@ def test_rare_long_delays_are_shown_to_differ() -> None:
     assert not verdict.moves_differently
 
 
+@pytest.mark.slow
 def test_a_plant_that_understeers_is_shown_to_differ() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 6, 3, understeer=0.0015), PARAMETERS)
 
@@ -147,6 +150,7 @@ def test_a_drive_that_did_not_arrive_fails() -> None:
     assert rows(verdict)["drives that did not arrive"].value == 1
 
 
+@pytest.mark.slow
 def test_a_control_whose_drive_did_not_arrive_is_not_measured() -> None:
     good, late = drives(0.0002, 1, 4), drives(0.1, 4, 3)
     stuck = [*late[:2], replace(late[2], arrived=False)]

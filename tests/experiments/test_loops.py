@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from sweeps import sweep
 
 from experiments.right_turn.generated import Workspace
 from experiments.right_turn.loops import Conditions, Drive, drive
@@ -36,7 +37,7 @@ def workspaces(virtual_workspaces: dict[str, Path]) -> dict[str, Workspace]:
     return {system: Workspace.at(folder) for system, folder in virtual_workspaces.items()}
 
 
-@pytest.mark.parametrize("system", ["J", "R"])
+@pytest.mark.parametrize("system", sweep(["R", "J"], every=2))
 def test_a_system_drives_the_turn(system: str, workspaces: dict[str, Workspace]) -> None:
     run = drive(Conditions(system=system), workspaces[system], "01")
 
@@ -49,6 +50,7 @@ def test_a_system_drives_the_turn(system: str, workspaces: dict[str, Workspace])
     assert run.latency["to_vehicle"].count > 100
 
 
+@pytest.mark.slow
 def test_equal_conditions_give_equal_files_in_another_process(
     virtual_workspaces: dict[str, Path], workspaces: dict[str, Workspace], tmp_path: Path
 ) -> None:
@@ -69,12 +71,14 @@ def test_equal_conditions_give_equal_files_in_another_process(
     assert (different, missing) == ([], [])
 
 
+@pytest.mark.slow
 def test_another_seed_gives_another_drive(workspaces: dict[str, Workspace]) -> None:
     one, two = (drive(Conditions(system="R", seed=seed), workspaces["R"], "x") for seed in (1, 2))
 
     assert one.samples != two.samples
 
 
+@pytest.mark.slow
 def test_delay_is_in_the_latencies(workspaces: dict[str, Workspace]) -> None:
     late = {"delay": 0.1}
     run = drive(Conditions(system="R", sense=late, act=late), workspaces["R"], "x")
@@ -84,6 +88,7 @@ def test_delay_is_in_the_latencies(workspaces: dict[str, Workspace]) -> None:
     assert run.metrics["violation_fraction"] > 0.0, "a control: it must fail"
 
 
+@pytest.mark.slow
 def test_rates_are_those_of_the_model(
     virtual_workspaces: dict[str, Path], workspaces: dict[str, Workspace], tmp_path: Path
 ) -> None:

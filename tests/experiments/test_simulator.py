@@ -32,6 +32,7 @@ def stand_in():
     return module
 
 
+@pytest.mark.slow
 @pytest.mark.live
 def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
     told = []
@@ -56,6 +57,7 @@ def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
     assert results.states(tmp_path / "half")[-1].x > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.live
 def test_the_factor_changes_and_a_wrong_one_is_refused(tmp_path) -> None:
     log = tmp_path / "simulator.csv"

@@ -79,6 +79,7 @@ def test_a_stage_that_fails_is_not_done(perform_stage):
     assert not is_done(folder, PLAN, "sources")
 
 
+@pytest.mark.slow
 def test_a_stage_without_end_is_ended_with_all_that_it_started(perform_stage):
     why, folder, told = perform_stage("endless", limit=3.0)
     assert why.startswith("not done after 3 s")

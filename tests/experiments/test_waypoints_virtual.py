@@ -32,6 +32,7 @@ def broken(result):
     return [text for text, holds in result.claims.items() if not holds]
 
 
+@pytest.mark.slow
 def test_both_do_what_is_required_on_the_same_path(drive) -> None:
     (alone, path), (bridged, other) = drive(Conditions("J")), drive(Conditions("R"))
     assert broken(alone) == broken(bridged) == []

@@ -23,6 +23,8 @@ from jausml.runtime.services.definitions import Status
 from jausml.runtime.transports.udp import datagrams
 from tests.live.bridge_support import wait_for
 
+pytestmark = pytest.mark.slow
+
 RATE = 20.0
 TICKS = 60
 """What an operator counts to: three seconds at its rate."""

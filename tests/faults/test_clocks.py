@@ -16,6 +16,7 @@ from .conftest import running
 DAY = 86400.0
 HOUR = 3600.0
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.faults,
     # The parser that the message packages import at their first use.

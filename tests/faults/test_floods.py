@@ -24,6 +24,7 @@ SECONDS = 5.0
 RUNS = 3
 OWN = "127.0.0.1"
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.faults,
     # The parser that the message packages import at their first use.

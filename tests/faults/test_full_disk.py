@@ -15,6 +15,7 @@ from .conftest import running
 from .failing import nonsense
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.faults,
     # The parser that the message packages import at their first use.

@@ -18,6 +18,7 @@ from tests.live.bridge_support import guardian_of, wait_for
 from .conftest import running
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

@@ -16,6 +16,7 @@ pytest.importorskip("rclpy")
 from .rover_system import COMMANDS
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

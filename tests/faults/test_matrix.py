@@ -30,6 +30,7 @@ from .failing import (
 from .rover_system import ROLES
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

@@ -11,6 +11,7 @@ pytest.importorskip("rclpy")
 from .failing import Fault, ended, halted, killed, suffer
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

@@ -24,7 +24,7 @@ pytest.importorskip("rclpy")
 
 from tests.live.bridge_support import PATIENCE, generate, wait_for
 
-pytestmark = pytest.mark.live
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 LONGEST = 1.5
 """Seconds from the first line to the signal; a bridge runs after half of them."""

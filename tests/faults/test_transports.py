@@ -13,6 +13,7 @@ from .failing import Fault, ended, halted, killed, network, suffer
 from .networks import NodeManager, Tcp
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

@@ -316,6 +316,7 @@ def drops(system, connection, reason):
     return counted(system, connection, f"dropped: {reason}")
 
 
+@pytest.mark.slow
 def test_killed_vehicle_recovers(system):
     """Last but one: the vehicle is a new process afterwards."""
     from geometry_msgs.msg import Twist
@@ -336,11 +337,13 @@ def test_killed_vehicle_recovers(system):
     assert commands(system.vehicle)[-1]["linear"] == pytest.approx(40.0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_clean_shutdown(system):
     """Last: the bridge ends."""
     assert system.bridge.stop() == 0
 
 
+@pytest.mark.slow
 def test_overrides_choose_their_classes(path, tmp_path, monkeypatch):
     """A bridge of mixed forms: what is not overridden stays as generated."""
     from diagnostic_msgs.msg import DiagnosticArray

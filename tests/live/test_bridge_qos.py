@@ -225,6 +225,7 @@ rclpy.spin(node)
 """
 
 
+@pytest.mark.slow
 def test_a_reader_that_stands_still_holds_up_no_publisher(node):
     """A publisher that kept all would wait from the message 5000 on, and then raise an error."""
     from std_msgs.msg import Float64

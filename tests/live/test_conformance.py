@@ -13,7 +13,7 @@ import pytest
 import warm
 from ports import free_port
 
-pytestmark = [pytest.mark.live, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(180)]
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-pytestmark = [pytest.mark.live, pytest.mark.timeout(150)]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
 
 
 @pytest.fixture(scope="module")

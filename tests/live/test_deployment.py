@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 import warm
 import yaml
 from ports import free_domain, free_port
@@ -115,6 +116,7 @@ def test_the_parameter_file_has_all_parameters_with_their_values(
     assert "has no parameter" not in same.log.read_text()
 
 
+@pytest.mark.slow
 def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, workspaces, ros, tmp_path):
     from rcl_interfaces.srv import ListParameters
 
@@ -158,19 +160,25 @@ def test_a_deployment_changes_what_the_bridge_is(bridge, ros, tmp_path):
 
 @pytest.mark.parametrize(
     ("parameter", "words"),
-    [
-        ("global_pose.imu.freshness:=-1.0", "global_pose.imu.freshness out of range"),
-        ("global_pose.imu.freshness:=nan", "global_pose.imu.freshness out of range"),
-        ("global_pose.imu.freshness:=1", "expecting type 'DOUBLE'"),
-        ("jaus_id:=100.1.255", "100.1.255 does not name one component"),
-        ("jaus_id:=home", "jaus_id"),
-        ("jaus_port:=0", "jaus_port out of range"),
-        ("jaus_transport:=carrier_pigeon", "carrier_pigeon is none of judp, jtcp, node-manager"),
-        ("jaus_interface:=0.0.0.0", "interface 0.0.0.0"),
-        ("jaus_interface:=wlan0", "wlan0"),
-        ("velocity_state.topic:=a b", "topic 'a b'"),
-        ("qos_overrides./vehicle/odom.subscription.reliability:=fast", "fast"),
-    ],
+    sweep(
+        [
+            ("global_pose.imu.freshness:=-1.0", "global_pose.imu.freshness out of range"),
+            ("global_pose.imu.freshness:=nan", "global_pose.imu.freshness out of range"),
+            ("global_pose.imu.freshness:=1", "expecting type 'DOUBLE'"),
+            ("jaus_id:=100.1.255", "100.1.255 does not name one component"),
+            ("jaus_id:=home", "jaus_id"),
+            ("jaus_port:=0", "jaus_port out of range"),
+            (
+                "jaus_transport:=carrier_pigeon",
+                "carrier_pigeon is none of judp, jtcp, node-manager",
+            ),
+            ("jaus_interface:=0.0.0.0", "interface 0.0.0.0"),
+            ("jaus_interface:=wlan0", "wlan0"),
+            ("velocity_state.topic:=a b", "topic 'a b'"),
+            ("qos_overrides./vehicle/odom.subscription.reliability:=fast", "fast"),
+        ],
+        every=5,
+    ),
 )
 def test_a_value_that_does_not_do_is_one_line_and_status_2(parameter, words, bridge):
     process = bridge("waypoints", "--ros-args", "-p", parameter)
@@ -192,6 +200,7 @@ def test_what_ros_does_not_know_is_one_line_and_status_2(bridge):
     assert not any("Traceback" in line for line in lines)
 
 
+@pytest.mark.slow
 def test_a_misspelt_name_is_told_and_the_bridge_runs(bridge):
     arguments = ["--jaus-port", str(free_port()), "--ros-args", "-p", "velocity_state.topc:=x"]
     process = running(bridge("waypoints", *arguments), "did you mean")
@@ -200,6 +209,7 @@ def test_a_misspelt_name_is_told_and_the_bridge_runs(bridge):
     assert running(process).stop() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_further_signals_do_no_harm(bridge, number):
     process = running(bridge("waypoints", "--jaus-port", str(free_port())))

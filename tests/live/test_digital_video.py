@@ -31,6 +31,7 @@ def lacks_gstreamer() -> bool:
 
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.skipif(
         lacks_gstreamer(),

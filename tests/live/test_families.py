@@ -99,6 +99,7 @@ def effort_of(command):
     return round(command["fields"]["WrenchEffortRec"].get("PropulsiveLinearEffortX", 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("family", "speed", "quirks"),
     sweep(
@@ -187,6 +188,7 @@ def test_what_the_jaus_tool_set_made_of_an_export_obeys_and_reports(ros, start, 
     assert {round(each.data, 2) for each in lengths} == {6.25}
 
 
+@pytest.mark.slow
 def test_the_unit_of_the_judges_commands_a_bridge_in_each_of_its_tests(ros, start, tmp_path):
     from geometry_msgs.msg import Twist
     from nav_msgs.msg import Odometry

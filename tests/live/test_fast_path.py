@@ -267,6 +267,7 @@ def run(system, seed):
     return points, [repr(each) for each in speeds], acknowledged, accounts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", sweep([1, 2], every=2))
 def test_both_forms_do_the_same_with_whatever_comes(path, tmp_path, monkeypatch, seed):
     found = []
@@ -332,6 +333,7 @@ def test_messages_of_several_packets(system):
         assert system.alone("scan_up") == 0
 
 
+@pytest.mark.slow
 def test_a_parameter_counts_from_the_next_message_on(system):
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import ListParameters, SetParameters
@@ -353,6 +355,7 @@ def test_a_parameter_counts_from_the_next_message_on(system):
         wait_for(lambda: system.alone("speed_up") >= 4, "messages of the core")
 
 
+@pytest.mark.slow
 def test_nothing_passes_once_the_bridge_is_inactive(system):
     from lifecycle_msgs.msg import Transition
     from lifecycle_msgs.srv import ChangeState
@@ -390,6 +393,7 @@ def test_nothing_passes_once_the_bridge_is_inactive(system):
         wait_for(lambda: system.alone("point_up") > 100, "messages of the core")
 
 
+@pytest.mark.slow
 def test_a_latency_that_is_wanted_is_measured_in_python(system):
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import SetParameters
@@ -473,6 +477,7 @@ def test_reports_of_an_event_and_what_is_lost_of_them(system):
         wait_for(lambda: system.alone("report_up") >= 25, "messages of the core")
 
 
+@pytest.mark.slow
 def test_a_peer_that_moves_is_followed(system):
     for step in range(5):
         system.peer.send(point(float(step)))

@@ -16,6 +16,7 @@ from workspaces import packages_of
 from .bridge_support import Process, Repeater, RosPeer, wait_for
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]

@@ -86,6 +86,7 @@ def system(path, tmp_path, monkeypatch):
     started.close()
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_starts_late_is_killed_and_comes_back_elsewhere(system):
     speeds, search_of = system.speeds("nearest"), system.diagnostics()
     system.bridge()
@@ -131,6 +132,7 @@ def test_commands_go_to_whoever_is_found(system):
     assert {each["sender"] for each in second.of_kind("effort")} == {"10.1.9"}
 
 
+@pytest.mark.slow
 def test_another_component_with_the_id_of_the_bridge_is_told_of(system):
     from diagnostic_msgs.msg import DiagnosticArray
 

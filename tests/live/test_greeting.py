@@ -94,6 +94,7 @@ def test_a_judge_that_must_be_greeted_is_so_until_it_answers(system):
     assert "42.1.1 speaks, and is greeted no more" in entry.log.read_text()
 
 
+@pytest.mark.slow
 def test_without_the_word_nobody_speaks(system):
     start, greetings = system
     judge, bridge = start(greet=False)

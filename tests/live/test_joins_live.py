@@ -86,6 +86,7 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
         wait_for(lambda: len(poses(with_yaw=False)) > known, "pose with a stale joined topic")
 
 
+@pytest.mark.slow
 def test_a_report_says_that_its_sensor_is_dead_and_that_it_lives_again(system):
     from sensor_msgs.msg import NavSatFix
 

@@ -62,6 +62,7 @@ def is_stopped(system):
     return efforts(system.vehicle)[-1]["rotational"] is None
 
 
+@pytest.mark.slow
 def test_it_becomes_active_by_itself(system):
     wait_for(lambda: lifecycle(system) == "active", "active state")
     wait_for(lambda: status_of_the_bridge(system)["node"] == "active", "status")
@@ -72,6 +73,7 @@ def test_it_becomes_active_by_itself(system):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("system", [MANUAL], indirect=True)
 def test_it_waits_for_its_manager(system):
     wait_for(lambda: lifecycle(system) == "unconfigured", "unconfigured state")
@@ -97,6 +99,7 @@ def drive(system):
         wait_for(lambda: len(efforts(system.vehicle)) > yield_to, "more commands")
 
 
+@pytest.mark.slow
 def test_what_is_not_possible_now_is_refused_and_ends_nothing(system):
     from lifecycle_msgs.srv import ChangeState
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
@@ -179,6 +182,7 @@ def test_cleanup_gives_all_back_and_it_can_be_configured_again(system):
     assert "Traceback" not in text
 
 
+@pytest.mark.slow
 def test_shutdown_of_ros_ends_the_process(system):
     wait_for(lambda: lifecycle(system) == "active", "active state")
     drive(system)

@@ -78,6 +78,7 @@ def page(system, model):
     opened.live.stop()
 
 
+@pytest.mark.slow
 def test_rates_states_controllers_and_losses_by_ids_of_the_view(system, page):
     page.becomes("edges", ODOMETRY, level="ok", declared=20.0)
     wait_for(lambda: page.latest()["edges"][ODOMETRY]["rate"], "rate")
@@ -164,6 +165,7 @@ def test_jaus_alone_where_there_is_no_ros(system, model, monkeypatch):
         page.live.stop()
 
 
+@pytest.mark.slow
 def test_ros_alone_where_jaus_has_no_network(system, model):
     page = Page(model, system.port)
     page.live.stop()

@@ -165,6 +165,7 @@ def surveyor(monkeypatch):
     silent.close()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("surveyor")
 def test_it_says_how_an_action_is_carried(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -227,6 +228,7 @@ def crane(monkeypatch):
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("crane")
 @pytest.mark.parametrize("file", ["car.ros2jaus", "car.xmi"])
 def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeypatch, file):

@@ -61,6 +61,7 @@ def ros(tmp_path, monkeypatch, used):
     peer.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("used", "other", "word"),
     [("still_image", "still_image_png", "jpeg"), ("still_image_png", "still_image", "png")],

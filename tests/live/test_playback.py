@@ -19,6 +19,7 @@ from jausml.live.systems.playback import indexed
 from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.ports,
     # The parser that the message packages import at their first use.

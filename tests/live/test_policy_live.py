@@ -74,6 +74,7 @@ def test_the_graph_of_a_bridge_is_its_policy(ros, tmp_path):
         bridge.close()
 
 
+@pytest.mark.slow
 def test_the_graph_of_a_node_is_its_policy(ros, tmp_path):
     made = generation.generate(read_models([TALK]).model, [NODES, RUNTIME], tmp_path / "workspace")
     path = packages_of(made.plan.out)

@@ -17,7 +17,7 @@ from workspaces import python_path
 
 pytest.importorskip("rclpy")
 
-pytestmark = [pytest.mark.live, pytest.mark.timeout(240)]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 MAIN = {
     "iop-ugv": "vehicle.main",

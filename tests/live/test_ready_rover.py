@@ -229,6 +229,7 @@ def test_standby(rover):
     rover.tells("the bridge stands by")
 
 
+@pytest.mark.slow
 def test_operator_is_killed(world):
     """Control lapses later than the silence is noticed; the rover stands from then on."""
     world.run()
@@ -258,12 +259,14 @@ def test_operator_falls_silent_and_keeps_control(world):
     assert world.pilot.release(ROVER)
 
 
+@pytest.mark.slow
 def test_interrupt_of_the_bridge(rover):
     rover.process.popen.send_signal(signal.SIGINT)
     assert rover.ended() == 0
     rover.stops()
 
 
+@pytest.mark.slow
 def test_shutdown(rover):
     rover.pilot.send(ROVER, Shutdown())
     assert rover.ended() == 0
@@ -292,6 +295,7 @@ def test_error_of_a_request_is_counted_and_the_bridge_goes_on(fragile):
     fragile.moves()
 
 
+@pytest.mark.slow
 def test_exit_in_a_translation_ends_the_bridge(fragile):
     """Translations run on the loop, without which nothing goes on."""
     process = fragile.process

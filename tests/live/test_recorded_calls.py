@@ -94,6 +94,7 @@ def explanation(recorded, model, connection, counter):
     return explained(recorded, model, drop.subject, drop.time)
 
 
+@pytest.mark.slow
 def test_a_call_that_nobody_answered(recorded, model):
     found = explanation(recorded, model, "read", "timed_out")
     assert found.ros[0] == (
@@ -106,6 +107,7 @@ def test_a_call_that_nobody_answered(recorded, model):
     assert not any("What answered it" in each for each in found.jaus)
 
 
+@pytest.mark.slow
 def test_a_command_that_a_jaus_component_refused(recorded, model):
     found = explanation(recorded, model, "switch", "rejected")
     assert found.ros[0] == (
@@ -118,6 +120,7 @@ def test_a_command_that_a_jaus_component_refused(recorded, model):
     assert found.jaus[5] == "ResponseCode: 7"
 
 
+@pytest.mark.slow
 def test_a_command_that_a_ros_node_refused(recorded, model):
     found = explanation(recorded, model, "switch_robot", "rejected")
     assert found.counter[1] == "A message is counted there because who was asked refused it."
@@ -127,6 +130,7 @@ def test_a_command_that_a_ros_node_refused(recorded, model):
     assert found.jaus[2] == "Brightness: 0"
 
 
+@pytest.mark.slow
 def test_a_command_for_which_no_service_was_there(recorded, model):
     found = explanation(recorded, model, "switch_robot", "no_service")
     assert found.jaus[1] == (
@@ -135,6 +139,7 @@ def test_a_command_for_which_no_service_was_there(recorded, model):
     assert found.jaus[4] == "Brightness: 100"
 
 
+@pytest.mark.slow
 def test_a_command_that_the_map_refuses(recorded, model):
     found = explanation(recorded, model, "switch_robot", "not_translated")
     assert found.jaus[1] == (

@@ -172,6 +172,7 @@ def test_both_sides_stand_in_one_file(recording):
     assert {y for _, y in published} == {-0.5}
 
 
+@pytest.mark.slow
 def test_capture_beside_it_gives_the_topics_again(recording, tmp_path):
     path, heard, port = recording
     found, log = tmp_path / "again.mcap", tmp_path / "replay.log"
@@ -187,6 +188,7 @@ def test_capture_beside_it_gives_the_topics_again(recording, tmp_path):
         assert any(x == pytest.approx(each, abs=1e-6) for each in again), log.read_text()
 
 
+@pytest.mark.slow
 def test_topics_given_back_to_jaus_say_the_same(recording, tmp_path):
     path, _, _ = recording
     port, log = free_port(), tmp_path / "replay.log"
@@ -204,6 +206,7 @@ def test_topics_given_back_to_jaus_say_the_same(recording, tmp_path):
         assert y == pytest.approx(0.5, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_all_is_recorded_from_when_it_says_so_of_the_model_of_the_project(tmp_path, monkeypatch):
     from nav_msgs.msg import Odometry
 

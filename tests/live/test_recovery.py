@@ -25,7 +25,7 @@ EXAMPLE = ROOT / "models" / "catvehicle"
 OTHERS = ("vehicle", "operator_control_unit", "steering_controller", "velocity_controller")
 PATIENCE = 40.0
 SPEED = re.compile(r"vehicle at .* ([\d.]+) m/s\b")
-pytestmark = [pytest.mark.live, pytest.mark.timeout(150)]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
 
 
 @pytest.fixture

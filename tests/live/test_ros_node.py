@@ -180,6 +180,7 @@ def test_nodes_talk_by_topics_and_services(start, workspace):
         assert "incompatible" not in output
 
 
+@pytest.mark.slow
 def test_names_and_quality_of_service_can_be_changed_from_outside(start):
     talker = start("talker", "--ros-args", "-r", "word:=phrase", "-r", "__ns:=/other")
     talker.wait_for("^ready")
@@ -255,6 +256,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     environment = {
         **os.environ,

@@ -63,6 +63,7 @@ def test_a_command_needs_control(system):
     assert system.status("switch").message == "no peer obeys"
 
 
+@pytest.mark.slow
 def test_a_peer_that_is_silent_times_out_and_comes_back(system):
     lamp = system.lamp()
     assert system.call("read").success
@@ -77,6 +78,7 @@ def test_a_peer_that_is_silent_times_out_and_comes_back(system):
     wait_for(lambda: system.switched(data=True).success, "control of the new lamp")
 
 
+@pytest.mark.slow
 def test_a_late_answer_is_not_that_of_the_next_call(system):
     lamp = system.lamp()
     assert system.switched(data=True).success
@@ -120,6 +122,7 @@ def test_more_calls_than_are_carried_are_refused(system):
     assert 0 < timed_out <= len(system.processes[1].of_kind("query"))
 
 
+@pytest.mark.slow
 def test_a_response_that_cannot_tell_of_failures_is_none(system):
     lamp = system.lamp("silent")
     future = system.send("shine")
@@ -129,6 +132,7 @@ def test_a_response_that_cannot_tell_of_failures_is_none(system):
     assert system.call("shine").message == "dark"
 
 
+@pytest.mark.slow
 def test_the_end_of_the_bridge_ends_calls(system):
     system.lamp("silent")
     future = system.send("read")
@@ -159,6 +163,7 @@ def test_a_message_calls_a_service(system):
     system.ros.node.destroy_service(service)
 
 
+@pytest.mark.slow
 def test_a_service_that_is_absent_is_a_rejection(system):
     operator = system.operator()
     operator.tell("set 100")
@@ -167,6 +172,7 @@ def test_a_service_that_is_absent_is_a_rejection(system):
     assert system.status("switch_robot").message == "nobody serves lamp/switch"
 
 
+@pytest.mark.slow
 def test_a_service_that_hangs_is_a_rejection(system):
     go_on = threading.Event()
 
@@ -203,6 +209,7 @@ def test_who_does_not_control_the_bridge_is_not_heard(system):
     assert taken == [False]
 
 
+@pytest.mark.slow
 def test_the_loss_of_control_ends_calls(system):
     begun, go_on = threading.Event(), threading.Event()
 

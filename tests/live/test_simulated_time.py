@@ -131,6 +131,7 @@ def test_a_clock_that_ends_stops_commands(system, simulation):
     drive(system)
 
 
+@pytest.mark.slow
 def test_queries_keep_the_pace_of_the_simulation(system, simulation):
     from geometry_msgs.msg import PoseStamped
 

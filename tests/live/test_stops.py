@@ -192,6 +192,7 @@ def test_station_is_killed(driven):
     assert "velocity_command: the source is silent; the stop is sent" in driven.log("vehicle")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_station_ends(driven, kind):
     process = driven.running["station"]
@@ -200,6 +201,7 @@ def test_station_ends(driven, kind):
     assert "the bridge ends: wrench_effort: the stop is sent" in process.log.read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_vehicle_ends(driven, kind):
     """The last word reaches ROS before the context goes down."""
@@ -232,6 +234,7 @@ def test_the_stop_names_each_joint(driven):
     assert len(driven.heard["skid_steer_wheels"][-1].data) == 2
 
 
+@pytest.mark.slow
 def test_vehicle_that_starts_again_stops_first(driven):
     """A bridge that crashed left the robot in motion; the next one begins with a stop."""
     for name in ("station", "vehicle"):
@@ -289,6 +292,7 @@ def test_standby_of_the_vehicle(driven, rival):
     driven.drive()
 
 
+@pytest.mark.slow
 def test_shutdown_of_the_vehicle(driven, rival):
     rival.take(VEHICLE, resume=True)
     process = driven.running.pop("vehicle")
@@ -299,6 +303,7 @@ def test_shutdown_of_the_vehicle(driven, rival):
     rival.leave()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("system", ["wait-set"], indirect=True)
 @pytest.mark.parametrize(
     ("name", "maps"), [("driver", STREAMED), ("station", MAPS)], ids=["driver", "station"]

@@ -22,6 +22,7 @@ OFTEN = {"jaus_engineer": "text", "robot_developer": "text", "team_lead": "xmi"}
 pytestmark = [pytest.mark.live, pytest.mark.timeout(900)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("notation", SUFFIXES)
 @pytest.mark.parametrize("name", sweep(OFTEN, every=lambda name: name == "robot_developer"))
 def test_a_story_goes_as_it_is_told(name, notation, tmp_path):

@@ -128,6 +128,7 @@ def test_rates_peers_states_and_controllers(watched):
     assert watched.facts[-1]["health"] == "error"
 
 
+@pytest.mark.slow
 def test_control_that_is_lost_is_shown(system, watched):
     becomes(watched, "components", "10.1.1", controller="10.1.9")
     with running_operator(system.network(), open_catalogue(())) as operator:
@@ -146,6 +147,7 @@ def test_control_that_is_lost_is_shown(system, watched):
     becomes(watched, "components", "10.1.1", controller="10.1.9", state="READY")
 
 
+@pytest.mark.slow
 def test_a_source_that_falls_silent_and_comes_back(system, watched):
     becomes(watched, "connections", "odometry", level="ok")
     system.vehicle.kill()
@@ -156,6 +158,7 @@ def test_a_source_that_falls_silent_and_comes_back(system, watched):
     becomes(watched, "connections", "odometry", level="ok")
 
 
+@pytest.mark.slow
 def test_one_table_for_ci(system):
     result = system.once(MODEL)
     assert result.returncode == 2, result.stderr  # the trailer does not run
@@ -167,6 +170,7 @@ def test_one_table_for_ci(system):
     assert "look at the warnings" in without_model.stdout
 
 
+@pytest.mark.slow
 def test_with_rclpy_hidden_jaus_alone_is_shown(system):
     result = system.once(program=("-c", HIDDEN))
     assert result.returncode == 0, result.stdout + result.stderr
@@ -175,6 +179,7 @@ def test_with_rclpy_hidden_jaus_alone_is_shown(system):
     assert "READY" in next(line for line in result.stdout.splitlines() if " 10.1.1 " in line)
 
 
+@pytest.mark.slow
 def test_without_a_network_for_jaus_ros_alone_is_shown(system):
     result = system.once(MODEL, "--interface", "203.0.113.7")
     assert result.returncode == 1, result.stdout + result.stderr
@@ -235,6 +240,7 @@ def test_the_last_message_on_both_sides(system):
         inspection.close()
 
 
+@pytest.mark.slow
 def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system):
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import SetParameters

@@ -194,6 +194,7 @@ def workspaces(tmp_path_factory):
     return of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", sweep(["multicast", "peers", "tcp"], every=3))
 def test_the_bridge_reaches_the_other_host(way, hosts, no_firewall, workspaces, tmp_path):
     deployed = Deployment(workspaces("jtcp" if way == "tcp" else "judp"), hosts, tmp_path)

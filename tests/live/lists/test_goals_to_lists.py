@@ -193,6 +193,7 @@ def test_another_goal_takes_the_place_of_the_first(vehicle, client):
     assert second.ended() == (SUCCEEDED, "")
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_stops_on_the_way_aborts_the_goal(vehicle, client):
     goal = client.send_accepted(1, 2, 3)
     vehicle.begun()
@@ -203,6 +204,7 @@ def test_a_vehicle_that_stops_on_the_way_aborts_the_goal(vehicle, client):
     assert (status, "element 2 of 3" in reason) == (ABORTED, True)
 
 
+@pytest.mark.slow
 def test_a_failure_at_the_last_element_aborts_the_goal(vehicle, client):
     goal = client.send_accepted(1)
     vehicle.begun()
@@ -225,6 +227,7 @@ def test_goals_that_cannot_be_executed_are_refused(system, vehicle, client):
     wait_for(lambda: not client.send(1).handle.accepted, "refusal without a peer", PATIENCE)
 
 
+@pytest.mark.slow
 def test_lost_control_aborts_the_goal(vehicle, client):
     goal = client.send_accepted(1, 2)
     vehicle.begun()
@@ -235,6 +238,7 @@ def test_lost_control_aborts_the_goal(vehicle, client):
     assert (status, bool(reason)) == (ABORTED, True)
 
 
+@pytest.mark.slow
 def test_a_station_that_ends_stops_the_vehicle(system, vehicle, client):
     goal = client.send_accepted(1, 2)
     vehicle.begun()
@@ -245,6 +249,7 @@ def test_a_station_that_ends_stops_the_vehicle(system, vehicle, client):
     wait_for(lambda: (None, 0.0) in vehicle.executed, "stop", PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_peer_that_dies_aborts_the_goal(system, client):
     system.start_ros_robot()
     system.start_bridge("robot")
@@ -257,6 +262,7 @@ def test_a_peer_that_dies_aborts_the_goal(system, client):
     assert (status, str(ROBOT) in reason) == (ABORTED, True)
 
 
+@pytest.mark.slow
 def test_a_goal_goes_through_two_bridges(system, client):
     system.start_ros_robot()
     system.start_bridge("robot")
@@ -274,6 +280,7 @@ def test_a_goal_goes_through_two_bridges(system, client):
     assert other.ended()[0] == ABORTED
 
 
+@pytest.mark.slow
 def test_goals_are_missions_of_a_spooler(system, peer):
     system.start_ros_robot()
     for name in ("spooler", "dispatcher"):

@@ -35,6 +35,7 @@ def test_a_list_is_followed_to_its_end(system, operator):
     assert operator.ends == [True]
 
 
+@pytest.mark.slow
 def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, operator):
     operator.give(1, 2)
     assert (operator.asked_speed(), operator.asked_x()) == (0.0, 1.0)
@@ -47,6 +48,7 @@ def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, op
     assert (operator.asked_speed(), operator.asked_x()) == (0.0, 2.0)
 
 
+@pytest.mark.slow
 def test_another_speed_is_told(system, operator):
     operator.give(1)
     operator.execute(speed=1.5)
@@ -55,11 +57,13 @@ def test_another_speed_is_told(system, operator):
     wait_for(lambda: operator.asked_speed() == 0.5, "the other speed", PATIENCE)
 
 
+@pytest.mark.slow
 def test_no_waypoint_is_told_that_nobody_has_set(operator):
     assert operator.asked_x() is None
     assert operator.asked_speed() == 0.0
 
 
+@pytest.mark.slow
 def test_execution_begins_at_the_named_element(system, operator):
     operator.give(1, 2, 3)
     operator.execute(2)
@@ -69,6 +73,7 @@ def test_execution_begins_at_the_named_element(system, operator):
     assert operator.seen == [0, 2, 3, 0]
 
 
+@pytest.mark.slow
 def test_an_abort_is_told_though_the_last_element_was_active(system, operator):
     operator.give(1)
     operator.execute()
@@ -80,6 +85,7 @@ def test_an_abort_is_told_though_the_last_element_was_active(system, operator):
     assert "the wheels came off" in system.log_of("robot")
 
 
+@pytest.mark.slow
 def test_a_refused_goal_ends_the_list(system, operator):
     order(system, "refuse")
     wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
@@ -93,6 +99,7 @@ def test_a_refused_goal_ends_the_list(system, operator):
     assert wait_goal(system)["x"] == [1.0, 2.0]
 
 
+@pytest.mark.slow
 def test_another_list_takes_the_place_of_the_first(system, operator):
     operator.give(1, 2, 3)
     operator.execute()
@@ -108,6 +115,7 @@ def test_another_list_takes_the_place_of_the_first(system, operator):
     wait_for(lambda: operator.ends == [True], "end", PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_changed_list_is_followed_from_the_active_element(system, operator):
     operator.give(1, 2, 3)
     operator.execute()
@@ -131,6 +139,7 @@ def test_deleting_the_list_stops_the_robot(system, operator):
     assert operator.ends == [False]
 
 
+@pytest.mark.slow
 def test_speed_zero_holds_and_another_speed_goes_on(system, operator):
     operator.give(1, 2, 3)
     operator.execute()
@@ -144,6 +153,7 @@ def test_speed_zero_holds_and_another_speed_goes_on(system, operator):
     assert wait_goal(system, 2)["x"] == [2.0, 3.0]
 
 
+@pytest.mark.slow
 def test_a_robot_without_its_controller_stands(system, operator):
     operator.give(1, 2)
     operator.execute()
@@ -155,6 +165,7 @@ def test_a_robot_without_its_controller_stands(system, operator):
     wait_for(lambda: "the goal is canceled" in system.log_of("robot"), "log", PATIENCE)
 
 
+@pytest.mark.slow
 def test_an_operator_that_dies_stops_the_robot(system, operator):
     operator.give(1, 2)
     operator.execute()
@@ -171,6 +182,7 @@ def test_emergency_stops_the_robot(system, operator):
     wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_bridge_that_ends_stops_the_robot(system, operator):
     operator.give(1, 2)
     operator.execute()
@@ -179,6 +191,7 @@ def test_a_bridge_that_ends_stops_the_robot(system, operator):
     wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("announced_as_by_default")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, number):
@@ -202,6 +215,7 @@ def is_over(log):
     return "the goal is canceled" in log or "bridge.follow.lost" in log
 
 
+@pytest.mark.slow
 def test_a_bridge_that_starts_again_cancels_the_goal_of_its_former_life(system, operator):
     operator.give(1, 2)
     operator.execute()
@@ -264,6 +278,7 @@ def test_hostile_lists_are_refused(system, operator):
     assert not facts(system, "goal")
 
 
+@pytest.mark.slow
 def test_a_long_list_is_followed(system, operator):
     count = 255
     operator.give(*range(1, count + 1))
@@ -271,6 +286,7 @@ def test_a_long_list_is_followed(system, operator):
     assert wait_goal(system)["x"] == [float(each) for each in range(1, count + 1)]
 
 
+@pytest.mark.slow
 def test_a_circular_list_goes_round(system, operator):
     contents = [(uid, operator.waypoint(uid), 0) for uid in (1, 2)]
     assert operator.set(chain(contents, circular=True))
@@ -297,6 +313,7 @@ def change(peer, *transitions):
         assert answer.result().success, each
 
 
+@pytest.mark.slow
 def test_lists_go_on_after_another_configuration(system, operator, peer):
     operator.give(1, 2)
     operator.execute()

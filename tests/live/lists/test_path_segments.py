@@ -12,6 +12,7 @@ from ..bridge_support import wait_for
 from .list_system import OPERATOR, PATIENCE, ROBOT, facts, pass_by, wait_goal
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

@@ -21,6 +21,7 @@ from .conftest import operator_of
 from .list_system import LIVE, PATIENCE, facts, order, wait_goal
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     pytest.mark.ports,
     # The parser that the message packages import at their first use.

@@ -13,6 +13,7 @@ from .list_system import PATIENCE, facts, order, wait_goal
 from .test_goals_to_lists import Client
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

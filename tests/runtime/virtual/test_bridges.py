@@ -75,6 +75,7 @@ def test_commands_cross_both_bridges_in_the_time_of_the_way(drive):
     assert "loop.callback_failed" not in happened["counters"]
 
 
+@pytest.mark.slow
 def test_a_lossy_way_loses_its_part(drive):
     arrived = moving(drive(loss=0.2, seconds=120, until=120))
     assert 0.7 * 2300 < len(arrived) < 0.87 * 2300

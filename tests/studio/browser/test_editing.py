@@ -32,6 +32,7 @@ def shown(page):
     return desk
 
 
+@pytest.mark.slow
 def test_what_was_moved_stays_where_it_is(own_desk, example):
     before = example.read_bytes()
     place = own_desk.title("vehicle").bounding_box()
@@ -82,6 +83,7 @@ def test_a_change_of_another_program_appears(own_desk, example):
     expect(own_desk.dialog(re.compile("What changed"))).to_contain_text("recorder")
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_read_shows_how_it_was_and_is_left_alone(own_desk, example):
     text = example.read_text(encoding="utf-8")
     broken = text[: len(text) // 2]
@@ -113,6 +115,7 @@ def test_by_keys_alone(desk, shared_example):
     expect(desk.page.get_by_role("dialog")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_connecting_by_keys_alone(desk, shared_example):
     desk.keyboard.press("Control+f")
     desk.keyboard.type("vehicle")
@@ -132,6 +135,7 @@ def test_connecting_by_keys_alone(desk, shared_example):
     assert b'<topics name="dead_reckoning"' in shared_example.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_copied_bridge_is_a_bridge_of_its_own(desk, shared_example):
     before = shared_example.read_bytes()
     desk.title("bridge").click()
@@ -145,6 +149,7 @@ def test_a_copied_bridge_is_a_bridge_of_its_own(desk, shared_example):
     assert shared_example.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_what_two_programs_changed_is_told_with_both(own_desk, example):
     text = example.read_text(encoding="utf-8")
     own_desk.rename("logger", "recorder")
@@ -157,6 +162,7 @@ def test_what_two_programs_changed_is_told_with_both(own_desk, example):
     expect(own_desk.dialog(re.compile("catvehicle.xmi"))).to_contain_text("recorder")
 
 
+@pytest.mark.slow
 def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_studio, example):
     text = example.read_text(encoding="utf-8")
     placed = '<placements host="//@hosts.1" components="operator_control_unit"/>'
@@ -195,6 +201,7 @@ def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_s
     assert example.read_bytes() == moved
 
 
+@pytest.mark.slow
 def test_the_table_tells_the_same(desk):
     desk.tab("Table")
     cells = desk.page.get_by_role("cell", name="ReportVelocityState")
@@ -203,6 +210,7 @@ def test_the_table_tells_the_same(desk):
     expect(desk.page.get_by_role("form")).to_be_visible()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_light_and_dark_as_the_system_has_it(open_shared, scheme):
     desk = shown(open_shared(color_scheme=scheme))
@@ -211,6 +219,7 @@ def test_light_and_dark_as_the_system_has_it(open_shared, scheme):
     assert (max(levels) < 80) == (scheme == "dark"), ground
 
 
+@pytest.mark.slow
 def test_text_of_a_model_is_text_in_the_page(open_studio, example):
     text = example.read_text(encoding="utf-8")
     for feature in FEATURES:

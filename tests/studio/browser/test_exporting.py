@@ -8,7 +8,7 @@ import pytest
 from browsers import BROWSER
 from desktop import Desktop
 
-pytestmark = [BROWSER, pytest.mark.ports]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports]
 
 CAR = Path(__file__).resolve().parents[3] / "models" / "catvehicle" / "catvehicle.xmi"
 

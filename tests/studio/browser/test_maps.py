@@ -12,7 +12,7 @@ from playwright.sync_api import expect
 
 from jausml.language.model.library import LIBRARY_URI
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
 
 WINCH = Path(__file__).parents[3] / "models" / "examples" / "winch" / "service.xmi"
 MAP = """\

@@ -87,6 +87,7 @@ def stopped(vehicle):
     return vehicle.last == 0.0
 
 
+@pytest.mark.slow
 def test_a_command_is_sent_by_a_form_and_refused_at_its_field(operator, vehicle):
     choose_effort(operator)
     operator.get_by_label(EFFORT, exact=True).fill("200")
@@ -108,6 +109,7 @@ def test_the_key_stops_from_within_a_field(operator, vehicle):
     expect(operator.get_by_text(f"Stopped. {VEHICLE}: STANDBY")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_stop_is_there_while_models_are_looked_at(operator, vehicle):
     operator.get_by_role("button", name="Models").click()
     expect(operator.get_by_role("region", name="Operate")).to_have_count(0)
@@ -115,6 +117,7 @@ def test_the_stop_is_there_while_models_are_looked_at(operator, vehicle):
     until(lambda: vehicle.status == "STANDBY")
 
 
+@pytest.mark.slow
 def test_a_page_that_may_look_has_no_stop_and_sees_who_commands(
     operator, studio, open_studio, vehicle
 ):
@@ -138,6 +141,7 @@ def test_a_stick_commands_while_it_is_held(operator, vehicle):
     until(lambda: stopped(vehicle))
 
 
+@pytest.mark.slow
 def test_a_stick_is_held_by_a_key(operator, vehicle):
     hold(operator)
     operator.mouse.up()
@@ -149,6 +153,7 @@ def test_a_stick_is_held_by_a_key(operator, vehicle):
     until(lambda: stopped(vehicle))
 
 
+@pytest.mark.slow
 def test_a_hidden_page_lets_the_stick_go(operator, vehicle):
     hold(operator)
     until(lambda: driving(vehicle))
@@ -186,6 +191,7 @@ def kill_tabs(browser):
             os.kill(each["id"], signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_values_are_watched_and_plotted(operator, vehicle):
     vehicle.speed = 1.5
     operator.get_by_label(f"Report of {VEHICLE}").select_option("VelocityState")
@@ -198,6 +204,7 @@ def test_values_are_watched_and_plotted(operator, vehicle):
     expect(figure.locator("canvas")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_plan_shows_where_it_is(operator, vehicle):
     vehicle.place = (3.0, -4.0)
     operator.get_by_label(f"Report of {VEHICLE}").select_option("LocalPose")
@@ -207,6 +214,7 @@ def test_a_plan_shows_where_it_is(operator, vehicle):
     expect(plan.get_by_role("img", name=f"{VEHICLE}: 3.0 m up, -4.0 m right")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_an_alarm_stands_until_a_reason_is_said(operator, vehicle):
     hold(operator)
     until(lambda: driving(vehicle))
@@ -230,6 +238,7 @@ def stand_still(page, milliseconds):
     )
 
 
+@pytest.mark.slow
 def test_on_a_phone_the_stop_is_in_reach(studio, vehicle, open_studio):
     size = {"width": 390, "height": 844}
     page = open_studio.page_of(studio.commanding_address, viewport=size, has_touch=True)
@@ -279,6 +288,7 @@ def near(found, wanted):
     )
 
 
+@pytest.mark.slow
 def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     plan = plan_of(operator)
     for up, right in ((5, 0), (5, 5), (-3, 2)):
@@ -324,6 +334,7 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     assert vehicle.executed == [(1.5, 1)]
 
 
+@pytest.mark.slow
 def test_a_list_is_drawn_and_ended_by_keys_alone(operator, vehicle):
     def to(role, name):
         wanted = operator.get_by_role(role, name=name, exact=False)
@@ -354,6 +365,7 @@ def test_a_list_is_drawn_and_ended_by_keys_alone(operator, vehicle):
     until(lambda: vehicle.executed[1:] == [(0.0, None)] and vehicle.list == [])
 
 
+@pytest.mark.slow
 def test_on_a_phone_waypoints_are_drawn_by_touch(studio, vehicle, open_studio, tmp_path):
     page = open_studio.page_of(studio.commanding_address, viewport=PHONE, has_touch=True)
     control(page)
@@ -392,6 +404,7 @@ def single(port):
         yield told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_single_waypoint_is_drawn_sent_and_driven(studio, single, open_studio, kind):
     paths, begin, scale = KINDS[kind]
@@ -471,6 +484,7 @@ RECORDED = """async () => {
 }"""
 
 
+@pytest.mark.slow
 def test_a_video_plays_and_what_is_none_says_so(studio, camera, open_studio, port):
     page = open_studio.page_of(studio.address)
     made = base64.b64decode(page.evaluate(RECORDED))
@@ -500,6 +514,7 @@ def test_a_video_plays_and_what_is_none_says_so(studio, camera, open_studio, por
     expect(rear).to_contain_text("an MP4 needs its index at its beginning")
 
 
+@pytest.mark.slow
 def test_a_picture_is_shown_and_addresses_are_told(studio, camera, open_studio, tmp_path):
     page = open_studio.page_of(studio.address)
     page.get_by_role("button", name="Operate").click()

@@ -8,7 +8,7 @@ from desktop import Desktop
 from large_systems import large_system
 from playwright.sync_api import expect
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
 
 COUNT = """() => {
     window.reads = 0;

@@ -12,7 +12,7 @@ from recorded_systems import Drive, model_in, recorded
 
 from .conftest import Studio
 
-pytestmark = [BROWSER, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.timeout(300)]
 
 FIRST, SECOND = Drive(dropped=(3.5, 8.5)), Drive(dropped=(5.5,), taken=None)
 

@@ -52,6 +52,7 @@ def test_the_page_of_another_site_can_ask_nothing(open_shared, chromium, site):
     context.close()
 
 
+@pytest.mark.slow
 def test_the_page_can_ask_no_other_site(open_shared, open_studio, example):
     page = open_shared()
     expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")

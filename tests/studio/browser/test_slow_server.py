@@ -9,7 +9,7 @@ from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
 
 
 class Line:

@@ -13,7 +13,13 @@ import jausml
 
 from .conftest import Studio
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.live, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.slow,
+    BROWSER,
+    pytest.mark.ports,
+    pytest.mark.live,
+    pytest.mark.timeout(300),
+]
 
 
 @pytest.fixture

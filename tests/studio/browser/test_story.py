@@ -13,7 +13,7 @@ from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-pytestmark = [BROWSER, pytest.mark.live, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.live, pytest.mark.timeout(400)]
 pytest.importorskip("rclpy")
 
 SENSOR = '''\
