@@ -5,8 +5,8 @@ of them at once a bound is missed now and then, which says nothing about the cod
 alone too does. What failed first is named at the end either way: it may hide a race.
 
 In the crowd, assertions are compiled as Python has them: to rewrite them, so that a failure shows
-its values, takes as long as to read all tests. Alone they are rewritten, and so the second run shows
-why a test fails.
+its values, takes as long as to read all tests. Alone they are rewritten, and so the second run
+shows why a test fails.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 import pytest
-from sweeps import sweep
 import warm
 import yaml
 from ports import free_domain, free_port

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import gc
 import socket
 import threading
 import weakref
@@ -97,7 +96,7 @@ def test_cancelled_timers_do_not_pile_up(loop: Loop) -> None:
         alive.add(watched)
         loop.call_later(3600.0, watched.run).cancel()
     del watched
-    assert len(alive) < 200
+    assert not alive
     assert len(loop._timers) < 200
 
 

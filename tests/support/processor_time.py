@@ -1,8 +1,8 @@
-"""A plugin: the processor time that each file of tests takes, and whether the table knows the dear.
+"""A plugin: the processor time of each file of tests, and whether a table has the dear ones.
 
-What `make test` costs is held by a table in CONTRIBUTING.md: each file of tests that takes more than
-ten seconds stands there with a reason. `--judge-budget` fails a run that finds the table wrong by
-more than half. Seconds are those of the computer on which the table was made: a piece of work of
+What `make test` costs is held by a table in CONTRIBUTING.md: each file of tests that takes more
+than ten seconds stands there with a reason. `--judge-budget` fails a run that finds the table wrong
+by more than half. Seconds are those of the computer on which the table was made: a piece of work of
 fixed size tells how much faster or slower this one is.
 """
 
@@ -31,7 +31,7 @@ SHOWN = 10
 
 _ROW = re.compile(r"^\| `([\w/]+\.py)` \| (\d+) \| .+ \|$", re.MULTILINE)
 _WORK = 300_000
-_WORK_SECONDS = 0.018
+WORK_SECONDS = 0.018
 """Seconds that the piece of work takes on the computer of the table."""
 
 _SPENT = pytest.StashKey[Counter[str]]()
@@ -113,7 +113,7 @@ def scaled(spent: Mapping[str, float], own_seconds: float) -> dict[str, float]:
         spent: Seconds of each file on this one.
         own_seconds: Seconds that the piece of work takes on this one.
     """
-    return {file: seconds * _WORK_SECONDS / own_seconds for file, seconds in spent.items()}
+    return {file: seconds * WORK_SECONDS / own_seconds for file, seconds in spent.items()}
 
 
 def differences(listed: Mapping[str, int], spent: Mapping[str, float]) -> list[str]:

@@ -1,0 +1,87 @@
+"""What tests cost is told by files, and a table that is wrong fails the run that judges it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import processor_time
+import pytest
+import warm
+
+GUARDS = ("CONTRIBUTING.md",)
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = """
+| file | CPU s | why |
+|---|---|---|
+| `live/test_cheap.py` | {seconds} | it would be dear |
+"""
+TEST = """
+def test_it():
+    assert sum(range(1000))
+"""
+
+
+def test_the_table_is_read():
+    text = "| file | s | why |\n|---|---|---|\n| `live/test_demo.py` | 16 | drives |\n"
+    assert processor_time.table(text) == {"live/test_demo.py": 16}
+
+
+def test_the_table_of_the_project_names_files_that_are_there():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    listed = processor_time.table(text)
+    assert listed
+    assert [file for file in listed if not (ROOT / "tests" / file).is_file()] == []
+
+
+@pytest.mark.parametrize(
+    ("listed", "spent", "found"),
+    [
+        ({}, {"a.py": 14.0}, []),
+        ({}, {"a.py": 16.0}, ["a.py takes 16 s and is not listed"]),
+        ({"a.py": 20}, {"a.py": 14.0}, []),
+        ({"a.py": 20}, {"a.py": 13.0}, ["a.py takes 13 s, and 20 s are listed"]),
+        ({"a.py": 20}, {"a.py": 31.0}, ["a.py takes 31 s, and 20 s are listed"]),
+        ({"a.py": 20}, {}, ["a.py takes 0 s, and 20 s are listed"]),
+    ],
+)
+def test_what_is_wrong_by_more_than_half_is_told(listed, spent, found):
+    assert processor_time.differences(listed, spent) == found
+
+
+def test_seconds_are_those_of_the_computer_of_the_table():
+    own = 2 * processor_time.WORK_SECONDS
+    assert processor_time.scaled({"a.py": 30.0}, own) == {"a.py": pytest.approx(15.0)}
+
+
+def test_commands_of_the_warm_process_are_counted():
+    subprocess.run([*warm.command(), "--version"], check=True, capture_output=True)
+    before = warm.seconds()
+    assert before > 0
+    subprocess.run([*warm.command(), "list", "maps"], check=True, capture_output=True)
+    assert warm.seconds() > before
+
+
+@pytest.mark.parametrize(("seconds", "status"), [(12, 1), (0, 0)])
+def test_a_run_fails_by_its_table_alone(tmp_path, seconds, status):
+    (tmp_path / "support").mkdir()
+    for name in ("processor_time.py", "warm.py"):
+        shutil.copy(ROOT / "tests" / "support" / name, tmp_path / "support")
+    (tmp_path / "test_cheap.py").write_text(TEST, encoding="utf-8")
+    page = PAGE.format(seconds=seconds) if seconds else ""
+    (tmp_path.parent / "CONTRIBUTING.md").write_text(page, encoding="utf-8")
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(tmp_path / "support"),
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+    }
+    command = [sys.executable, "-m", "pytest", "-p", "processor_time", "--judge-budget"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == status
+    told = "CONTRIBUTING.md: live/test_cheap.py takes 0 s, and 12 s are listed"
+    assert (told in done.stdout) == bool(status)
