@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # Examples are few and the same in each run, or JAUSML_EXAMPLES random ones (make test-random).
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "0"))
 settings.register_profile(
-    "jausml", deadline=None, max_examples=EXAMPLES or 50, derandomize=not EXAMPLES
+    "jausml", deadline=None, max_examples=EXAMPLES or 20, derandomize=not EXAMPLES
 )
 settings.load_profile("jausml")
 

@@ -205,6 +205,7 @@ def test_messages_that_nobody_installed(doctor, tmp_path, monkeypatch, release):
     assert f"ros-{release}-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
 
 
+@pytest.mark.slow
 def test_peers_are_told_of_as_they_are(doctor):
     address, port = JausAddress(152, 1, 1), free_port()
     vehicle = Vehicle(address, lambda _code: None, lambda *_: None, dies_of_updates=True)

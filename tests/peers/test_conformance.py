@@ -133,6 +133,7 @@ def test_a_fault_is_found_by_the_check_that_names_it(fault, found):
     assert found[fault] == {FAULTS[fault]: Verdict.FAIL}
 
 
+@pytest.mark.slow
 def test_who_does_not_say_who_controls_it_is_judged_by_what_it_grants(peer, network, catalogue):
     peer("says not who controls it")
     groups = [g for g in all_groups() if g.name == "access"]
@@ -166,6 +167,7 @@ def test_without_faults_the_same_checks_pass(peer, network, catalogue):
     assert verdicts(report) == dict.fromkeys(FAULTS.values(), Verdict.PASS), failures(report)
 
 
+@pytest.mark.slow
 def test_a_component_of_ours_has_no_failures(component, network, catalogue):
     target = component(default_authority=5)
     with opened(network, TARGET, catalogue, **QUICK) as session:

@@ -45,6 +45,7 @@ def test_any_short_payload_can_be_described(catalogue, payload):
     assert describe(payload, catalogue)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_target_that_babbles_gets_a_report(seed, catalogue, peer_module, free_port, network):
     """Each answer has the right message code and a body that is cut, prolonged or random."""

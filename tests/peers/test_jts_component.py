@@ -91,6 +91,7 @@ def test_what_it_leaves_unanswered_is_told_as_that(jausml):
     assert "but not CreateEvent: it provides LocalPoseSensor" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("waypoint_driver")
 def test_what_it_inherits_is_checked_though_it_announces_the_leaf_alone(network, catalogue):
     report = checked(network, catalogue, "access", "management", "events")
@@ -106,6 +107,7 @@ def test_what_it_inherits_is_checked_though_it_announces_the_leaf_alone(network,
     }
 
 
+@pytest.mark.slow
 def test_it_dies_of_the_last_checks_and_not_before(network, catalogue, waypoint_driver):
     report = checked(network, catalogue, "transport", "management.resume")
     ids = [each.check.id for each in report.results]
@@ -117,6 +119,7 @@ def test_it_dies_of_the_last_checks_and_not_before(network, catalogue, waypoint_
     assert len(report.results[died + 1 :]) < 4
 
 
+@pytest.mark.slow
 def test_a_target_that_comes_back_is_tested_further(network, catalogue, waypoint_driver):
     with supervised(waypoint_driver):
         report = checked(network, catalogue, "transport", limits=Limits(restart=20.0))

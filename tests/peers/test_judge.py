@@ -153,7 +153,7 @@ def test_each_task_has_the_points_of_the_rules():
     ]
 
 
-@for_each("fault", LOST, shards=3)
+@for_each("fault", LOST, shards=3, slow=True)
 def test_a_wrong_robot_loses_what_it_should(fault):
     sheet = judged(fault)
     assert lost(sheet) == LOST[fault]

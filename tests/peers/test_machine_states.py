@@ -45,6 +45,7 @@ def wait_for(condition):
     return found
 
 
+@pytest.mark.slow
 def test_a_generated_winch_is_seen_to_move(winch):
     port, model = winch
     with jausml.Component("200.1.1", port=port, models=str(model), timeout=PATIENCE) as operator:
@@ -196,6 +197,7 @@ def rover(port, name, services):
         process.wait()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("answers", [True, False])
 def test_what_one_provided_that_was_replaced_is_forgotten(
     network, catalogue, free_port, answers, monkeypatch
@@ -220,6 +222,7 @@ def test_what_one_provided_that_was_replaced_is_forgotten(
                 wait_for(lambda: seen(lambda each: each.services))
 
 
+@pytest.mark.slow
 def test_who_was_replaced_before_it_was_missed_is_another_one(network, catalogue, free_port):
     """The other one has the same name and answers no Discovery; only its packets tell of it."""
     monitor, target = Monitor(SystemState()), JausAddress(100, 1, 7)

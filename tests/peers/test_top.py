@@ -143,6 +143,7 @@ def test_without_its_extra_it_says_so(jausml, monkeypatch):
     assert "pip install 'jausml[top]'" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.ports
 @pytest.mark.skipif(sys.platform == "win32", reason="has no pseudo terminals")
 @pytest.mark.parametrize("key", [b"q", b"\x03"], ids=["q", "Ctrl-C"])

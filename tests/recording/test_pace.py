@@ -146,6 +146,7 @@ def test_a_loop_gives_all_again(tmp_path):
     assert result.exit_code == 0, result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.live
 @pytest.mark.ports
 def test_the_space_bar_pauses_and_goes_on(tmp_path):

@@ -128,6 +128,7 @@ def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["run.pcap"]
 
 
+@pytest.mark.slow
 def test_without_the_capability_the_group_is_heard(tmp_path):
     if shutil.which("setpriv") is None or os.geteuid() != 0:
         pytest.skip("no capability can be given away here: setpriv is missing, or root")
@@ -176,6 +177,7 @@ def test_a_kill_takes_nothing_that_was_flushed(tmp_path):
     assert len(made.frames()) >= len(found)
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_told_and_leaves_what_it_took(tmp_path):
     folder = tmp_path / "disk"
     reason = small_folder(folder, 1 << 16)
@@ -203,6 +205,7 @@ def test_a_full_disk_is_told_and_leaves_what_it_took(tmp_path):
         made.close()
 
 
+@pytest.mark.slow
 def test_a_row_of_files_of_the_components_that_are_named(tmp_path):
     port = free_port()
     options = ("--flush-every", "0.05", "--max-duration", "0.2", "--max-files", "3")

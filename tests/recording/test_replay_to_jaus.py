@@ -127,6 +127,7 @@ def test_commands_need_to_be_allowed(tmp_path):
     assert "--allow-commands sends finder.drive (SetWrenchEffort)" in result.stderr
 
 
+@pytest.mark.slow
 def test_commands_that_are_allowed_reach_who_obeys(tmp_path):
     port = free_port()
     bag = record(

@@ -50,6 +50,7 @@ def wait_for(condition, what):
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
     from rclpy.qos import DurabilityPolicy
     from std_msgs.msg import String

@@ -24,6 +24,7 @@ def _built():
     build_page()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", ["lint", "types", "test"])
 def test_its_own_checks_pass(script):
     npm = shutil.which("npm") or shutil.which("npm", path=NPM)

@@ -169,6 +169,7 @@ class TestTwoProcesses:
         wait_until(lambda: found)
         assert found[0].address == ROBOT
 
+    @pytest.mark.slow
     def test_recovery_of_a_killed_robot(self, robot, operator, wait_until):
         first = robot()
         pulses, silences = [], []
@@ -192,6 +193,7 @@ class TestTwoProcesses:
         wait_until(lambda: session.state is ControlState.READY and len(pulses) > 5)
         assert len(silences) == 1
 
+    @pytest.mark.slow
     def test_three_processes_on_one_port(self, robot, operator, wait_until):
         addresses = [JausAddress(3, 1, number) for number in (1, 2)]
         for address in addresses:
@@ -199,6 +201,7 @@ class TestTwoProcesses:
         sessions = [operator.control(address, authority=100) for address in addresses]
         wait_until(lambda: all(each.state is ControlState.READY for each in sessions), 20.0)
 
+    @pytest.mark.slow
     def test_members_register_with_the_subsystem(self, robot, operator, wait_until):
         robot("--jaus-id", "4.1.1").expect("initialize")
         robot("--jaus-id", "4.1.2", "--discovery-scope", "component").expect("initialize")

@@ -80,6 +80,7 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
         page.ask("kept.again", number=kept["number"])
 
 
+@pytest.mark.slow
 def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(
     page: Page, server: Server, folder: Path
 ) -> None:
@@ -131,6 +132,7 @@ def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
     return page.send("edit", commands=commands, label="Set", base=view["revision"])
 
 
+@pytest.mark.slow
 def test_two_studios_at_the_same_moment_lose_nothing(
     server: Server, folder: Path, built: Path
 ) -> None:
@@ -165,6 +167,7 @@ def test_two_studios_at_the_same_moment_lose_nothing(
         assert theirs in (folder / FILE).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_an_edit_whose_element_is_gone_stays_kept(page: Page, folder: Path) -> None:
     ref, base = begin(page, folder)
     (folder / FILE).write_text(TEXT.replace("winch", "crane"), encoding="utf-8")

@@ -162,6 +162,7 @@ def test_a_silent_page_stops_what_it_executes(holding: Page, vehicle: Vehicle) -
         execute(holding)
 
 
+@pytest.mark.slow
 def test_an_emergency_ends_it_where_the_person_chose_that(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
@@ -190,6 +191,7 @@ def lossy(monkeypatch: pytest.MonkeyPatch) -> list[LossyTransport]:
     return made
 
 
+@pytest.mark.slow
 def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
     folder: Path, built: Path, port: int, lossy: list[LossyTransport]
 ) -> None:

@@ -268,6 +268,7 @@ def test_a_page_that_does_not_renew_commands_no_more(
     assert "it commanded, and said nothing for 2 s" in texts
 
 
+@pytest.mark.slow
 def test_a_page_that_renews_goes_on(holding: Page, vehicle: Vehicle) -> None:
     end = time.monotonic() + 1.5 * LEASE
     while time.monotonic() < end:

@@ -7,6 +7,7 @@ import socket
 from typing import TYPE_CHECKING
 
 import pytest
+from sweeps import sweep
 from studio_client import LONGEST, serving, started
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def test_a_signal_ends_it_while_pages_are_open(server: Server, sent: signal.Sign
         assert server.process.wait(LONGEST) == 0
 
 
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("sent", sweep([signal.SIGINT, signal.SIGTERM], every=2))
 def test_a_signal_ends_it_as_soon_as_the_address_is_told(
     folder: Path, built: Path, sent: signal.Signals
 ) -> None:
@@ -58,7 +59,9 @@ def test_a_port_that_is_taken_is_told(folder: Path, built: Path) -> None:
     assert errors.startswith(f"Error: cannot serve at 127.0.0.1 port {port}: ")
 
 
-@pytest.mark.parametrize("host", ["256.1.1.1", "nowhere.invalid", "", "\u00fc" * 70])
+@pytest.mark.parametrize(
+    "host", sweep(["256.1.1.1", "nowhere.invalid", "", "\u00fc" * 70], every=4)
+)
 def test_a_host_that_is_none_is_told(folder: Path, built: Path, host: str) -> None:
     code, errors = ended(folder, built, "--host", host)
     assert code == 2
@@ -78,6 +81,7 @@ def test_its_port_can_be_chosen(folder: Path, built: Path) -> None:
         assert server.port == port
 
 
+@pytest.mark.slow
 def test_nothing_of_what_is_asked_is_logged(folder: Path, built: Path) -> None:
     process = started(folder, built)
     assert process.stdout is not None

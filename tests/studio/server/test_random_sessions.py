@@ -29,6 +29,8 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 
+pytestmark = pytest.mark.slow
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path

@@ -76,6 +76,7 @@ def test_a_file_that_is_none_says_so_by_its_name(opened, tmp_path):
         opened.system("text.mcap")
 
 
+@pytest.mark.slow
 def test_few_are_open_at_once_and_a_changed_one_is_read_again(opened, folder, monkeypatch):
     monkeypatch.setattr(recordings, "MOST_OPEN", 1)
     path = folder / "runs" / "run.mcap"

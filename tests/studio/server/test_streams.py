@@ -208,6 +208,7 @@ def test_an_address_that_is_told_no_more_ends(
     until(lambda: camera.looking == 0)
 
 
+@pytest.mark.slow
 @pytest.mark.ports
 @pytest.mark.live
 def test_an_address_of_a_component_that_is_gone_ends(

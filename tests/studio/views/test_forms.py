@@ -49,7 +49,7 @@ def test_every_class_has_a_form(name):
             assert child in table.features[each.feature].target.subtypes
 
 
-@for_each("name", SHIPPED, shards=3)
+@for_each("name", SHIPPED, shards=3, slow=True)
 def test_every_shipped_element_has_a_form(name):
     scope = scope_of(name)
     for element in scope.model.elements_of(scope.model.documents[0]):

@@ -53,6 +53,7 @@ def test_a_skeleton_that_fell_behind_is_told(workspace):
         path.write_text(kept)
 
 
+@pytest.mark.slow
 def test_what_changed_since_it_was_shown_is_not_done(workspace):
     missing = workspace / GENERATED
     kept = missing.read_text()
