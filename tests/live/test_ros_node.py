@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 from workspaces import python_path
 
 pytest.importorskip("rclpy")
@@ -212,8 +213,13 @@ from .talker_base import TalkerBase
 
 @pytest.mark.parametrize(
     ("body", "code"),
-    [(INTERRUPTED, 0), ("        raise RuntimeError('a mistake of the user')\n", 1)],
-    ids=["interrupted", "failed"],
+    sweep(
+        [
+            pytest.param("        raise RuntimeError('a mistake of the user')\n", 1, id="failed"),
+            pytest.param(INTERRUPTED, 0, id="interrupted"),
+        ],
+        every=2,
+    ),
 )
 def test_only_a_failure_of_the_user_is_one(body, code, tmp_path):
     workspace = generate(tmp_path)

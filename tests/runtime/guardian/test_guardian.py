@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.runtime.guardian.page import Page, frame, read_frame
 
@@ -127,7 +128,7 @@ STOP = b"stop\x34\x12"
 """The last two octets are the sequence number of the page."""
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
+@pytest.mark.parametrize("number", sweep([signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT], every=3))
 def test_the_stop_is_said_thrice_when_the_bridge_dies(bridge, number):
     dying = bridge()
     dying.process.send_signal(number)
@@ -199,7 +200,7 @@ def test_a_bridge_that_ends_takes_its_guardian_along(bridge):
     assert ending.stop(0.0) is None
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", sweep([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], every=3))
 def test_signals_for_the_bridge_do_not_end_the_guardian(bridge, number):
     guarded = bridge()
     # Its handlers stand when it has read what was handed over; a stop proves that.

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import pytest
 from lossy_network import OPERATOR, STEP, VEHICLE, LossyNetwork
+from sweeps import sweep
 
 from jausml.runtime import ControlState, Status
 from jausml.runtime.messages import QueryStatus, ReportStatus, SetTime
@@ -38,7 +39,7 @@ def wait_for_ready(network, session, seconds):
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2, 0.3, 0.4])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", sweep(range(4), every=4))
 def test_loss_costs_little_more_than_what_is_lost(share, seed):
     with LossyNetwork(share, 100 * seed, control_timeout=2) as network:
         drive(network, 20.0)
@@ -48,7 +49,7 @@ def test_loss_costs_little_more_than_what_is_lost(share, seed):
         assert max(b - a for a, b in pairwise(times)) < 2.0
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", sweep(range(5), every=5))
 def test_a_fifth_of_all_datagrams_lost_costs_no_control(seed):
     with LossyNetwork(0.2, 100 * seed, control_timeout=2) as network:
         sent = drive(network, 20.0)
@@ -85,7 +86,7 @@ def test_a_late_command_is_not_obeyed_after_a_newer_one(acknowledge):
             assert len(order) + late >= 199
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", sweep(range(3), every=3))
 def test_two_fifths_lost_are_survived(seed):
     with LossyNetwork(0.4, 100 * seed, control_timeout=2) as network:
         sent = drive(network, 20.0)
@@ -149,7 +150,7 @@ def test_a_silent_vehicle_is_not_flooded():
         assert network.loop.counters.snapshot()["judp.sent"] - before < 120
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", sweep(range(4), every=4))
 def test_events_are_created_again_while_their_provider_is_heard(seed):
     """A provider that was restarted is heard by one event; the other one must not wait for long."""
     with LossyNetwork(0.2, 300 + seed) as network:

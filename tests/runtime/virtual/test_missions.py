@@ -63,7 +63,13 @@ def told_of(happened, kind):
     return [each[1:] for each in happened["told"] if each[0] == kind]
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.2])
+LOSSES = pytest.mark.parametrize("loss", sweep([0.0, 0.2], every=2))
+SCENES = pytest.mark.parametrize(
+    ("scene", "left"), sweep([("", ABORTED), ("pausing_", PAUSED)], every=2)
+)
+
+
+@LOSSES
 def test_a_mission_is_driven_in_the_order_of_its_tree(play, loss):
     happened = play("whole", loss)
     assert happened["driven"] == [[1.0, 2.0, 3.0, 4.0]]
@@ -127,9 +133,6 @@ def asked(play, scene, loss=0.0):
     return play(scene, loss)["asked"]
 
 
-LOSSES = pytest.mark.parametrize("loss", sweep([0.0, 0.2], every=2))
-
-
 @LOSSES
 def test_a_goal_of_a_ros_client_is_a_mission_of_a_peer(play, loss):
     happened = play("sent_whole", loss)
@@ -140,7 +143,7 @@ def test_a_goal_of_a_ros_client_is_a_mission_of_a_peer(play, loss):
 
 
 @LOSSES
-@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+@SCENES
 def test_a_goal_that_is_cancelled_leaves_what_a_person_has_decided(play, loss, scene, left):
     happened = play(f"{scene}sent_cancelled", loss)
     assert happened["asked"] == [["canceled", "canceled"], True, left, RUNNING, None]
@@ -160,8 +163,8 @@ def test_nobody_asks_for_a_mission_that_ended_before_it_was_stored(play):
     assert asked(play, "sent_ended_before_it_is_stored") == [False, True, False]
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.2])
-@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+@LOSSES
+@SCENES
 def test_a_stop_that_was_lost_comes_again(play, loss, scene, left):
     result, stood, stands, state = asked(play, f"{scene}sent_cancelled_far_away", loss)
     assert (result[0], stood) == ("aborted", False)
@@ -182,14 +185,14 @@ def test_a_mission_that_its_peer_gives_up_aborts_the_goal(play):
     assert (result, state) == (["aborted", "100.1.20 ended the mission at 1 of 2"], ABORTED)
 
 
-@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+@SCENES
 def test_a_peer_that_was_away_does_not_go_on(play, scene, left):
     result, stood, then, stands, state = asked(play, f"{scene}sent_robot_gone")
     assert (result[0], stood, then) == ("aborted", True, PAUSED)
     assert (stands, state) == (True, left)
 
 
-@pytest.mark.parametrize(("scene", "left"), [("", ABORTED), ("pausing_", PAUSED)])
+@SCENES
 def test_a_station_that_ends_leaves_no_mission_that_runs(play, scene, left):
     assert asked(play, f"{scene}sent_station_ends") == [True, left]
 

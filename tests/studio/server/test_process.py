@@ -7,8 +7,8 @@ import socket
 from typing import TYPE_CHECKING
 
 import pytest
-from sweeps import sweep
 from studio_client import LONGEST, serving, started
+from sweeps import sweep
 
 if TYPE_CHECKING:
     from pathlib import Path
