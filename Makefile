@@ -7,7 +7,7 @@ ENVIRONMENT := .venv$(RELEASE)
 BIN := $(ENVIRONMENT)/bin
 READY := $(ENVIRONMENT)/.ready
 
-.PHONY: help demo quick test test-all test-random coverage live live-each lint format bench docs fuzz emf reference \
+.PHONY: help demo quick test test-all test-beside test-random coverage live live-each lint format bench docs fuzz emf reference \
 	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
@@ -31,11 +31,14 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
-# The budget of tests is judged by a whole run only.
+# The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
 test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in a quarter of an hour
-	$(BIN)/python tools/suite.py -m "not slow" $(if $(TESTS),$(TESTS),--judge-budget)
-	$(BIN)/python tools/suite.py -m slow $(TESTS)
+	$(BIN)/python tools/suite.py -m "not slow" $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
+	$(BIN)/python tools/suite.py -m slow $(JUDGED) $(TESTS)
 	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'
+
+test-beside: $(READY)  ## run what compares with definitions of others, in a folder `shared` beside the checkout
+	$(BIN)/python tools/suite.py -m beside $(JUDGED) $(TESTS)
 
 test-random: export JAUSML_EXAMPLES ?= 200
 test-random: export PYTEST_ADDOPTS ?= --timeout=1200

@@ -12,10 +12,11 @@ from sweeps import sweep
 
 GUARDS = (".ci/run",)
 
-MADE = ["lint", "test-slow", "test"]
+MADE = ["lint", "test-all", "test-beside"]
 PROGRAMS = {
-    "make": 'echo "$1" >> "$RAN"; [ "$1" != "$FAILING" ]',
-    **dict.fromkeys(("apt-get", "chromium", "nft"), "true"),
+    "make": """echo "$1 $HOME $(ls .. | tr '\\n' ,) ${JAUSML_SHARED:--}" >> "$RAN"
+[ "$1" != "$FAILING" ]""",
+    **dict.fromkeys(("apt-get", "dpkg"), "true"),
 }
 CI = Path(__file__).resolve().parents[2] / ".ci" / "run"
 
@@ -44,18 +45,44 @@ def test_a_sweep_that_guards_nothing_is_refused():
         sweep([1, 2], every=lambda _: False)
 
 
-@pytest.mark.parametrize("failing", ["", "test-slow", "test", "lint"])
-def test_ci_runs_both_and_fails_if_one_does(tmp_path, failing):
-    (tmp_path / ".ci").mkdir()
-    shutil.copy(CI, tmp_path / ".ci")
-    programs = tmp_path / "programs"
+@pytest.fixture
+def checkout(tmp_path):
+    """A repository with nothing but what CI runs, and what stands beside it."""
+    root = tmp_path / "here" / "checkout"
+    (root / ".ci").mkdir(parents=True)
+    shutil.copy(CI, root / ".ci")
+    name = ("-c", "user.name=CI", "-c", "user.email=ci@localhost")
+    for command in (("init", "-q"), ("add", "."), (*name, "commit", "-qm", "Begin")):
+        subprocess.run(["git", *command], cwd=root, check=True)
+    (root.parent / "shared").mkdir()
+    return root
+
+
+def judged(checkout, folder, failing):
+    """Runs what CI runs with programs that only note it; returns the status, and what they note."""
+    programs = folder / "programs"
     programs.mkdir()
     for name, says in PROGRAMS.items():
         (programs / name).write_text(f"#!/bin/sh\n{says}\n", encoding="utf-8")
         (programs / name).chmod(0o755)
     path = os.pathsep.join([str(programs), os.environ["PATH"]])
-    environment = {**os.environ, "PATH": path, "RAN": str(tmp_path / "ran"), "FAILING": failing}
-    done = subprocess.run([tmp_path / ".ci" / "run"], env=environment)
-    made = (tmp_path / "ran").read_text().split()
-    assert made == (MADE[:1] if failing == "lint" else MADE)
-    assert (done.returncode != 0) == bool(failing)
+    environment = {**os.environ, "PATH": path, "RAN": str(folder / "ran"), "FAILING": failing}
+    done = subprocess.run([checkout / ".ci" / "run"], env=environment)
+    return done.returncode, [line.split() for line in (folder / "ran").read_text().splitlines()]
+
+
+@pytest.mark.parametrize("failing", ["", "lint", "test-all", "test-beside"])
+def test_ci_runs_all_where_nothing_is_beside_and_fails_if_one_does(checkout, tmp_path, failing):
+    status, ran = judged(checkout, tmp_path, failing)
+    assert [target for target, *_ in ran] == (MADE[:1] if failing == "lint" else MADE)
+    assert (status != 0) == bool(failing)
+    for target, home, beside, shared in ran:
+        # The clone, its home, and nothing else; the folder is named to the last step alone.
+        assert (Path(home).name, beside) == ("home", "home,jausml,")
+        assert shared == (str(checkout.parent / "shared") if target == "test-beside" else "-")
+
+
+def test_ci_says_nothing_of_what_is_not_beside_it(checkout, tmp_path):
+    (checkout.parent / "shared").rmdir()
+    status, ran = judged(checkout, tmp_path, "")
+    assert (status, [target for target, *_ in ran]) == (0, MADE[:2])
