@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import compile_once
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 from isolation import announce_often, isolate, own_domain
 from ports import MOST_WORKERS, worker
 from xdist.scheduler import LoadFileScheduling
@@ -46,6 +47,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # as nohup does
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
     _keep_bytecode()
+    _draw_from_no_sources()
     own_domain(worker())
     if "JAUSML_FAULTS" not in os.environ:  # What is measured has the settings of users.
         announce_often()
@@ -59,6 +61,15 @@ def _keep_bytecode() -> None:
     """Lets workers and programs under test find compiled what others have imported."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
+
+
+def _draw_from_no_sources() -> None:
+    """Keeps Hypothesis from drawing constants of the modules that happen to be loaded.
+
+    Which they are depends on the tests that a worker has run, so that examples would not be the
+    same in each run; and to parse all modules for them takes as long as to import all tests.
+    """
+    providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
