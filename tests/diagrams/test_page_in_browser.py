@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from diagram_support import CAR, read
+from sweeps import sweep
 from test_pictures import HOSTILE, hostile
 
 from jausml.views.diagrams.layout.graphviz import Graphviz
@@ -124,7 +125,7 @@ def test_tables_say_the_same_and_are_sorted_and_filtered(page, car):
     assert page.locator("path.chosen").count() == 1
 
 
-@pytest.mark.parametrize("text", HOSTILE[:1] + HOSTILE[4:5])
+@pytest.mark.parametrize("text", sweep(HOSTILE[:1] + HOSTILE[4:5], every=2))
 def test_texts_are_data(page, text, tmp_path):
     path = tmp_path / "page.html"
     path.write_text(html.render(hostile(text), Graphviz()), encoding="utf-8")

@@ -48,7 +48,7 @@ WITH_COMMANDS = [page for page in PAGES if script(page)]
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("page", sweep(WITH_COMMANDS, every=5), ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", sweep(WITH_COMMANDS, every=20), ids=lambda page: page.stem)
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     if page.stem in NEED_A_COMPILER and compiler() is None:
         pytest.skip("there is no compiler of C++: install g++")

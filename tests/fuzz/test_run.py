@@ -59,6 +59,7 @@ def test_streams_are_read_the_same_however_they_are_cut():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopped():
     done = run(ROOT / "fuzz", "components", "--plain", "--runs", "2000", "--seed", "3")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -104,6 +105,7 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
     assert "did you mean datagrams?" in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not importlib.util.find_spec("atheris"), reason="atheris is not installed")
 def test_a_run_guided_by_coverage(driver):
     done = run(ROOT / "fuzz", "datagrams", "--runs", "500")

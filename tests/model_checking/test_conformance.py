@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 LISTER = Path(__file__).with_name("lister.ros2jaus")
 # Of what the abstract ones can be like but for their timers, which walks go through.
@@ -17,7 +18,7 @@ OBEYING = {
 }
 
 
-@pytest.mark.parametrize("subject", OBEYING)
+@pytest.mark.parametrize("subject", sweep(OBEYING, every=3))
 def test_a_bridge_that_obeys(subject, run_script):
     happened = run_script("walk.py", subject)
     assert happened["difference"] is None
@@ -25,6 +26,7 @@ def test_a_bridge_that_obeys(subject, run_script):
     assert happened["steps"] > 1000
 
 
+@pytest.mark.slow
 def test_a_bridge_that_drives_along_lists(run_script):
     happened = run_script("walk_list.py", "lister.along", model=LISTER)
     assert happened["difference"] is None
@@ -32,6 +34,7 @@ def test_a_bridge_that_drives_along_lists(run_script):
     assert happened["steps"] > 1000
 
 
+@pytest.mark.slow
 def test_a_bridge_and_its_peer(run_script):
     happened = run_script("walk_peer.py")
     assert happened["difference"] is None

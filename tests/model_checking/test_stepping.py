@@ -107,6 +107,7 @@ def test_a_step_that_is_gone_is_named(winch):
         walked(machine.product, [*READY, Chosen("winch", "RopeCut")])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [WINCH, LAMP], ids=lambda each: each.stem)
 def test_the_generated_component_goes_random_paths(model, path_of, tmp_path):
     read, machine = stepped(model)

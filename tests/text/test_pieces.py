@@ -121,6 +121,7 @@ def test_after_each_edit_the_tree_is_that_of_the_whole(states):
         assert told(parsed_text(text)) == told(whole)
 
 
+@pytest.mark.slow
 @given(edits())
 def test_trees_that_were_given_stay_as_they_are(states):
     pieces = Pieces()
@@ -147,7 +148,7 @@ def parsed_by(pieces, text):
     return found
 
 
-@pytest.mark.parametrize("groups", [4, 40, 160])
+@pytest.mark.parametrize("groups", sweep([40, 4, 160], every=3))
 def test_what_is_parsed_for_an_edit_does_not_grow_with_the_text(groups):
     """A number: the connection, its bridge around it, and the system around that."""
     text = grown(groups, 8)
@@ -216,6 +217,7 @@ def test_what_is_open_has_little_parsed_and_nothing_once_it_is_closed(put_in):
     assert sum(parsed_by(pieces, f"{text[:at]} {text[at:]}")) < 0.1 * len(text)
 
 
+@pytest.mark.slow
 def test_of_many_states_few_are_kept():
     pieces, text = Pieces(), grown(2, 8)
     for number in range(50):

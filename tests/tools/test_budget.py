@@ -12,6 +12,7 @@ import pytest
 SUPPORT = Path(__file__).resolve().parents[1] / "support"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seconds", "outcome"), [("100", "2 passed"), ("0", "2 skipped")])
 def test_what_is_left_is_skipped_and_counted(tmp_path, seconds, outcome):
     file = tmp_path / "test_two.py"

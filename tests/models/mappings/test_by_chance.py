@@ -69,6 +69,7 @@ EFFORT = (
 )
 
 
+@pytest.mark.slow
 def test_odometry_as_bytes(translator: Callable[[str], Translator]) -> None:
     whole = by_bytes(translator("local_pose_sensor").bridge, "local_pose_to_jaus")
     assert whole(bytes.fromhex(ODOMETRY)).hex(" ") == bytes.fromhex(LOCAL_POSE).hex(" ")

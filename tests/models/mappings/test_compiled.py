@@ -115,6 +115,7 @@ def is_nan_in(data: bytes) -> bool:
     return "nan" in [*numbers(data)]
 
 
+@pytest.mark.slow
 @for_each(("stem", "each"), to_ros, ids=name, shards=8, slow=True)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)

@@ -52,6 +52,7 @@ def begun(ears):
     return {pair: begin_map(ears.scope, ears.owner, Wish("fresh", *pair)) for pair in ends}
 
 
+@pytest.mark.slow
 def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_missing(begun):
     for (message, kind), made in begun.items():
         rules = {each.split()[0] for each in made.findings}
