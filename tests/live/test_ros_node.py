@@ -12,10 +12,11 @@ import threading
 import time
 from pathlib import Path
 
+import needs
 import pytest
 from workspaces import python_path
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml import generation as gen
 from jausml.language.model import read_models

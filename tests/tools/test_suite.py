@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-SUITE = Path(__file__).resolve().parents[2] / "tools" / "suite.py"
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
 
 FAILS_ONCE = """
 from pathlib import Path
@@ -30,7 +30,11 @@ def suite(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # half of what it takes to begin
     monkeypatch.setenv("PYTEST_PLUGINS", "xdist.plugin")
     (tmp_path / "tools").mkdir()
-    shutil.copy(SUITE, tmp_path / "tools")
+    for name in ("suite.py", "build_studio.py"):
+        shutil.copy(TOOLS / name, tmp_path / "tools")
+    page = tmp_path / "jausml" / "authoring" / "studio" / "page" / "index.html"
+    page.parent.mkdir(parents=True)
+    page.touch()
     (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\n", encoding="utf-8")
 
     def run(**tests):

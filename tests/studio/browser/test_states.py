@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 from ports import free_port
@@ -13,7 +12,12 @@ import jausml
 
 from .conftest import Studio
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.live, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.live,
+    pytest.mark.timeout(300),
+]
 
 
 @pytest.fixture
