@@ -101,7 +101,7 @@ def test_where_a_mount_is_refused_the_network_stays(tmp_path):
     inside = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", IN_A_CHROOT, "sh"]
     done = run(*inside, tmp_path / "root", sys.executable, "-c", STAYS)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == ["mount: Invalid argument", "stayed"]
+    assert done.stdout.splitlines() == ["[Errno 22] mount: Invalid argument", "stayed"]
 
 
 @pytest.mark.needs("namespaces of users")

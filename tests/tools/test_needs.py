@@ -49,11 +49,12 @@ import rclpy
 def run(tmp_path):
     """Runs tests of their own; returns what pytest prints."""
     found = f"{ROOT / 'tests' / 'support'} {ROOT / 'tools'}"
-    (tmp_path / "pytest.ini").write_text(f"[pytest]\npythonpath = {found}\n", encoding="utf-8")
+    settings = f"[pytest]\npythonpath = {found}\nmarkers =\n  needs\n  beside\n"
+    (tmp_path / "pytest.ini").write_text(settings, encoding="utf-8")
 
     def run_(text, *options, **environment):
         (tmp_path / "test_cases.py").write_text(text, encoding="utf-8")
-        plugins = ("-p", "no:xdist", "-p", "needs", "-p", "expected_skips")
+        plugins = ("-p", "needs", "-p", "expected_skips")
         return subprocess.run(
             [sys.executable, "-m", "pytest", *plugins, *options],
             cwd=tmp_path,
@@ -136,7 +137,7 @@ def test_three(): pytest.skip("nobody has run it")
         ),
     ],
 )
-@pytest.mark.parametrize("workers", [(), ("-p", "xdist.plugin", "-n", "2")], ids=["one", "two"])
+@pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["one", "two"])
 def test_skips_that_are_not_expected_fail_a_run(run, tmp_path, lines, told, workers):
     (tmp_path / "expected.txt").write_text("\n".join(lines), encoding="utf-8")
     done = run(SKIPS, "--expected-skips", "expected.txt", *workers)
