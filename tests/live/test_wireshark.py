@@ -12,6 +12,7 @@ from wire_vectors import golden_vectors, payload_of, vectors
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
+from jausml.live.messages.entries import as_it_is
 from jausml_generators.common.components import library_services
 from jausml_generators.wireshark.target import DissectorView
 
@@ -335,6 +336,17 @@ def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
     assert "Huge: 7 (SEVEN)" in text
 
 
+def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path: Path) -> None:
+    model = tmp_path / "more.xmi"
+    model.write_text(MORE_KINDS, encoding="utf-8")
+    script, _ = dissector_of(model, tmp_path)
+    head = struct.pack("<QQbQ", 0, 0, 0, 0)
+    texts = [b"\xe9\xff\xa0\xbf\xc0\x80", b"\xe9\0\xff\xff\xff\xff", bytes(6)]
+    packets = [udp(datagram(b"\1\x0e" + head + each)) for each in texts]
+    found = [shown(fields, "jaus.more.fixed") for fields in dissect(script, packets, tmp_path)]
+    assert found == [["\xe9\xff\xa0\xbf\xc0\x80"], ["\xe9"], [""]]
+
+
 def test_hostile_names_only_show(tmp_path: Path) -> None:
     script, view = dissector_of(MODELS / "hostile_messages.xmi", tmp_path)
     packets = [
@@ -362,7 +374,7 @@ def test_every_message_of_the_library_shows_what_the_codec_decodes(
             for each in catalogue.find(message.code)
             if each.name == message.name and set(message.services) >= {_named(each)}
         )
-        wanted.append((message, payload, {"fields": entry.decode(payload)}))
+        wanted.append((message, payload, {"fields": entry.decode(payload, as_it_is)}))
     packets = [udp(datagram(payload)) for _, payload, _ in wanted]
     compared = set()
     for (message, payload, vector), fields in zip(

@@ -46,7 +46,8 @@ def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
     elif node["kind"] == "bytes":
         yield node["filter"], value["hex"]
         if "format" in value:
-            yield f"{node['filter']}.format", value["format"]
+            numbers = {name: number for number, name in node["formats"].items()}
+            yield f"{node['filter']}.format", numbers.get(value["format"], value["format"])
     else:
         yield node["filter"], float(value) if "offset" in node else value
 
