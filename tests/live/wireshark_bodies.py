@@ -46,8 +46,7 @@ def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
     elif node["kind"] == "bytes":
         yield node["filter"], value["hex"]
         if "format" in value:
-            numbers = {name: number for number, name in node["formats"].items()}
-            yield f"{node['filter']}.format", numbers.get(value["format"], value["format"])
+            yield f"{node['filter']}.format", value["format"]
     else:
         yield node["filter"], float(value) if "offset" in node else value
 
