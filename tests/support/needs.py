@@ -226,8 +226,8 @@ def ask_beside(path: str) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skips what is marked, before its fixtures are made."""
-    for mark in item.iter_markers("needs"):
-        ask(*mark.args)
     for mark in item.iter_markers("beside"):
         for path in mark.args:
             ask_beside(path)
+    for mark in item.iter_markers("needs"):
+        ask(*mark.args)
