@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -109,6 +110,19 @@ def test_users_are_told_the_same_packages(monkeypatch, tmp_path):
     monkeypatch.delenv("CXX", raising=False)
     for program in PROGRAMS:
         assert needs.NEEDS[program.name]() == program.cure
+
+
+def test_nothing_else_asks_for_packages():
+    """Layout alone does, whose package is about to go."""
+    asking = re.compile(
+        r"import" r"orskip\((?!.pygraphviz)|skipif\([^)]*(?:which|find_spec|compiler)\("
+    )
+    found = [
+        path.relative_to(ROOT).as_posix()
+        for path in sorted((ROOT / "tests").rglob("*.py"))
+        if asking.search(path.read_text(encoding="utf-8"))
+    ]
+    assert found == []
 
 
 # -- skips that are expected -----------------------------------------------------------------------
