@@ -112,7 +112,8 @@ def test_one_worker_runs_what_binds_ports_where_the_network_is_shared(tmp_path):
         f"[pytest]\npythonpath = {PYTHONPATH}\nmarkers = ports\n", encoding="utf-8"
     )
     (tmp_path / "test_cases.py").write_text(CASES, encoding="utf-8")
-    pytest_here = (sys.executable, "-m", "pytest", "-rP", "-n", "3", "--dist", "worksteal")
+    own = f"--basetemp={tmp_path / 'kept'}"
+    pytest_here = (sys.executable, "-m", "pytest", "-rP", "-n", "3", "--dist", "worksteal", own)
     result = run(*inside, *pytest_here, cwd=tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
     assert "8 passed" in result.stdout
