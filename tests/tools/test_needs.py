@@ -55,7 +55,7 @@ def run(tmp_path):
 
     def run_(text, *options, **environment):
         (tmp_path / "test_cases.py").write_text(text, encoding="utf-8")
-        plugins = ("-p", "needs", "-p", "expected_skips")
+        plugins = ("-p", "needs", "-p", "expected_skips", f"--basetemp={tmp_path / 'kept'}")
         return subprocess.run(
             [sys.executable, "-m", "pytest", *plugins, *options],
             cwd=tmp_path,
