@@ -46,10 +46,12 @@ test-random: $(READY)  ## run both, with 200 random examples for each property
 	$(BIN)/python tools/suite.py $(TESTS)
 
 coverage: $(READY)  ## run all tests and show untested lines; fail below the agreed share
+	$(BIN)/python tools/build_studio.py --if-stale
 	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered \
 	  $(if $(TESTS),--cov-fail-under=0) $(TESTS)
 
 live: $(READY)  ## run the tests with real processes: rclpy, sockets, tshark
+	$(BIN)/python tools/build_studio.py --if-stale
 	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
 
 live-each:  ## run these tests on Jazzy and on Kilted, each in an environment of its own

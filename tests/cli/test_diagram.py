@@ -28,7 +28,6 @@ def test_the_ending_says_what_is_written(jausml, tmp_path, name, start):
 
 
 def test_a_picture_of_dots(jausml, tmp_path):
-    pytest.importorskip("resvg_py", reason="PNG needs jausml[diagram]")
     sizes = {}
     for theme in ("auto", "light", "dark"):
         output = tmp_path / f"{theme}.png"
@@ -44,7 +43,6 @@ def test_a_picture_of_dots(jausml, tmp_path):
 
 
 def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch):
-    pytest.importorskip("resvg_py", reason="PNG needs jausml[diagram]")
     monkeypatch.setattr(svg, "FONTS", ("No Such Font",))
     svg._font.cache_clear()
     result = jausml("diagram", CAR, "-o", tmp_path / "x.png")

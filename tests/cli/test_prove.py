@@ -7,9 +7,7 @@ from hashlib import sha256
 
 import pytest
 
-from jausml.generation.native import compiler
-
-needs_compiler = pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+needs_compiler = pytest.mark.needs("compiler")
 
 MODEL = """
 service_set small {

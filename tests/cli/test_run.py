@@ -17,7 +17,6 @@ import pytest
 from jausml import __version__
 from jausml.cli.live import run as run_verb
 from jausml.cli.live import supervisor
-from jausml.generation.native import compiler
 
 READY = """\
 import signal, sys, time
@@ -248,7 +247,7 @@ def test_colcon_workspace_is_its_src(jausml, workspace):
     assert jausml("run", "ws").stdout == "alpha | one\n"
 
 
-@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+@pytest.mark.needs("compiler")
 def test_what_is_compiled_before_the_processes_start_is_told(jausml, workspace):
     out = workspace("bridge", alpha="print('one')")
     source = out / "alpha" / "core" / "core.cpp"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import browsers
+import needs
 import pytest
 
 HERE = Path(__file__).parent
@@ -18,12 +18,11 @@ PATIENCE = 30_000
 @pytest.fixture(scope="module")
 def chromium():
     """A browser without windows; it is ended soon, for its driver runs an event loop here."""
-    if browsers.missing():
-        pytest.skip(browsers.missing())
+    needs.ask("chromium")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=browsers.browser())
+        started = playwright.chromium.launch(executable_path=needs.CHROMIUM)
         yield started
         started.close()
 

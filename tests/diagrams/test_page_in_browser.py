@@ -43,6 +43,7 @@ MEASURE = """([font, texts]) => {
 }"""
 
 
+@pytest.mark.needs("fonts")
 @pytest.mark.parametrize("bold", [False, True])
 def test_boxes_are_as_wide_as_their_texts(page, bold):
     font = f"{'bold ' if bold else ''}100px Helvetica, Arial, 'Liberation Sans'"

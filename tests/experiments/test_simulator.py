@@ -7,10 +7,11 @@ import json
 import math
 from pathlib import Path
 
+import needs
 import pytest
 import yaml
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from experiments.processes import Processes, wait_until
 from experiments.simulator import MODELS, results

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from experiments.processes import ExperimentError
 from experiments.waypoints import drives, stage
@@ -14,13 +15,8 @@ from experiments.waypoints.results import Event, Result, State, judge
 
 @pytest.mark.live
 @pytest.mark.slow
+@pytest.mark.needs("type support")
 def test_a_list_is_driven_and_an_emergency_stops_it(tmp_path) -> None:
-    from type_support import CannotBuildError, built
-
-    try:
-        built("nav2_msgs", stage.ACTION)
-    except CannotBuildError as error:
-        pytest.skip(str(error))
     told = []
     waypoints = ((0.6, 0.0), (1.2, -0.8), (3.0, -1.0))
     kinds = [

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from tests.live.bridge_support import RosPeer, wait_for
 from tests.live.test_simulated_time import Simulation

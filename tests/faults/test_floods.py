@@ -8,9 +8,10 @@ import signal
 import time
 from pathlib import Path
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from tests.live.bridge_support import Process
 

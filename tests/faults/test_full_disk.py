@@ -5,9 +5,10 @@ from __future__ import annotations
 import errno
 import time
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from isolation import small_folder
 
@@ -23,14 +24,12 @@ pytestmark = [
 ]
 
 
+@pytest.mark.needs("mounts")
 @pytest.mark.timeout(120)
 def test_log_without_room(path, tmp_path, monkeypatch):
     logs = tmp_path / "logs"
-    reason = small_folder(logs, 1 << 16)
-    if reason:
-        pytest.skip(f"no small file system can be mounted ({reason})")
     monkeypatch.setenv("ROS_LOG_DIR", str(logs))
-    with running(path, logs) as system:
+    with small_folder(logs, 1 << 16), running(path, logs) as system:
         fill(logs / "rest")
         with nonsense(system):
             system.flows(time.monotonic())

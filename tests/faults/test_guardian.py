@@ -7,10 +7,11 @@ import re
 import signal
 import time
 
+import needs
 import pytest
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.runtime.guardian.ward import TOO_SOON
 from tests.live.bridge_support import guardian_of, wait_for

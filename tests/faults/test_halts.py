@@ -9,9 +9,10 @@ from __future__ import annotations
 import signal
 import time
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .rover_system import COMMANDS
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from functools import partial
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .failing import (
     BRIDGE,

@@ -16,11 +16,12 @@ import sys
 import time
 from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from tests.live.bridge_support import PATIENCE, generate, wait_for
 

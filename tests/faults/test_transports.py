@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .conftest import running
 from .failing import Fault, ended, halted, killed, network, suffer

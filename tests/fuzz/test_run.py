@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -106,7 +105,7 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not importlib.util.find_spec("atheris"), reason="atheris is not installed")
+@pytest.mark.needs("atheris")
 def test_a_run_guided_by_coverage(driver):
     done = run(ROOT / "fuzz", "datagrams", "--runs", "500")
     assert done.returncode == 0, done.stderr

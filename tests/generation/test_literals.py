@@ -7,6 +7,7 @@ import math
 import xml.etree.ElementTree as ET
 
 import pytest
+import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -125,7 +126,6 @@ def test_xmlcomment_stays_inside_its_comment(text):
 @given(encodable)
 @example("\x7f\x80\x9f\U0001f600")
 def test_yamlstr_comes_back_on_one_ascii_line(text):
-    yaml = pytest.importorskip("yaml")
     scalar = literals.yaml_string(text)
 
     assert scalar.isascii()

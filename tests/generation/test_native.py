@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+@pytest.mark.needs("compiler")
 def test_the_error_is_told_and_not_where_it_is(tmp_path: Path) -> None:
     program = compiler()
-    if program is None:
-        pytest.skip("there is no compiler of C++")
+    assert program is not None
     source = tmp_path / "front" / SOURCE
     source.parent.mkdir(parents=True)
     (tmp_path / "front" / "front").mkdir()

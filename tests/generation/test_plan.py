@@ -435,10 +435,8 @@ def test_what_is_known_of_a_model_is_kept_until_it_is_replaced(workspace, vehicl
     assert gen.read_manifest(workspace.out).models["toy"] == {"processes": [], "other": 1}
 
 
+@pytest.mark.needs("git")
 def test_the_diff_is_a_patch_that_gives_the_new_tree(workspace, vehicle, arm, rename, tmp_path):
-    git = shutil.which("git")
-    if git is None:
-        pytest.skip("git is not installed")
     workspace.write([vehicle, arm])
     data = workspace.path("vehicle/data.json")
     data.write_bytes(data.read_bytes().rstrip(b"\n"))
@@ -448,7 +446,7 @@ def test_the_diff_is_a_patch_that_gives_the_new_tree(workspace, vehicle, arm, re
     patch = gen.unified_diff(plan)
     gen.apply(plan)
 
-    subprocess.run([git, "apply", "-"], cwd=copy, input=patch, text=True, check=True)
+    subprocess.run(["git", "apply", "-"], cwd=copy, input=patch, text=True, check=True)
 
     patched = {p.relative_to(copy).as_posix(): p for p in copy.rglob("*") if p.is_file()}
     expected = workspace.files()

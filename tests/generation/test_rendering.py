@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import io
 import re
-import shutil
 import subprocess
 import sys
 import tokenize
 import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import jinja2
 import pytest
@@ -269,12 +267,18 @@ def test_templates_are_searched_in_order(tmp_path, toy, workspace, vehicle):
 
 @pytest.mark.parametrize("doc", ["Short.", "Long " * 40, "One.\n\nTwo 'quoted' \\ \"words\"."])
 def test_generated_python_is_as_ruff_formats_it(workspace, vehicle, rename, doc):
-    ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
-    if ruff is None:
-        pytest.skip("ruff is not installed")
     workspace.write([rename(vehicle, doc=doc)])
 
-    command = [ruff, "format", "--isolated", "--line-length=100", "--diff", str(workspace.out)]
+    command = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "format",
+        "--isolated",
+        "--line-length=100",
+        "--diff",
+        str(workspace.out),
+    ]
     result = subprocess.run(command, capture_output=True, text=True)
 
     assert result.returncode == 0, result.stdout

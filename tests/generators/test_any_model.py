@@ -17,6 +17,7 @@ from pathlib import Path
 import compositions
 import lupa
 import mutants
+import needs
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
@@ -116,7 +117,7 @@ def read_as_its_format(artifact):
 
 def read_by_python(workspace, *, runs_tests):
     """Imports the packages, and runs their tests where the ROS packages are that they need."""
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     names = [Path(each).name for each in packages_of(workspace)]
     environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
     run = {"env": environment, "capture_output": True, "text": True, "check": False}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 
 from tests.generators.assignment_support import generated
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from sensor_msgs.msg import Imu, LaserEcho, MultiEchoLaserScan
 from std_msgs.msg import Float64MultiArray

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from workspaces import python_path
 
@@ -245,7 +246,7 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
 
     tool("ruff", "format", "--check", *config, ".")
     tool("ruff", "check", *config, "--ignore", "S101", package, "test")
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     path = python_path(tmp_path)
     tool("pytest", "-q", "-c", os.devnull, "--rootdir", str(folder), "test", PYTHONPATH=path)
 
@@ -276,7 +277,7 @@ def test_output_passes_the_type_checker(tmp_path):
 
 def test_forms_that_differ_are_told(tmp_path):
     """By the check that stands in the generated tests for each connection."""
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     result = read_models([CASE])
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
@@ -333,7 +334,7 @@ assert found[:2] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, r
 
 
 def test_skeleton_overrides_and_help(tmp_path):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     result = read_models([CASE])
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
@@ -366,7 +367,7 @@ main(["--help"])
 
 
 def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     result = read_models([CASE])
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
@@ -404,7 +405,7 @@ assert type(report).decode(report.encode()).y is None
 
 
 def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
     assert result.diagnostics == []
     write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)

@@ -10,7 +10,6 @@ import shutil
 import struct
 import subprocess
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,6 +19,7 @@ from tests.generators.assignment_support import generated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from tests.generators.assignment_support import Generated
 
@@ -80,7 +80,7 @@ bridge compiled_core {
 }
 """
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+pytestmark = pytest.mark.needs("compiler")
 
 
 @pytest.fixture(scope="module")
@@ -284,13 +284,12 @@ print(taken, left)
 """
 
 
+@pytest.mark.needs("sanitizers", "preloaded sanitizer")
 def test_no_bytes_do_what_c_leaves_undefined(made: Generated, tmp_path: Path) -> None:
     program = str(compiler())
     found = subprocess.run(
         [program, "-print-file-name=libasan.so"], capture_output=True, text=True
     ).stdout.strip()
-    if not Path(found).is_absolute():
-        pytest.skip("the compiler has no address sanitizer")
     library = tmp_path / "_core.so"
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
     source = made.folder / made.package / SOURCE

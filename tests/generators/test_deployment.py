@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
@@ -204,7 +205,7 @@ def test_files_of_users_stay_and_units_of_former_processes_go(workspace, tmp_pat
     assert other.exists()
 
 
-@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="install systemd to judge units")
+@pytest.mark.needs("systemd-analyze")
 @pytest.mark.parametrize("variant", ["multicast", "manager"])
 def test_systemd_takes_the_units_and_calls_them_hardened(variant, model_of, tmp_path):
     generate(model_of(VARIANTS[variant]), [DEPLOYMENT], tmp_path / "src")
@@ -253,7 +254,6 @@ def test_containers_run_what_the_units_run_without_privileges(variant, files_of)
 
 
 def test_compose_takes_the_files(workspace):
-    pytest.importorskip("check_jsonschema", reason="check-jsonschema of the extra dev")
     files = sorted(map(str, workspace.glob("rover_deployment/hosts/*/compose.yaml")))
     assert len(files) == 2
     line = ["-m", "check_jsonschema", "--builtin-schema", "vendor.compose-spec", *files]
@@ -363,9 +363,7 @@ def test_ports_of_a_domain_are_those_of_dds():
     assert dds_ports(101) == "32660-32899"
 
 
-@pytest.mark.skipif(
-    not shutil.which("nft"), reason="install nftables to try the generated firewalls"
-)
+@pytest.mark.needs("nft")
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_nft_takes_the_firewalls(variant, files_of, tmp_path):
     for path, text in files_of(variant).items():
@@ -378,8 +376,6 @@ def test_nft_takes_the_firewalls(variant, files_of, tmp_path):
                 (installed / name).write_text(moved(source.replace("\n#ip ", "\nip "), tmp_path))
             line = ["nft", "--check", "--file", str(installed / "firewall.nft")]
             done = subprocess.run(line, capture_output=True, text=True, timeout=60)
-            if "Operation not permitted" in done.stderr:
-                pytest.skip("nft needs a network of its own, or to be root")
             assert done.returncode == 0, done.stderr
             assert text
 
@@ -453,7 +449,6 @@ def test_scripts_are_of_their_shell(name, workspace):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-FIRST_PROCESS = ["unshare", "--map-root-user", "--pid", "--fork", "--kill-child", "--mount-proc"]
 COMMANDING = """
 import signal, sys
 from jausml.runtime.base.loop import Loop
@@ -483,10 +478,9 @@ def container(workspace, tmp_path):
     (tmp_path / "setup.bash").write_text(setup, encoding="utf-8")
 
     def start(port):
-        if subprocess.run([*FIRST_PROCESS, "true"], capture_output=True).returncode:
-            pytest.skip("namespaces of processes are not allowed here (unshare --pid)")
+        needs.ask("namespaces of processes")
         start = workspace / "rover_deployment" / "start.sh"
-        line = [*FIRST_PROCESS, "bash", str(start), "commanding", str(port)]
+        line = [*needs.FIRST_PROCESS, "bash", str(start), "commanding", str(port)]
         environment = {**os.environ, "JAUS_WORKSPACE": str(tmp_path)}
         pipe = subprocess.PIPE
         made.append(subprocess.Popen(line, env=environment, stdout=pipe))

@@ -24,6 +24,11 @@ STUB = Path(__file__).parents[1] / "support" / "wireshark.lua"
 DECODED = [each for each in vectors() if "payload" in each]
 
 
+def utf8(value: str) -> str:
+    """Returns a text of Lua, which has bytes."""
+    return value.encode("latin-1").decode("utf-8")
+
+
 Dissect = Callable[[dict[str, Any]], tuple[DissectorView, list[Shown]]]
 
 
@@ -46,7 +51,7 @@ def dissect(tmp_path_factory: pytest.TempPathFactory) -> Dissect:
         view, run = dissector(vector["model"])
         found = list(run(datagram(payload_of(vector) or b"").decode("latin-1")).values())
         pairs = zip(found[::2], found[1::2], strict=True)
-        return view, [Shown(name, str(value), str(value)) for name, value in pairs]
+        return view, [Shown(name, *2 * [utf8(str(value))]) for name, value in pairs]
 
     return dissected
 

@@ -9,6 +9,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
+import needs
 import pytest
 from sweeps import sweep
 from workspaces import python_path
@@ -297,7 +298,7 @@ def outcomes_of(package, module, damages):
 @pytest.fixture(scope="module")
 def outcomes(package):
     """Returns what gives what becomes of damages of the readable translations of a bridge."""
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
 
     @cache
     def found(name, *, guards):

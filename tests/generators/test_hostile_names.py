@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 
+import needs
 import pytest
 
 from tests.generators.assignment_support import generated
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 
 NAMES = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from functools import partial
 
+import needs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -115,8 +116,7 @@ def test_octets_of_ros_are_the_same_in_both_ways(bridge, cells, name):
 @pytest.fixture(scope="module")
 def compiled(bridge):
     """Returns the compiled translations by connection."""
-    if compiler() is None:
-        pytest.skip("there is no compiler of C++")
+    needs.ask("compiler")
     (built,) = build([bridge.folder / bridge.package / SOURCE], str(compiler()))
     assert built.state is State.BUILT, built.reason
     owner = bridge.bridge

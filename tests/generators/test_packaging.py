@@ -7,9 +7,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("catkin_pkg", reason="catkin_pkg of the extra dev")
-
 from catkin_pkg.package import parse_package
 from catkin_pkg.topological_order import topological_order
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import needs
 import pytest
 from lxml import etree
 
@@ -134,7 +135,9 @@ def test_a_node_of_the_model_may_use_what_it_has() -> None:
 
 
 def test_sros2_itself_takes_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    keystore = pytest.importorskip("sros2.keystore", reason="install sros2 (ros-jazzy-sros2)")
+    needs.ask("sros2")
+    from sros2 import keystore
+
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
     store = tmp_path / "keys"
     keystore.create_keystore(store)

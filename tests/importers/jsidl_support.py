@@ -9,7 +9,6 @@ from jausml.language.importers.jsidl import Source, import_sources
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-SHARED = ROOT.parent / "shared"
 WINCH = sorted(path for path in (HERE / "winch").iterdir())
 MARKER = re.compile(r"⟦(JML\d\d\d)⟧")
 

@@ -6,8 +6,9 @@ import re
 
 import pytest
 from for_each import for_each
-from jsidl_support import ROOT, SHARED, WINCH, winch
+from jsidl_support import ROOT, WINCH, winch
 from lxml import etree
+from needs import SHARED
 
 from jausml.language.exporters.jsidl import export_jsidl
 from jausml.language.exporters.jsidl.exporting import differences
@@ -18,7 +19,6 @@ from jausml.language.model.comparison import EXACT, Policy, compare
 
 GUARDS = ("models/library/jaus", "models/examples")
 OWN = ROOT / "models" / "examples" / "winch" / "service.xmi"
-OF_OTHERS = sorted((SHARED / "jsidl").glob("urn.*"))
 SETS = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
 CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
 PAYLOAD = "MessagePayload"
@@ -110,7 +110,13 @@ def test_a_set_of_the_library_comes_back(path):
             assert any("'frame'" in each and str(field.name) in each for each in told)
 
 
-@for_each("path", OF_OTHERS)
+def sets_of_others():
+    """Returns the folders of the sets that other tools ship, at least one."""
+    return sorted((SHARED / "jsidl").glob("urn.*"))
+
+
+@pytest.mark.beside("jsidl")
+@for_each("path", sets_of_others)
 def test_a_set_of_other_tools_comes_back_with_its_machines(path):
     result = import_jsidl(sorted(path.rglob("*.xml")))
     model, made = result.model, [each for root in result.sets for each in root.services]
@@ -157,9 +163,19 @@ def transitions(data):
     return found
 
 
-@for_each("path", [WINCH[0].parent, *OF_OTHERS])
-def test_each_argument_of_a_transition_keeps_the_parameter_that_types_it(path):
+def test_each_argument_of_a_transition_keeps_the_parameter_that_types_it():
     """The code generator of the JAUS Tool Set knows the type of an argument from there alone."""
+    check_arguments(WINCH[0].parent)
+
+
+@pytest.mark.beside("jsidl")
+@for_each("path", sets_of_others)
+def test_so_it_is_in_the_sets_of_others(path):
+    check_arguments(path)
+
+
+def check_arguments(path):
+    """Holds the transitions of an export against those of the files in a folder."""
     files = sorted(each for each in path.rglob("*") if each.suffix in (".xml", ".jsidl"))
     result = import_jsidl(files)
     made = [each for root in result.sets for each in root.services]

@@ -7,9 +7,10 @@ import signal
 import subprocess
 import sys
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.language.model import read_models
 from jausml.language.semantics.connections.topics import endpoints

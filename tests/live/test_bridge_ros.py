@@ -5,9 +5,10 @@ from __future__ import annotations
 import logging
 from concurrent.futures import ThreadPoolExecutor
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.runtime.bridge.diagnosing import DiagnosticArray as DiagnosticWriter
 from jausml.runtime.bridge.ends.parameters import ParameterError

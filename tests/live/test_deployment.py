@@ -7,13 +7,14 @@ import subprocess
 import time
 from pathlib import Path
 
+import needs
 import pytest
 import warm
 import yaml
 from ports import free_domain, free_port
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from workspaces import packages_of
 

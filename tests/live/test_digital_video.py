@@ -7,37 +7,19 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .bridge_support import SUPPORT, Process, RosPeer, generate_text, wait_for
-
-PYTHON = Path("/usr/bin/python3")
-"""The Python of the distribution, which has the bindings of GStreamer."""
-
-GSTREAMER = (
-    "import gi; gi.require_version('GstRtspServer', '1.0'); from gi.repository import Gst,"
-    " GstRtspServer; Gst.init(None); assert Gst.ElementFactory.find('rtspsrc')"
-)
-
-
-def lacks_gstreamer() -> bool:
-    line = [PYTHON, "-c", GSTREAMER]
-    return not PYTHON.exists() or subprocess.run(line, check=False, capture_output=True).returncode
-
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.live,
-    pytest.mark.skipif(
-        lacks_gstreamer(),
-        reason="no RTSP server (packages gir1.2-gst-rtsp-server-1.0, gstreamer1.0-plugins-good,"
-        " python3-gi)",
-    ),
+    pytest.mark.needs("gstreamer"),
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
@@ -73,7 +55,7 @@ bridge station {
 def front(tmp_path):
     """Yields the address of a stream while it is served."""
     port = str(free_port())
-    line = [PYTHON, f"{SUPPORT}/rtsp_server.py", port, "320", "240"]
+    line = [needs.SYSTEM_PYTHON, f"{SUPPORT}/rtsp_server.py", port, "320", "240"]
     with (tmp_path / "server.log").open("w") as log:
         server = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=log, text=True)
     assert server.stdout.readline() == "serving\n"
@@ -129,6 +111,6 @@ def test_a_client_plays_what_it_has_discovered(ros, front):
         return any(each.data for each in switched)
 
     wait_for(is_switched, "the command to play", 60)
-    line = [PYTHON, f"{SUPPORT}/rtsp_client.py", endpoints[-1].value, "3"]
+    line = [needs.SYSTEM_PYTHON, f"{SUPPORT}/rtsp_client.py", endpoints[-1].value, "3"]
     played = subprocess.run(line, check=False, capture_output=True, text=True, timeout=60)
     assert played.stdout == "320 240\n" * 3, played.stderr

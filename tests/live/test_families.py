@@ -7,11 +7,12 @@ import sys
 from pathlib import Path
 
 import jts_winch
+import needs
 import pytest
 from ports import free_domain, free_port
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.live.peers.makes.vehicle import Place
 

@@ -10,13 +10,13 @@ from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
-from jausml.generation import native
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, Event
@@ -33,7 +33,7 @@ from .bridge_support import Process, RosPeer, generate, wait_for
 pytestmark = [
     pytest.mark.live,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.skipif(native.compiler() is None, reason="no compiler"),
+    pytest.mark.needs("compiler"),
     pytest.mark.timeout(240),
 ]
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import needs
 import pytest
 import warm
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from workspaces import packages_of
 

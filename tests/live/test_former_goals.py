@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray

@@ -5,10 +5,11 @@ from __future__ import annotations
 import queue
 import sys
 
+import needs
 import pytest
 from ports import free_domain
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
 from jausml.cli.shared.models import open_catalogue

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import subprocess
 
+import needs
 import pytest
 import warm
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 

@@ -5,10 +5,11 @@ So does the paper run its Figure 5. Each of two such bridges is the JAUS peer of
 
 from __future__ import annotations
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from click.testing import CliRunner
 from workspaces import packages_of

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 from click.testing import CliRunner
 from nav2 import nav2
 from ports import free_domain
 from ros_nodes import SpinningNode
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.cli import main
 from jausml.language.metamodel.classes import bridge

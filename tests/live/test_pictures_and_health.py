@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
 

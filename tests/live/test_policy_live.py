@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from rclpy.node import NodeNameNonExistentError
 from workspaces import packages_of

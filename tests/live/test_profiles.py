@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 
+import needs
 import pytest
 import warm
 from ports import free_domain, free_port
@@ -15,7 +16,7 @@ from profiles import ADDRESSES, decided
 from sweeps import sweep
 from workspaces import python_path
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 

@@ -14,11 +14,12 @@ import sys
 import time
 from types import SimpleNamespace
 
+import needs
 import pytest
 import warm
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist

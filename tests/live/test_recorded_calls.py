@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 from ports import free_domain
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS

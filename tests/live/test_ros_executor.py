@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 
+import needs
 import pytest
 from ros_nodes import SpinningNode
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .bridge_support import RosPeer, wait_for
 

@@ -12,11 +12,12 @@ import threading
 import time
 from pathlib import Path
 
+import needs
 import pytest
 from sweeps import sweep
 from workspaces import python_path
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml import generation as gen
 from jausml.language.model import read_models

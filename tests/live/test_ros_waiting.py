@@ -8,9 +8,10 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.ends.parameters import ParameterError

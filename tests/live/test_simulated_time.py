@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 
+import needs
 import pytest
 from ports import free_domain
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from .bridge_support import Repeater, generate, wait_for
 from .test_bridge_live import System, commands, efforts, state, twist

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import needs
 import pytest
 
 pytestmark = pytest.mark.live
@@ -20,7 +21,7 @@ print(callable(generate_py))
 
 
 def test_what_generates_code_of_types_is_not_loaded_with_a_node_and_can_be_later():
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=60, check=True
     )

@@ -13,10 +13,11 @@ import sys
 import time
 from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 
 from jausml.runtime.base.address import JausAddress

@@ -7,10 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from ports import free_domain, free_port
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.live.peers.network import make_network

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,10 +16,11 @@ import threading
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import needs
 import pytest
 from sweeps import sweep
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from deployed import install, moved, started
 from network_hosts import two_hosts
@@ -75,23 +75,9 @@ SKELETONS = {
 
 @pytest.fixture(scope="module")
 def hosts():
-    try:
-        with two_hosts(*ADDRESSES.values()) as made:
-            yield dict(zip(ADDRESSES, made, strict=True))
-    except OSError as error:
-        pytest.skip(f"two hosts need network namespaces: {error}")
-
-
-@pytest.fixture(scope="module")
-def no_firewall(hosts):
-    """Why there can be no firewall here, or nothing."""
-    if shutil.which("nft") is None:
-        return "install nftables to try the generated firewalls"
-    try:
-        hosts["onboard"].run("nft", "list", "ruleset")
-    except OSError as error:
-        return f"generated firewalls need nftables in the kernel: {error}"
-    return ""
+    needs.ask("namespaces of networks")
+    with two_hosts(*ADDRESSES.values()) as made:
+        yield dict(zip(ADDRESSES, made, strict=True))
 
 
 def workspace_of(folder, transport):
@@ -264,15 +250,14 @@ def stranger(hosts):
     here.run("ip", "address", "delete", f"{STRANGER}/24", "dev", "wire")
 
 
+@pytest.mark.needs("nft")
 @pytest.mark.parametrize(
     ("transport", "kind", "closed"),
     [("judp", "udp", (22, 53794, 9150, 9400)), ("jtcp", "tcp", (22, 9160))],
 )
 def test_the_firewall_lets_in_what_the_model_has(
-    transport, kind, closed, hosts, no_firewall, stranger, workspaces, tmp_path
+    transport, kind, closed, hosts, stranger, workspaces, tmp_path
 ):
-    if no_firewall:
-        pytest.skip(no_firewall)
     deployed = Deployment(workspaces(transport), hosts, tmp_path)
     peer, here = ADDRESSES["onboard"], ADDRESSES["station"]
     opened = [(peer, here, 9160), (peer, here, 9399), (peer, GROUP, 3794)] if kind == "udp" else []

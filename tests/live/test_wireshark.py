@@ -12,13 +12,14 @@ from wire_vectors import golden_vectors, payload_of, vectors
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
+from jausml.live.messages.entries import as_it_is
+from jausml.live.messages.values import as_numbers
 from jausml_generators.common.components import library_services
 from jausml_generators.wireshark.target import DissectorView
 
 from .wireshark_bodies import body, matches, tells
 from .wireshark_support import (
     ROOT,
-    TSHARK,
     Shown,
     SystemOfNothing,
     datagram,
@@ -38,16 +39,11 @@ if TYPE_CHECKING:
 
 pytestmark = [
     pytest.mark.live,
-    pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (package tshark)"),
+    pytest.mark.needs("tshark"),
 ]
 
 WRENCH = bytes.fromhex("05047008FF7FFFFF8000")
 """SetWrenchEffort with four optional members."""
-
-
-VECTORS = golden_vectors()
-DATAGRAMS = golden_vectors("judp_datagrams.jsonl")
-needs_vectors = pytest.mark.skipif(not VECTORS, reason="vectors of other implementations: absent")
 
 
 @pytest.fixture(scope="module")
@@ -78,14 +74,15 @@ def is_right(view: DissectorView, fields: list[Shown], vector: dict[str, Any]) -
     return name == vector["message"] and any(matches(fields, d, vector) for d in definitions)
 
 
-@needs_vectors
+@pytest.mark.beside("golden/jaus_messages.jsonl")
 def test_every_vector_shows_its_name_and_fields(
     library: tuple[Path, DissectorView], tmp_path: Path
 ) -> None:
     script, view = library
-    packets = [udp(datagram(bytes.fromhex(each["hex"]))) for each in VECTORS]
+    golden = golden_vectors()
+    packets = [udp(datagram(bytes.fromhex(each["hex"]))) for each in golden]
     doubtful = []
-    for vector, fields in zip(VECTORS, dissect(script, packets, tmp_path), strict=True):
+    for vector, fields in zip(golden, dissect(script, packets, tmp_path), strict=True):
         if not is_right(view, fields, vector):
             # Another message of the code takes up the same bytes.
             assert shown(fields, "jaus.ambiguous"), vector
@@ -98,13 +95,14 @@ def test_every_vector_shows_its_name_and_fields(
         assert is_right(view, fields, vector), vector
 
 
-@pytest.mark.skipif(not DATAGRAMS, reason="datagrams of other implementations: absent")
+@pytest.mark.beside("golden/judp_datagrams.jsonl")
 def test_captured_datagrams_show_their_header(
     library: tuple[Path, DissectorView], tmp_path: Path
 ) -> None:
     script, _ = library
-    packets = [udp(bytes.fromhex(each["hex"])) for each in DATAGRAMS]
-    for each, fields in zip(DATAGRAMS, dissect(script, packets, tmp_path), strict=True):
+    golden = golden_vectors("judp_datagrams.jsonl")
+    packets = [udp(bytes.fromhex(each["hex"])) for each in golden]
+    for each, fields in zip(golden, dissect(script, packets, tmp_path), strict=True):
         header = each["header"]
         if header["version"] != 2:
             assert shown(fields, "jaus.version") == [str(header["version"])]
@@ -303,6 +301,7 @@ def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
     assert not shown(fields, "jaus.surplus")
 
 
+PAYLOADS = [payload for each in vectors() if (payload := payload_of(each))]
 MODELS_OF_VECTORS = sorted({each["model"] for each in vectors()})
 
 
@@ -338,6 +337,17 @@ def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
     assert "Huge: 7 (SEVEN)" in text
 
 
+def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path: Path) -> None:
+    model = tmp_path / "more.xmi"
+    model.write_text(MORE_KINDS, encoding="utf-8")
+    script, _ = dissector_of(model, tmp_path)
+    head = struct.pack("<QQbQ", 0, 0, 0, 0)
+    texts = [b"\xe9\xff\xa0\xbf\xc0\x80", b"\xe9\0\xff\xff\xff\xff", bytes(6)]
+    packets = [udp(datagram(b"\1\x0e" + head + each)) for each in texts]
+    found = [shown(fields, "jaus.more.fixed") for fields in dissect(script, packets, tmp_path)]
+    assert found == [["\xe9\xff\xa0\xbf\xc0\x80"], ["\xe9"], [""]]
+
+
 def test_hostile_names_only_show(tmp_path: Path) -> None:
     script, view = dissector_of(MODELS / "hostile_messages.xmi", tmp_path)
     packets = [
@@ -365,7 +375,8 @@ def test_every_message_of_the_library_shows_what_the_codec_decodes(
             for each in catalogue.find(message.code)
             if each.name == message.name and set(message.services) >= {_named(each)}
         )
-        wanted.append((message, payload, {"fields": entry.decode(payload)}))
+        fields = as_numbers(entry.decode(payload, as_it_is))
+        wanted.append((message, payload, {"fields": fields}))
     packets = [udp(datagram(payload)) for _, payload, _ in wanted]
     compared = set()
     for (message, payload, vector), fields in zip(
@@ -442,8 +453,8 @@ def test_no_datagram_breaks_the_dissector(
 def datagram_of_chance(chance: random.Random, view: DissectorView) -> bytes:
     """Returns a datagram that is cut, changed, or whose body is random."""
     code = chance.choice(view.messages).code.to_bytes(2, "little")
-    if VECTORS and chance.random() < 0.5:
-        payload = bytes.fromhex(chance.choice(VECTORS)["hex"])
+    if chance.random() < 0.5:
+        payload = chance.choice(PAYLOADS)
     else:
         payload = code + chance.randbytes(chance.randrange(60))
     data = bytearray(payload)

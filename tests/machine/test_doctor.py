@@ -7,6 +7,7 @@ import socket
 from importlib.util import find_spec
 from pathlib import Path
 
+import needs
 import pytest
 from click.testing import CliRunner
 from ports import free_port
@@ -14,6 +15,7 @@ from ports import free_port
 from jausml.cli import main
 from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import Place, Vehicle
+from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 
@@ -49,7 +51,7 @@ def doctor(monkeypatch):
 
 
 def test_a_machine_that_has_all(doctor):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     status, checks = doctor("--port", free_port(), CATVEHICLE)
     assert status == 0
     assert checks["ros", "rclpy"]["verdict"] == "ok"
@@ -141,7 +143,7 @@ def test_options_that_mean_nothing(arguments, words):
 )
 def test_settings_of_ros(doctor, monkeypatch, variable, value, name, verdict):
     if name in ("middleware", "rclpy"):
-        pytest.importorskip("rclpy")
+        needs.ask("rclpy")
     monkeypatch.setenv(variable, value)
     status, checks = doctor("--port", free_port())
     assert checks["ros", name]["verdict"] == verdict
@@ -164,7 +166,7 @@ def test_keys_of_ros(doctor, monkeypatch, tmp_path, made, strategy, verdict):
 def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     _, checks = doctor("--port", free_port())
     assert {name for topic, name in checks if topic == "python"} == {
-        *("version", "diagram", "studio", "editor", "top", "record", "compiler"),
+        *("version", "diagram", "studio", "editor", "top", "record"),
     }
     monkeypatch.setattr("jausml.live.machine._PAGE", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
@@ -178,9 +180,24 @@ def test_without_a_compiler_there_is_a_note(doctor, monkeypatch, tmp_path, named
     monkeypatch.setenv("CXX", named)
     status, checks = doctor("--port", free_port())
     assert status == 0
-    assert checks["python", "compiler"]["verdict"] == "note"
-    assert (named or "g++") in checks["python", "compiler"]["text"]
-    assert "CXX" in checks["python", "compiler"]["cure"]
+    assert checks["programs", "compiler"]["verdict"] == "note"
+    assert (named or "g++") in checks["programs", "compiler"]["text"]
+    assert "CXX" in checks["programs", "compiler"]["cure"]
+
+
+def test_programs_that_are_missing_are_told_with_their_packages(doctor, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    status, checks = doctor("--port", free_port())
+    told = {name: each["cure"] for (topic, name), each in checks.items() if topic == "programs"}
+    assert status == 0
+    assert told.keys() == {each.name for each in PROGRAMS}
+    assert (told["tshark"], told["nft"]) == ("apt install tshark", "apt install nftables")
+    (tmp_path / "nft").write_text("#!/bin/sh\n")
+    (tmp_path / "nft").chmod(0o755)
+    _, checks = doctor("--port", free_port())
+    assert checks["programs", "nft"]["verdict"] == "ok"
+    assert str(tmp_path / "nft") in checks["programs", "nft"]["text"]
+    assert checks["programs", "git"]["verdict"] == "note"
 
 
 def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):
@@ -189,8 +206,8 @@ def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):
     program.chmod(0o755)
     monkeypatch.setenv("CXX", str(program))
     _, checks = doctor("--port", free_port())
-    assert checks["python", "compiler"]["verdict"] == "ok"
-    assert str(program) in checks["python", "compiler"]["text"]
+    assert checks["programs", "compiler"]["verdict"] == "ok"
+    assert str(program) in checks["programs", "compiler"]["text"]
 
 
 @pytest.mark.parametrize("release", ["jazzy", "kilted"])

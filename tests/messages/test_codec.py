@@ -8,6 +8,7 @@ import math
 import tracemalloc
 from fractions import Fraction
 
+import numpy
 import pytest
 
 from jausml.language import wire
@@ -322,7 +323,7 @@ def test_octets_that_are_no_hex(catalogue, value):
 def test_numbers_of_other_packages_are_numbers(catalogue, number):
     """Values of a notebook are mostly those of numpy."""
     if isinstance(number, str):
-        number = getattr(pytest.importorskip("numpy"), number)(12.5)
+        number = getattr(numpy, number)(12.5)
     fields = {"PropulsiveLinearEffortX": number}
     plain = {"PropulsiveLinearEffortX": 12.5}
     encode = catalogue.message("SetWrenchEffort").encode
@@ -330,7 +331,6 @@ def test_numbers_of_other_packages_are_numbers(catalogue, number):
 
 
 def test_integers_of_other_packages_are_integers(catalogue):
-    numpy = pytest.importorskip("numpy")
     entry = catalogue.message("SetVelocityCommand")
     assert entry.encode({"VelocityCommandRec": {"CommandType": numpy.uint8(1)}}) == entry.encode(
         {"VelocityCommandRec": {"CommandType": 1}}

@@ -6,6 +6,7 @@ import json
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from click.testing import CliRunner
 
@@ -41,7 +42,7 @@ def model(tmp_path):
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     names = [
         each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)
     ]
@@ -78,7 +79,7 @@ def test_survivors_are_named():
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_a_campaign_is_the_same_again_with_more_processes():
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     asked = (WINCH, "--only", "figure", "--only", "order", "--limit", 6)
     first, again = (outcomes(*asked, "--jobs", jobs) for jobs in (1, 2))
     assert first == again

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.generation.native import compiler
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.engine import check_project
 from jausml.mutating.outcomes import Proofs
@@ -23,7 +22,7 @@ speed {
 """
 
 
-@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+@pytest.mark.needs("compiler")
 @pytest.mark.timeout(120)
 def test_a_factor_in_one_direction_is_found(tmp_path):
     path = tmp_path / "speed.ros2jaus"

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import check_jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
@@ -42,14 +43,13 @@ EXPRESSION = re.compile(r"\$\{\{\s*(.*?)\s*\}\}")
     ids=lambda each: each if isinstance(each, str) else each.name,
 )
 def test_it_is_what_the_schema_of_its_system_says(schema, file, tmp_path):
-    checker = pytest.importorskip("check_jsonschema", reason="check-jsonschema of the extra dev")
     # Some schemas have expressions as browsers took them before Unicode.
     options = ["--builtin-schema", f"vendor.{schema}", "--regex-variant", "nonunicode"]
-    done = CliRunner().invoke(checker.main, [*options, str(file)])
+    done = CliRunner().invoke(check_jsonschema.main, [*options, str(file)])
     assert done.exit_code == 0, done.output
     wrong = tmp_path / "wrong.yml"
     wrong.write_text("[1]", encoding="utf-8")
-    assert CliRunner().invoke(checker.main, [*options, str(wrong)]).exit_code == 1
+    assert CliRunner().invoke(check_jsonschema.main, [*options, str(wrong)]).exit_code == 1
 
 
 @pytest.mark.parametrize("file", ["action.yml", ".github/workflows/ci.yml"])

@@ -14,7 +14,6 @@ import pytest
 import yaml
 from click.testing import CliRunner
 from lxml import etree
-from needs import EMF
 
 from jausml.authoring.editing.project import Project
 from jausml.cli import main
@@ -100,7 +99,7 @@ def test_a_copy_that_was_edited_is_the_users(project):
     assert copy.resolve() in own
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_it_without_a_word(project):
     folder = project()
     done = emf_check.ask("models/rover.xmi", cwd=folder)

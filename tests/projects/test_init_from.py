@@ -6,7 +6,6 @@ from pathlib import Path
 
 import emf_check
 import pytest
-from needs import EMF
 from profiles import decided
 
 WINCH = Path(__file__).parents[1] / "importers" / "winch"
@@ -77,7 +76,7 @@ def test_a_profile_of_iop_leaves_safety_to_a_person(
     assert done.exit_code == 0, done.output
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
     assert jausml("init", tmp_path / "rover", *JSIDL).exit_code == 0
     done = emf_check.ask("models/rover.xmi", cwd=tmp_path / "rover")

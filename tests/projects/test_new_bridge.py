@@ -11,7 +11,6 @@ import time
 
 import emf_check
 import pytest
-from needs import EMF
 from sweeps import sweep
 
 from jausml.language.metamodel.classes import bridge
@@ -67,7 +66,7 @@ def test_it_validates_and_generates(rover, jausml, notation):
     assert (odometry.reliability.name, odometry.depth) == ("best_effort", 5)
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_what_it_wrote(rover, jausml):
     model = rover("xmi")
     assert jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes").exit_code == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import needs
 import pytest
 from sweeps import sweep
 
@@ -79,7 +80,7 @@ def test_the_joints_of_a_command_have_no_stop_before_a_person_says_so(rover, jau
 
 
 def test_its_messages_pass_by_name(rover, jausml, tmp_path):
-    pytest.importorskip("sensor_msgs.msg")
+    needs.ask("rclpy")
     model = rover("text")
     assert jausml("new", "bridge", "arm", STATES, "--yes", *NAMED[:2]).exit_code == 0
     done = jausml("generate", model, "-o", "src")

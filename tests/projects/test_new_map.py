@@ -9,7 +9,6 @@ from pathlib import Path
 
 import emf_check
 import pytest
-from needs import EMF
 from sweeps import sweep
 from terminal import at_terminal
 
@@ -318,7 +317,7 @@ def test_its_name_is_one_that_is_free(ears, jausml):
     assert model.read_bytes() == before
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_it(rover, jausml):
     model = rover("xmi")
     assert jausml("new", "bridge", "ears", "odom:nav_msgs/Odometry", "--yes").exit_code == 0

@@ -6,7 +6,6 @@ import re
 
 import emf_check
 import pytest
-from needs import EMF
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
 
@@ -107,7 +106,7 @@ def _places(model):
     return names
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
     model = rover("xmi")
     words = "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes"

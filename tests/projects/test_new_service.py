@@ -6,7 +6,6 @@ import emf_check
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from needs import EMF
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.message_words import KINDS, message_of_words
@@ -127,7 +126,7 @@ def test_it_inherits_what_is_said(water, jausml):
     assert jausml("validate", model).exit_code == 0
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_opens_it(rover, jausml):
     model = rover("xmi")
     assert jausml("new", "service", "Sonar", "--message", DEPTH).exit_code == 0

@@ -14,9 +14,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import needs
 import pytest
 
-from jausml.generation.native import compiler
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 
@@ -88,7 +88,6 @@ class Engine(NamedTuple):
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
     """An engine for all tests, of which the last one may leave less than there was."""
-    pytest.importorskip("distributed")
     folder = tmp_path_factory.mktemp("engine")
     file = folder / "scheduler.json"
     begun = [dask("scheduler", folder, "--port", "0", "--scheduler-file", file)]
@@ -178,7 +177,7 @@ def without_times(text: str) -> Any:
 @pytest.mark.slow
 @pytest.mark.timeout(400)
 def test_mutations_are_the_same(engine: Engine) -> None:
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     asked = ("mutate", WINCH, "--only", "figure", "--limit", 2, "--format", "json")
     done = run(*asked, "--scheduler", engine.address)
     assert done.returncode in (0, 1), done.stderr
@@ -189,7 +188,7 @@ def test_mutations_are_the_same(engine: Engine) -> None:
 @pytest.mark.live
 @pytest.mark.slow
 @pytest.mark.timeout(400)
-@pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+@pytest.mark.needs("compiler")
 def test_proofs_are_the_same_though_a_worker_is_killed(tmp_path: Path, engine: Engine) -> None:
     asked = ("prove", some_maps(tmp_path), "--budget", "0.01", "--no-cache", "--format", "json")
     with subprocess.Popen(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 GUARDS = ("generators/jausml_generators/cpp",)
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++")
+pytestmark = pytest.mark.needs("compiler")
 
 MESSAGE = """
 service_set small {

@@ -34,7 +34,7 @@ READY = (
 )
 
 pytestmark = [
-    pytest.mark.skipif(compiler() is None, reason="there is no compiler of C++"),
+    pytest.mark.needs("compiler"),
     pytest.mark.slow,
     pytest.mark.timeout(600),
 ]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import time
 
+import needs
 import pytest
 from isolation import small_folder
 from ports import free_port
@@ -55,9 +55,8 @@ class Recording:
 
     def begin_with_frames(self):
         """Waits for the beginning of a recording that sees frames of others."""
+        needs.ask("capture")
         self.begin()
-        if "multicast" in self.log.read_text():
-            pytest.skip("no capture here: CAP_NET_RAW is missing")
 
     def frames(self):
         with self.capture.open("rb") as stream:
@@ -129,9 +128,9 @@ def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.needs("setpriv")
+@pytest.mark.skipif(os.geteuid() != 0, reason="root alone gives a capability away")
 def test_without_the_capability_the_group_is_heard(tmp_path):
-    if shutil.which("setpriv") is None or os.geteuid() != 0:
-        pytest.skip("no capability can be given away here: setpriv is missing, or root")
     port = free_port()
     made = Recording(tmp_path, port, prefix=("setpriv", "--bounding-set=-net_raw"))
     try:
@@ -177,14 +176,18 @@ def test_a_kill_takes_nothing_that_was_flushed(tmp_path):
     assert len(made.frames()) >= len(found)
 
 
+@pytest.fixture
+def small_disk(tmp_path):
+    """A folder that is soon full."""
+    needs.ask("mounts")
+    with small_folder(tmp_path / "disk", 1 << 16):
+        yield tmp_path / "disk"
+
+
 @pytest.mark.slow
-def test_a_full_disk_is_told_and_leaves_what_it_took(tmp_path):
-    folder = tmp_path / "disk"
-    reason = small_folder(folder, 1 << 16)
-    if reason:
-        pytest.skip(f"no small file system can be mounted ({reason})")
+def test_a_full_disk_is_told_and_leaves_what_it_took(small_disk):
     port = free_port()
-    made = Recording(folder, port, "--flush-every", "0.05", "--compression", "none")
+    made = Recording(small_disk, port, "--flush-every", "0.05", "--compression", "none")
     try:
         made.begin_with_frames()
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from threading import Event
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from ports import free_domain
 from recordings import by_mcap

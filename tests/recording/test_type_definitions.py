@@ -35,6 +35,7 @@ def test_definitions_of_all_types_of_the_library_are_understood(types):
         assert [name for name, _ in found[full_name(each)]] == [str(f.name) for f in each.fields]
 
 
+@pytest.mark.needs("interfaces")
 def test_installed_definitions_say_the_same(types):
     installation = Installation()
     compared = 0
@@ -44,8 +45,7 @@ def test_installed_definitions_say_the_same(types):
         if installed:
             assert fields(installed, name) == fields(modelled_definition(each), name)
             compared += 1
-    if not compared:
-        pytest.skip("no interface packages are installed here")
+    assert compared
 
 
 def test_type_that_is_not_installed_has_no_definition():

@@ -1,11 +1,9 @@
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wire_vectors import golden_vectors
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
@@ -18,8 +16,6 @@ from jausml.runtime.transports.packets.packet import (
     Priority,
     parse_datagram,
 )
-
-GOLDEN = Path(__file__).parents[2].parent / "shared" / "golden" / "judp_datagrams.jsonl"
 
 ROBOT = JausAddress(100, 1, 2)
 OCU = JausAddress(200, 1, 2)
@@ -47,9 +43,9 @@ def parse(data: bytes) -> tuple[list[Packet], dict[str, int]]:
     return parse_datagram(data, counters), counters.snapshot()
 
 
-@pytest.mark.skipif(not GOLDEN.exists(), reason="captured datagrams are not at hand")
+@pytest.mark.beside("golden/judp_datagrams.jsonl")
 def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes() -> None:
-    lines = [json.loads(line) for line in GOLDEN.read_text().splitlines()]
+    lines = golden_vectors("judp_datagrams.jsonl")
     assert len(lines) > 50
     for line in lines:
         data, header = bytes.fromhex(line["hex"]), line["header"]

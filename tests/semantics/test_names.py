@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,16 +16,20 @@ ROS_TEXT = st.text(alphabet="ab_/~{}1Z é", max_size=8)
 
 @given(ROS_TEXT)
 def test_legal_topics_are_legal_to_ros(name):
-    rclpy = pytest.importorskip("rclpy.validate_topic_name")
+    needs.ask("rclpy")
+    from rclpy import validate_full_topic_name, validate_topic_name
+
     if not topic_fault(name):
-        assert rclpy.validate_topic_name(name)
+        assert validate_topic_name.validate_topic_name(name)
         full = resolve_topic(name, "/ns", "node")
-        assert pytest.importorskip("rclpy.validate_full_topic_name").validate_full_topic_name(full)
+        assert validate_full_topic_name.validate_full_topic_name(full)
 
 
 @given(ROS_TEXT)
 def test_illegal_topics_are_illegal_to_ros_or_refused_on_purpose(name):
-    module = pytest.importorskip("rclpy.validate_topic_name")
+    needs.ask("rclpy")
+    from rclpy import validate_topic_name
+
     fault = topic_fault(name)
     if not fault:
         return
@@ -32,15 +37,17 @@ def test_illegal_topics_are_illegal_to_ros_or_refused_on_purpose(name):
     if any(word in fault for word in on_purpose):
         return
     with pytest.raises(Exception, match="Invalid topic name"):
-        module.validate_topic_name(name)
+        validate_topic_name.validate_topic_name(name)
 
 
 @given(ROS_TEXT)
 def test_legal_namespaces_are_legal_to_ros(namespace):
-    module = pytest.importorskip("rclpy.validate_namespace")
+    needs.ask("rclpy")
+    from rclpy import validate_namespace
+
     if namespace and not namespace_fault(namespace):
         absolute = namespace if namespace.startswith("/") else f"/{namespace}"
-        assert module.validate_namespace(absolute)
+        assert validate_namespace.validate_namespace(absolute)
 
 
 @pytest.mark.parametrize(
@@ -57,9 +64,11 @@ def test_legal_namespaces_are_legal_to_ros(namespace):
 )
 def test_topics_resolve_as_in_ros(name, namespace, full):
     assert resolve_topic(name, namespace, "driver") == full
-    rclpy = pytest.importorskip("rclpy.expand_topic_name")
+    needs.ask("rclpy")
+    from rclpy import expand_topic_name
+
     absolute = "/" + namespace.strip("/")
-    assert rclpy.expand_topic_name(name, "driver", absolute) == full
+    assert expand_topic_name.expand_topic_name(name, "driver", absolute) == full
 
 
 def test_longest_topic():

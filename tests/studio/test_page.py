@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 import gzip
-import os
 import re
-import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-from browsers import PAGE, SOURCES, build_page
+from build_studio import PAGE, SOURCES, environment, npm
 
 GUARDS = ("studio",)
 
-pytestmark = pytest.mark.timeout(300)
-NPM = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _built():
-    build_page()
+pytestmark = [pytest.mark.needs("page"), pytest.mark.timeout(300)]
 
 
 @pytest.mark.slow
+@pytest.mark.needs("npm")
 @pytest.mark.parametrize("script", ["lint", "types", "test"])
 def test_its_own_checks_pass(script):
-    npm = shutil.which("npm") or shutil.which("npm", path=NPM)
     result = subprocess.run(
-        [npm, "run", script],
+        [npm(), "run", script],
         cwd=SOURCES,
-        env={**os.environ, "NO_COLOR": "1", "CI": "1"},
+        env={**environment(), "NO_COLOR": "1", "CI": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

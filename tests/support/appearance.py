@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-from browsers import SOURCES
-
-AXE = SOURCES / "node_modules" / "axe-core" / "axe.min.js"
+import needs
 
 
 def broken(page):
     """Returns the rules of axe that a page breaks, with what breaks them."""
-    if not AXE.is_file():
-        pytest.skip("axe-core is not installed: npm install in studio")
-    page.evaluate(AXE.read_text(encoding="utf-8"))
+    needs.ask("axe")
+    page.evaluate(needs.AXE.read_text(encoding="utf-8"))
     found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
     return {each["id"]: [node["html"][:120] for node in each["nodes"]] for each in found}
 

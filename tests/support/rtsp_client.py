@@ -8,7 +8,7 @@ import sys
 import gi
 
 gi.require_version("Gst", "1.0")
-from gi.repository import Gst  # noqa: E402
+from gi.repository import Gst
 
 Gst.init(None)
 pipeline = Gst.parse_launch(

@@ -8,10 +8,11 @@ import math
 from pathlib import Path
 from typing import Any
 
+from needs import SHARED
+
 from jausml.live.messages.values import as_numbers
 
 VECTORS = Path(__file__).resolve().parents[1] / "vectors"
-GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden"
 
 
 @functools.cache
@@ -21,10 +22,10 @@ def vectors() -> list[dict[str, Any]]:
     return [each for file in files for each in json.loads(file.read_text(encoding="utf-8"))]
 
 
+@functools.cache
 def golden_vectors(name: str = "jaus_messages.jsonl") -> list[dict[str, Any]]:
-    """Returns the vectors of other implementations, none when they are not there."""
-    path = GOLDEN / name
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    """Returns the vectors of other implementations, for tests marked `beside("golden/NAME")`."""
+    lines = (SHARED / "golden" / name).read_text(encoding="utf-8").splitlines()
     return [json.loads(line) for line in lines]
 
 

@@ -27,7 +27,7 @@ function Range:le_int() return string.unpack("<i" .. #self.data, self.data) end
 function Range:le_float() return string.unpack(#self.data == 4 and "<f" or "<d", self.data) end
 function Range:le_uint64() return setmetatable({ whole = string.unpack("<i8", self.data) }, UInt64) end
 function Range:le_int64() return { tonumber = function() return self:le_int() + 0.0 end } end
-function Range:string() return self.data end
+function Range:raw() return self.data end
 
 local function decoded(field, range)
     if field.kind:find("^uint") then

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import needs
 import pytest
 
 from jausml.language.metamodel.classes.bridge import Bridge
@@ -95,7 +96,7 @@ def test_without_sources_it_says_so():
 
 @pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 def test_ros_messages_as_lines():
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
     from sensor_msgs.msg import LaserScan
 

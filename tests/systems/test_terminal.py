@@ -5,9 +5,6 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-
-pytest.importorskip("textual")
-
 from textual.widgets import DataTable, Input, Static
 
 from jausml.live.systems.folding import (

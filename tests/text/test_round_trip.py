@@ -11,7 +11,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from model_strategies import TEXT, models
-from needs import EMF
 from sweeps import sweep
 
 from jausml.language.metamodel import load_metamodels
@@ -184,7 +183,7 @@ def test_the_car_in_text_is_the_car():
     assert lay_out(parse(written).document) == written
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_eclipse_judges_what_was_text_as_before(tmp_path):
     path = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
     roots, model = reread(path)

@@ -11,11 +11,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from for_each import for_each
 from sweeps import sweep
 
-from jausml.generation.native import compiler
 from jausml.language.model import library_root
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -162,7 +162,7 @@ def test_what_comes_back_too_late_is_told(monkeypatch):
 @pytest.fixture
 def soak(monkeypatch):
     """The module of the soak."""
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     monkeypatch.syspath_prepend(str(FOLDER))
     return importlib.import_module("soak")
 
@@ -213,7 +213,7 @@ def test_all_sections_are_known():
 
 @pytest.mark.live
 @pytest.mark.timeout(300)
-@pytest.mark.skipif(compiler() is None, reason="what is compiled needs g++ or clang++")
+@pytest.mark.needs("compiler")
 @pytest.mark.parametrize("section", sweep(SECTIONS, every=lambda name: name == "codecs"))
 def test_each_section_measures(section, tmp_path):
     data, written = tmp_path / "results.json", tmp_path / "performance.md"

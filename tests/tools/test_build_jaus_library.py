@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from needs import SHARED
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "jaus"
-FACTS = ROOT.parent / "shared" / "reference" / "jaus_services.json"
+FACTS = "reference/jaus_services.json"
 BY_HAND = {"hmi.xmi", "machine-states.xmi", "mission-spooling.xmi"}
 """Sets of one public source, read with `jausml import jsidl` and corrected by hand, and our own."""
 
@@ -138,9 +139,9 @@ def test_the_shipped_library_has_no_problem(path: Path) -> None:
     assert list(result.model.instances(jaus.Service))
 
 
-@pytest.mark.skipif(not FACTS.exists(), reason="the facts are absent")
+@pytest.mark.beside(FACTS)
 def test_the_shipped_library_is_what_the_facts_say(tool: ModuleType) -> None:
-    texts = tool.build(json.loads(FACTS.read_text("utf-8")))
+    texts = tool.build(json.loads((SHARED / FACTS).read_text("utf-8")))
     shipped = {path.name: path.read_text("utf-8") for path in LIBRARY.glob("*.xmi")}
     assert {name: shipped[name] for name in texts} == texts
     assert set(shipped) - set(texts) == BY_HAND

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from lxml import etree
+
+from jausml.language.interfaces import Installation
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "ros"
@@ -71,33 +75,19 @@ def test_library_holds_no_words_of_others():
         assert "documentation" not in path.read_text(encoding="utf-8"), path.name
 
 
+@pytest.mark.needs("interfaces")
 def test_shipped_library_is_what_the_tool_writes(tool, tmp_path):
-    share = Path(sys.prefix) / "share"
-    if not (share / "geometry_msgs").is_dir():
-        pytest.skip("no ROS message packages in this environment")
-    absent = {"shape_msgs", "stereo_msgs", "trajectory_msgs", "visualization_msgs"}
-    absent -= {path.name for path in share.iterdir()}
-    if absent:
-        pytest.skip(f"not in this environment: {', '.join(sorted(absent))}")
+    share = Installation().folder("geometry_msgs").parent
     assert tool.main([str(share), "--output", str(tmp_path)]) == 0
     for path in sorted(LIBRARY.glob("*.xmi")):
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.needs("interfaces")
 def test_shipped_fields_are_those_of_the_message_classes():
     """The slots of the installed classes are a second witness, independent of the parser."""
-    for package in (
-        "geometry_msgs",
-        "nav_msgs",
-        "sensor_msgs",
-        "std_msgs",
-        "diagnostic_msgs",
-        "shape_msgs",
-        "stereo_msgs",
-        "trajectory_msgs",
-        "visualization_msgs",
-    ):
-        module = pytest.importorskip(f"{package}.msg")
+    for package in needs.INTERFACES:
+        module = importlib.import_module(f"{package}.msg")
         root = etree.parse(LIBRARY / f"{package}.xmi").getroot()
         for message in root.findall("messages"):
             types = getattr(module, message.get("name")).get_fields_and_field_types()

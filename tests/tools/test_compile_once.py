@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 GUARDS = ("tests/support/compile_once.py",)
 REAL = next(filter(None, map(shutil.which, ("g++", "clang++"))), None)
 
-pytestmark = pytest.mark.skipif(REAL is None, reason="there is no compiler of C++")
+pytestmark = pytest.mark.needs("compiler")
 
 
 class Compiler:

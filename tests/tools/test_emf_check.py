@@ -7,13 +7,12 @@ from pathlib import Path
 
 import emf_check
 import pytest
-from needs import EMF
 
 CASES = Path(__file__).resolve().parents[1] / "model" / "emf"
 VERDICTS = json.loads((CASES / "verdicts.json").read_text(encoding="utf-8"))
 
 
-@EMF
+@pytest.mark.needs("emf")
 @pytest.mark.parametrize(
     "case", ["bad_too_few", "bad_pattern", "bad_doctype", "good_values", "bad_too_many"]
 )
@@ -26,7 +25,7 @@ def test_emf_says_what_is_recorded(case):
     assert done.returncode == (recorded["verdict"] == "error")
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_what_is_saved_again_is_judged_as_before(tmp_path):
     for name in ("zoo.ecore", "zoo/good_href.xmi"):
         (tmp_path / Path(name).name).write_bytes((CASES / name).read_bytes())
@@ -37,7 +36,7 @@ def test_what_is_saved_again_is_judged_as_before(tmp_path):
     assert emf_check.ask(tmp_path / "zoo.ecore", saved).stdout == ""
 
 
-@EMF
+@pytest.mark.needs("emf")
 def test_a_call_without_files_is_answered_with_the_usage():
     done = emf_check.ask("--dump")
     assert (done.returncode, done.stdout) == (2, "")

@@ -8,7 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-import build_mutations  # noqa: E402
+import build_mutations
 
 GUARDS = ("tools/build_mutations.py", "docs/reference/mutations.md", "jausml/mutating")
 

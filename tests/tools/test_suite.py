@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-SUITE = Path(__file__).resolve().parents[2] / "tools" / "suite.py"
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
 
 FAILS_ONCE = """
 from pathlib import Path
@@ -30,7 +30,11 @@ def suite(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # half of what it takes to begin
     monkeypatch.setenv("PYTEST_PLUGINS", "xdist.plugin")
     (tmp_path / "tools").mkdir()
-    shutil.copy(SUITE, tmp_path / "tools")
+    for name in ("suite.py", "build_studio.py"):
+        shutil.copy(TOOLS / name, tmp_path / "tools")
+    page = tmp_path / "jausml" / "authoring" / "studio" / "page" / "index.html"
+    page.parent.mkdir(parents=True)
+    page.touch()
     (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\n", encoding="utf-8")
 
     def run(**tests):
@@ -111,3 +115,64 @@ def test_an_interrupt_is_no_traceback(tmp_path):
         process.kill()
         process.wait()
     assert (process.returncode, "Traceback" in errors) == (130, False), errors
+
+
+# -- the page of the studio ------------------------------------------------------------------------
+
+NPM = """#!/bin/sh
+echo "npm $*" >> ../asked
+case "$*" in
+  *ci) [ -n "$NO_PACKAGES" ] && exit 1
+    mkdir -p node_modules && touch node_modules/.package-lock.json;;
+  *build) [ -n "$FAULTY" ] && echo "a type is wrong" && exit 1
+    touch ../jausml/authoring/studio/page/index.html;;
+esac
+exit 0
+"""
+IS_BUILT = """
+from pathlib import Path
+
+def test_built():
+    asked = Path("asked").read_text().splitlines()
+    assert asked == ["npm --loglevel=error ci", "npm --loglevel=error run build"]
+"""
+
+
+@pytest.fixture
+def stale(suite, tmp_path, monkeypatch):
+    """A suite whose page is older than its sources, with a node."""
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    for name, text in {"npm": NPM, "node": "#!/bin/sh\necho v20.1.0\n"}.items():
+        (programs / name).write_text(text, encoding="utf-8")
+        (programs / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
+    (tmp_path / "studio").mkdir()
+    (tmp_path / "studio" / "main.ts").touch()
+    os.utime(tmp_path / "jausml" / "authoring" / "studio" / "page" / "index.html", (0, 0))
+    return suite
+
+
+def test_a_stale_page_is_built_once_before_the_tests(stale):
+    for _ in range(2):
+        status, output = stale(built=IS_BUILT)
+        assert status == 0, output
+    assert "page of the studio" not in output
+
+
+def test_a_page_whose_build_fails_fails_the_suite(stale, monkeypatch):
+    monkeypatch.setenv("FAULTY", "1")
+    status, output = stale(good="def test_good(): pass")
+    assert (status, "1 passed" in output) == (1, False)
+    assert "page of the studio: built, its sources are newer\na type is wrong\n" in output
+
+
+@pytest.mark.parametrize("lacking", ["packages", "node"])
+def test_a_page_that_cannot_be_built_is_told_and_no_fault(stale, monkeypatch, tmp_path, lacking):
+    if lacking == "packages":
+        monkeypatch.setenv("NO_PACKAGES", "1")
+    else:
+        (tmp_path / "programs" / "node").write_text("#!/bin/sh\necho v18.0.0\n")
+    status, output = stale(good="def test_good(): pass")
+    assert (status, "1 passed" in output) == (0, True)
+    assert output.count("page of the studio: not built") == 1

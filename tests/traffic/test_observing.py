@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 from capture_files import QUERY_STATUS
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from wire_vectors import golden_vectors
 
 from jausml.live.messages import load_catalogue
 from jausml.live.traffic import observing
@@ -20,7 +20,6 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import DataFlags, Packet
 from jausml.runtime.transports.ports import present_frame
 
-GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "judp_datagrams.jsonl"
 catalogue = cache(load_catalogue)
 ROBOT, OPERATOR = JausAddress(200, 1, 2), JausAddress(101, 1, 1)
 IDENTIFICATION = bytes.fromhex("004b 02 1127 05") + b"robot"
@@ -149,10 +148,9 @@ def test_frames_between_processes_of_a_host_are_no_traffic():
     assert observer.host_frames == 1
 
 
-@pytest.mark.skipif(not GOLDEN.exists(), reason="the captured datagrams are absent")
+@pytest.mark.beside("golden/judp_datagrams.jsonl")
 def test_every_captured_datagram():
-    for line in GOLDEN.read_text(encoding="utf-8").splitlines():
-        vector = json.loads(line)
+    for vector in golden_vectors("judp_datagrams.jsonl"):
         header = vector["header"]
         (seen,) = observe(bytes.fromhex(vector["hex"]))
         printed = seen.to_json()

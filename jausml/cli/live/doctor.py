@@ -46,12 +46,12 @@ def command(
 ) -> None:
     """Show what this machine lacks to run bridges and components, and how to fix it.
 
-    Checks Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS, and
-    node managers. With a MODEL or a folder of models, by default those of the project of the
-    current folder, also checks the message packages that they use, your own among them. With
-    --peer, also asks these components for their services and their state, and says what they do
-    otherwise than the standard has it, and what jausml does instead. Changes nothing; sends one
-    datagram from this host to itself, and a few questions to each peer.
+    Checks Python, optional programs, ROS 2 and its settings, the network interface, multicast, the
+    port of JAUS, and node managers. With a MODEL or a folder of models, by default those of the
+    project of the current folder, also checks the message packages that they use, your own among
+    them. With --peer, also asks these components for their services and their state, and says what
+    they do otherwise than the standard has it, and what jausml does instead. Changes nothing; sends
+    one datagram from this host to itself, and a few questions to each peer.
 
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
@@ -65,7 +65,7 @@ def command(
         raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    found = [*machine.python_checks(), *machine.ros_checks(packages)]
+    found = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]
     found += machine.network_checks(settings)
     if peers:
         found += _peers(interface, port, multicast_group, peers)

@@ -6,6 +6,7 @@ import importlib
 import json
 import re
 
+import needs
 import pytest
 
 from jausml.language.importers.ros import import_packages, installed_source
@@ -23,9 +24,7 @@ NAMES = {
     "float64": "double",
 }
 
-pytestmark = pytest.mark.skipif(
-    "geometry_msgs" not in PACKAGES, reason="no ROS message packages in this environment"
-)
+pytestmark = pytest.mark.needs("interfaces")
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +89,9 @@ def value_of(text, kind):
 
 
 def test_comments_and_units_are_those_that_rosidl_finds():
-    parser = pytest.importorskip("rosidl_adapter.parser")
+    needs.ask("rosidl")
+    from rosidl_adapter import parser
+
     installation = Installation()
     paths = [each for name in PACKAGES for each in definition_files(installation.folder(name))]
     compared = 0

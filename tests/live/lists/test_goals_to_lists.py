@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.component import JausComponent

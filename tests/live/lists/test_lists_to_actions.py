@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import signal
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.services.definitions import ListElement

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from contextlib import closing
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from rclpy.action import ActionClient
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import needs
 import pytest
 
-pytest.importorskip("rclpy")
+needs.ask("rclpy")
 
 from ..bridge_support import wait_for
 from .list_system import PATIENCE, facts, order, wait_goal

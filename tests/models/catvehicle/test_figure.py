@@ -11,9 +11,6 @@ import catvehicle
 import pytest
 from catvehicle import StraightArcStraight, VehicleParameters
 from catvehicle.closed_loop import Loop
-
-pytest.importorskip("matplotlib")
-
 from catvehicle.figure import RESOLUTION, SIZE, draw_run
 
 PARAMETERS = VehicleParameters()

@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+import needs
 import pytest
 from by_chance import by_bytes, cdr, outcome, ros_value
 from for_each import for_each
@@ -52,10 +53,8 @@ LEFT_TO_PYTHON = {
 
 @pytest.fixture(scope="session")
 def program() -> str:
-    found = compiler()
-    if found is None:
-        pytest.skip("there is no compiler of C++")
-    return found
+    needs.ask("compiler")
+    return str(compiler())
 
 
 def built(source: Path, program: str) -> None:

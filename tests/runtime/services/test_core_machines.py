@@ -6,10 +6,10 @@ and always against the runtime. What the runtime does otherwise is `OTHERWISE`.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from needs import SHARED
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.importers.jsidl import import_jsidl
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
 
-OF_OTHERS = Path(__file__).parents[4] / "shared" / "jsidl" / "urn.jaus.jss.core-v1.1"
+OF_OTHERS = "jsidl/urn.jaus.jss.core-v1.1"
 SERVICES = ("AccessControl", "Discovery", "Events", "Liveness", "Management")
 
 
@@ -117,9 +117,9 @@ def transition(service, state, element) -> Transition:
 TABLE = list(transitions(each for each in newest_services().values() if each.name in SERVICES))
 
 
-@pytest.mark.skipif(not OF_OTHERS.exists(), reason="definitions of other tools are absent")
+@pytest.mark.beside(OF_OTHERS)
 def test_the_library_is_as_the_definitions_of_others():
-    result = import_jsidl(sorted(OF_OTHERS.rglob("*.xml")))
+    result = import_jsidl(sorted((SHARED / OF_OTHERS).rglob("*.xml")))
     services = [each for root in result.sets for each in root.services if each.name in SERVICES]
     assert len(TABLE) == 67
     assert sorted(transitions(services)) == sorted(TABLE)

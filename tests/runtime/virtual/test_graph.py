@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import needs
 import pytest
 
 from jausml.runtime.base.loop import Loop
@@ -174,7 +175,9 @@ class TestNode:
 
 class TestClassesOfRos:
     def test_objects_of_ros_are_published(self, world, node):
-        messages = pytest.importorskip("std_msgs.msg")
+        needs.ask("rclpy")
+        from std_msgs import msg as messages
+
         got = []
         world.ros.subscribe("/x", KIND, got.append)
         made = node.publisher(messages.Float64, Topic("/x"))

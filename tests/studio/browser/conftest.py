@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 import warm
-from browsers import browser, build_page, missing
+from needs import CHROMIUM
 from studio_client import Server
 
 from jausml.language.model.library import LIBRARY_URI
@@ -35,14 +35,11 @@ def pytest_runtest_makereport(item):
 @pytest.fixture(scope="module")
 def chromium():
     """A browser without windows; it is ended soon, for its driver runs an event loop here."""
-    if missing():
-        pytest.skip(missing())
-    build_page()
     from playwright.sync_api import expect, sync_playwright
 
     expect.set_options(timeout=PATIENCE)
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=browser())
+        started = playwright.chromium.launch(executable_path=CHROMIUM)
         yield started
         started.close()
 

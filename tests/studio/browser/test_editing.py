@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.needs("chromium", "page"), pytest.mark.ports, pytest.mark.timeout(300)]
 
 FEATURES = ("documentation", "name", "topic", "namespace", "address", "value")
 HOSTILE = "&lt;script>window.hit=1&lt;/script>&lt;img src=x onerror='window.hit=1'>${7*7}{{7*7}}"

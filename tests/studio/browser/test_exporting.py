@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports]
+pytestmark = [pytest.mark.slow, pytest.mark.needs("chromium", "page"), pytest.mark.ports]
 
 CAR = Path(__file__).resolve().parents[3] / "models" / "catvehicle" / "catvehicle.xmi"
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from large_systems import large_system
 from playwright.sync_api import expect
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(900)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.timeout(900),
+]
 
 GROUPS, HOSTS = 476, 12
 """21 elements a group, and those of the hosts."""

@@ -6,13 +6,17 @@ import re
 from pathlib import Path
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
 from jausml.language.model.library import LIBRARY_URI
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.timeout(300),
+]
 
 WINCH = Path(__file__).parents[3] / "models" / "examples" / "winch" / "service.xmi"
 MAP = """\

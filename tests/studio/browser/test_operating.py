@@ -9,7 +9,6 @@ import signal
 
 import pytest
 from appearance import broken, misplaced
-from browsers import BROWSER
 from camera_server import png, register, serving_camera
 from playwright.sync_api import expect
 from ports import free_port
@@ -19,7 +18,12 @@ from jausml import Component, decode
 
 from .conftest import Studio
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.live, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.live,
+    pytest.mark.timeout(300),
+]
 
 LEASE, TIMEOUT = 5, 1.0
 STOP = f"SetWrenchEffort {TIMEOUT} PropulsiveLinearEffortX=0"

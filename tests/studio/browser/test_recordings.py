@@ -6,13 +6,12 @@ import re
 
 import pytest
 from appearance import broken, misplaced
-from browsers import BROWSER
 from playwright.sync_api import expect
 from recorded_systems import Drive, model_in, recorded
 
 from .conftest import Studio
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.slow, pytest.mark.needs("chromium", "page"), pytest.mark.timeout(300)]
 
 FIRST, SECOND = Drive(dropped=(3.5, 8.5)), Drive(dropped=(5.5,), taken=None)
 

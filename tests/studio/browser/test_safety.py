@@ -5,10 +5,9 @@ from __future__ import annotations
 from urllib.parse import urlsplit
 
 import pytest
-from browsers import BROWSER
 from playwright.sync_api import expect
 
-pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.needs("chromium", "page"), pytest.mark.ports, pytest.mark.timeout(300)]
 
 
 def test_the_token_leaves_the_address_and_lasts_for_the_tab(open_studio, example):

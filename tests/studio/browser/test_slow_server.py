@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.timeout(300),
+]
 
 
 class Line:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 from ports import free_port
@@ -15,7 +14,7 @@ from .conftest import Studio
 
 pytestmark = [
     pytest.mark.slow,
-    BROWSER,
+    pytest.mark.needs("chromium", "page"),
     pytest.mark.ports,
     pytest.mark.live,
     pytest.mark.timeout(300),

@@ -8,13 +8,18 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.live, pytest.mark.timeout(400)]
-pytest.importorskip("rclpy")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.live,
+    pytest.mark.timeout(400),
+]
+needs.ask("rclpy")
 
 SENSOR = '''\
 """A sensor that drives in a circle."""

@@ -6,12 +6,16 @@ import re
 
 import pytest
 from appearance import broken, misplaced, unreached
-from browsers import BROWSER
 from desktop import Desktop
 from playwright.sync_api import expect
 from running_winch import telling_winch
 
-pytestmark = [pytest.mark.slow, BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.needs("chromium", "page"),
+    pytest.mark.ports,
+    pytest.mark.timeout(300),
+]
 
 PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
 TABLET, LAPTOP, WIDE = (768, 1024), (1280, 800), (1920, 1080)

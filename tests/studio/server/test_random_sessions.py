@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 import resource
-import shutil
 import subprocess
 from collections import Counter
 from contextlib import contextmanager
@@ -391,7 +390,7 @@ OF_STUDIOS = frozenset(OFTEN) - {
 }
 
 
-@pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
+@pytest.mark.needs("git")
 @pytest.mark.parametrize("seed", sweep(range(20), every=7))
 def test_a_random_walk_loses_nothing_and_pretends_nothing(tmp_path: Path, seed: int) -> None:
     walk = Walk(tmp_path, random.Random(seed))
