@@ -84,6 +84,7 @@ def test_shapes_of_the_notation(jausml):
     assert "Reason that a person gave: the wheels stay as they are" in page
 
 
+@pytest.mark.slow
 def test_json_without_a_folder(jausml):
     case = json.loads(jausml("case", CAR, "--format", "json").stdout)
     assert case["system"] == "catvehicle"
@@ -133,6 +134,7 @@ def test_evidence_is_named_by_link_and_digest(jausml, mower):
     assert made(jausml, mower) == case  # the case knows its evidence
 
 
+@pytest.mark.slow
 def test_paths_that_are_no_text(jausml, mower):
     file = proof(mower).rename(mower.with_name("p\udcff<b>.json"))
     made(jausml, mower, "--evidence", file)

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 from terminal import at_terminal
 
 from jausml.cli.shared.options import SHELLS
@@ -68,6 +69,7 @@ def test_bash_completes(jausml, folder):
     complete(bash, plain, folder)
 
 
+@pytest.mark.slow
 def test_zsh_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "zsh").stdout, encoding="utf-8")
     zsh = (program("zsh"), "-f", "-i")
@@ -157,7 +159,7 @@ def test_names_follow_the_models(offered):
     assert offered("jausml show message SetWi") == (["SetWinding"], True)
 
 
-@pytest.mark.parametrize("kept", ["", "[]", '{"state": 1}', "\0"])
+@pytest.mark.parametrize("kept", sweep(["[]", "", '{"state": 1}', "\0"], every=4))
 def test_names_are_read_again_where_they_cannot_be_kept(offered, kept):
     offered("jausml show message SetWi")
     (file,) = (offered.cache / "jausml").iterdir()
@@ -168,6 +170,7 @@ def test_names_are_read_again_where_they_cannot_be_kept(offered, kept):
     assert offered("jausml show message SetWi") == (["SetWinch"], True)
 
 
+@pytest.mark.slow
 def test_a_model_with_errors_takes_nothing_from_completion(offered):
     (offered.folder / "broken.ros2jaus").write_text("service_set { service", encoding="utf-8")
     assert offered("jausml show message SetWi") == (["SetWinch"], True)

@@ -66,6 +66,7 @@ def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopp
         assert name in done.stdout
 
 
+@pytest.mark.slow
 def test_a_run_can_be_repeated():
     reports = [
         run(
@@ -104,6 +105,7 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
     assert "did you mean datagrams?" in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not importlib.util.find_spec("atheris"), reason="atheris is not installed")
 def test_a_run_guided_by_coverage(driver):
     done = run(ROOT / "fuzz", "datagrams", "--runs", "500")

@@ -346,6 +346,7 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
     assert not [n for n in names if re.fullmatch("[a-z][a-z0-9_]*", n) and cpp_name(n) == n]
 
 
+@pytest.mark.slow
 def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     for each in generation.render(model, [TARGET.for_whole_library()]):

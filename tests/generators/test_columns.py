@@ -179,7 +179,7 @@ UP_CHANGES = st.lists(
 FRAMES = st.sampled_from(["odom", "", "base_link", "\u00e4" * 9])
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(count=COUNTS, level=st.booleans(), changes=UP_CHANGES, frame=FRAMES)
 def test_paths_to_ros(
     made: Generated, count: int, level: bool, changes: list[Any], frame: str

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from codec_support import definitions, shipped_sets
+from sweeps import sweep
 
 from jausml.generation.native import FLAGS, compiler
 from jausml_generators.cpp import jaus_codec
@@ -19,7 +20,7 @@ SUPPORT = Path(jaus_codec.__file__).parent / "templates"
 CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
 
 
-@pytest.mark.parametrize("name", shipped_sets())
+@pytest.mark.parametrize("name", sweep(shipped_sets(), every=4))
 def test_messages_compile(name: str, tmp_path: Path) -> None:
     program = compiler()
     if program is None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from counting import calls as counted
+from sweeps import sweep
 
 from jausml.generation import load_targets, render, select
 from jausml.language.validation.engine import check_project
@@ -40,7 +41,9 @@ def calls(text, folder, work=rendering):
     return counted(lambda: work(report.model)).total()
 
 
-@pytest.mark.parametrize(("own_maps", "own_frames"), [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize(
+    ("own_maps", "own_frames"), sweep([(True, True), (True, False), (False, False)], every=3)
+)
 def test_generation_is_linear_in_connections(growth, tmp_path, own_maps, own_frames):
     few, more, most = (
         calls(growth.connections(n, own_maps=own_maps, own_frames=own_frames), tmp_path)

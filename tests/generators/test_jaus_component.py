@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from sweeps import sweep
 from workspaces import python_path
 
 from jausml.generation import render
@@ -213,7 +214,7 @@ def test_mypy_finds_nothing(workspace: Path) -> None:
     run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
 def test_generated_tests_pass(workspace: Path, package: str) -> None:
     run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
 

@@ -275,6 +275,7 @@ def test_the_module_is_clean(tmp_path):
             assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_module_passes_the_type_checker(tmp_path):
     for number, made in enumerate((library(), extremes())):
         text = made.text.replace("from jausml_runtime.", "from jausml.runtime.")

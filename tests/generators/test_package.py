@@ -171,6 +171,7 @@ def can_build_wheels():
     return newest or importlib.util.find_spec("wheel") is not None
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not can_build_wheels(), reason="setuptools before 70.1 needs wheel")
 def test_pip_installs_without_a_network(workspace, tmp_path):
     options = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")

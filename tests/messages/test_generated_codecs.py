@@ -13,6 +13,7 @@ from codec_strategies import messages
 from codec_support import LIBRARY, LIBRARY_FILES, FieldNames, library, shipped_sets
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from sweeps import sweep
 
 from jausml.language.model import read_models
 from jausml.live.messages import CodecError
@@ -78,7 +79,7 @@ def check(view, module, entry):
     agree()
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@pytest.mark.parametrize("set_name", sweep(shipped_sets(), every=4))
 def test_both_codecs_agree(set_name):
     views, _, module = library(set_name)
     for view in views:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 LISTER = Path(__file__).with_name("lister.ros2jaus")
 # Of what the abstract ones can be like but for their timers, which walks go through.
@@ -17,7 +18,7 @@ OBEYING = {
 }
 
 
-@pytest.mark.parametrize("subject", OBEYING)
+@pytest.mark.parametrize("subject", sweep(OBEYING, every=5))
 def test_a_bridge_that_obeys(subject, run_script):
     happened = run_script("walk.py", subject)
     assert happened["difference"] is None
@@ -25,6 +26,7 @@ def test_a_bridge_that_obeys(subject, run_script):
     assert happened["steps"] > 1000
 
 
+@pytest.mark.slow
 def test_a_bridge_that_drives_along_lists(run_script):
     happened = run_script("walk_list.py", "lister.along", model=LISTER)
     assert happened["difference"] is None
@@ -40,6 +42,7 @@ def test_a_bridge_and_its_peer(run_script):
     assert 1.0 < happened["longest"] <= happened["bound"]
 
 
+@pytest.mark.slow
 def test_a_stop_that_is_sent_once_is_noticed_by_a_walk(run_script):
     difference = run_script("walk_peer.py", "--once")["difference"]
     assert difference["real"]["moves"]

@@ -176,6 +176,7 @@ def test_each_counter_example_happens(examples, tmp_path):
     assert results_of(CARELESS, examples, tmp_path / "ws").startswith("3 failed in")
 
 
+@pytest.mark.slow
 def test_none_happens_any_more_where_control_lapses(examples, tmp_path):
     text = CARELESS.read_text(encoding="utf-8")
     mended = tmp_path / "careless.ros2jaus"

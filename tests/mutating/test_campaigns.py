@@ -75,6 +75,7 @@ def test_survivors_are_named():
     assert matrix == [["rate", *"........", "1"], ["all", *"..1.....1"]]
 
 
+@pytest.mark.slow
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_a_campaign_is_the_same_again_with_more_processes():
@@ -100,6 +101,7 @@ def test_other_operators_are_refused(model):
     assert "there is no operator 'nobody'; there are sign, factor" in done.output
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(120)
 def test_a_command_of_the_user_notices(model, tmp_path):
     check = tmp_path / "check.py"

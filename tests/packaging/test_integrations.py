@@ -104,6 +104,7 @@ def test_the_action_tells_findings_and_leaves_sarif_to_upload(repository):
     assert rule["helpUri"].startswith(page)
 
 
+@pytest.mark.slow
 def test_the_action_takes_a_baseline_and_no_command(repository):
     known = ("validate", "models", "--baseline", "known.json", "--write-baseline")
     assert CliRunner().invoke(main, known).exit_code == 0

@@ -66,6 +66,7 @@ def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
             assert run(*hook["entry"].split()[1:], model).exit_code == 0
 
 
+@pytest.mark.slow
 def test_the_commands_that_it_names_work(project):
     folder = project()
     readme = (folder / "README.md").read_text(encoding="utf-8")

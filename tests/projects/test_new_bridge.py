@@ -101,6 +101,7 @@ def test_the_other_side_commands_and_asks(rover, jausml):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+@pytest.mark.slow
 def test_one_topic_may_have_several_maps(rover, jausml):
     model = rover("xmi")
     word = f"{ODOM}:local_pose,velocity_state"

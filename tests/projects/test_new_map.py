@@ -348,6 +348,7 @@ def test_it_asks_on_a_terminal(ears):
     assert (made.stopRos, made.stopJaus) == (None, None)
 
 
+@pytest.mark.slow
 def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
     model = ears("text")
     command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND, "--fill")

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml import decode, encode
 from jausml.live.messages import UnknownMessageError
@@ -31,7 +32,7 @@ TANKS = (
 )
 
 
-@pytest.fixture(params=["xmi", "text"])
+@pytest.fixture(params=sweep(["text", "xmi"], every=2))
 def notation(request):
     return request.param
 

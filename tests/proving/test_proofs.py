@@ -143,6 +143,7 @@ def test_what_does_not_fit_is_told_by_the_python_form(proofs: Proofs) -> None:
     assert proofs.field("linear.x", "ROS").limited > 0
 
 
+@pytest.mark.slow
 def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> None:
     """The reference is a bridge that is generated and imported, without anything of proofs."""
     text = MESSAGE + small(
@@ -179,6 +180,7 @@ def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> N
     assert proofs.rules("small") == {"JML922"}
 
 
+@pytest.mark.slow
 def test_single_precision_is_found_by_itself(tmp_path: Path) -> None:
     up, down = "Speed -> x Wide -> y", "x -> Speed y -> Wide"
     proofs = Proofs(MESSAGE + small(type_="geometry_msgs/Point32", up=up, down=down), tmp_path)
@@ -326,6 +328,7 @@ bridge second {
 """
 
 
+@pytest.mark.slow
 def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path: Path) -> None:
     proofs = Proofs(MESSAGE + TWO_BRIDGES, tmp_path)
     assert list(proofs.maps) == ["there", "back", "other", "first.up + second.down"]
@@ -388,6 +391,7 @@ def test_joined_messages_are_tried_as_others(tmp_path: Path) -> None:
     assert proof_code(model, trip).shortcuts == ()
 
 
+@pytest.mark.slow
 def test_forms_that_differ_by_a_joined_message_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -33,6 +33,7 @@ def test_figure_is_a_png_and_equal_runs_give_equal_bytes(tmp_path: Path) -> None
     assert data == second.read_bytes()
 
 
+@pytest.mark.slow
 def test_another_run_gives_another_picture(tmp_path: Path) -> None:
     samples = Loop(PARAMETERS, PARAMETERS, duration=9.0).run()
 

@@ -102,6 +102,7 @@ def test_the_operator_leads_the_winch_through_its_states(workspace):
     assert rest.count("drops: none") == 2, rest
 
 
+@pytest.mark.slow
 def test_the_winch_stops_when_its_operator_dies(workspace):
     process = start(workspace, "--only", "winch")
     seen = read_until(process, "winch runs as")
