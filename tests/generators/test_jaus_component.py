@@ -6,6 +6,7 @@ import inspect
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,7 @@ MODEL = HERE / "components.xmi"
 PACKAGES = ["wrench_driver", "operator_jaus", "nothing_at_all"]
 
 
+@cache
 def artifacts() -> list[Artifact]:
     result = read_models([MODEL], project_root=ROOT)
     assert not result.diagnostics, result.diagnostics
