@@ -98,6 +98,7 @@ def test_a_folder_with_document_json_and_pictures(jausml, mower, begun):
     assert before == {each.name: each.read_bytes() for each in Path("case").iterdir()}
 
 
+@pytest.mark.slow
 def test_shapes_of_the_notation(jausml):
     page = jausml("case", CAR).stdout
     assert page.count('class="undeveloped"') > page.count(">Undeveloped: ") > 0

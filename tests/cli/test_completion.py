@@ -78,6 +78,7 @@ def test_zsh_completes(jausml, folder):
     complete(zsh, start, folder)
 
 
+@pytest.mark.slow
 def test_fish_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "fish").stdout, encoding="utf-8")
     lines = [f"complete -C '{typed}'" for typed in TYPED]
@@ -176,6 +177,7 @@ def test_a_model_with_errors_takes_nothing_from_completion(offered):
     assert offered("jausml show message SetWi") == (["SetWinch"], True)
 
 
+@pytest.mark.slow
 def test_models_that_are_named_are_known(offered, tmp_path):
     model = str(offered.folder / "winch.ros2jaus")
     line = f"jausml show message --model {model} SetWi"

@@ -101,6 +101,7 @@ def test_readme_names_exactly_the_two_commands() -> None:
     assert re.findall(r"^    (\S.*)$", text, re.MULTILINE) == ["make demo", "make test"]
 
 
+@pytest.mark.slow
 def test_readme_shows_a_system_that_generates(tmp_path: Path) -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"^```ros2jaus\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)

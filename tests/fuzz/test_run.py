@@ -59,6 +59,7 @@ def test_streams_are_read_the_same_however_they_are_cut():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopped():
     done = run(ROOT / "fuzz", "components", "--plain", "--runs", "2000", "--seed", "3")
     assert done.returncode == 0, done.stdout + done.stderr

@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.generation import generate, load_targets, render, render_again, select
 from jausml.generation import rendering as again
@@ -61,7 +62,9 @@ def model_of(path):
     return check_project([path]).model
 
 
-@pytest.mark.parametrize("name", ["catvehicle/catvehicle.xmi", "examples/fleet/fleet.ros2jaus"])
+@pytest.mark.parametrize(
+    "name", sweep(["catvehicle/catvehicle.xmi", "examples/fleet/fleet.ros2jaus"], every=2)
+)
 def test_what_is_kept_is_what_was_rendered(name, rendered):
     every = select(load_targets()).targets
     expected = render(model_of(MODELS / name), every)

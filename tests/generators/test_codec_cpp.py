@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from codec_support import FieldNames, load, render
+from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
 
 from jausml import generation
@@ -227,8 +228,23 @@ def messages() -> Messages:
     return Messages.read()
 
 
+@pytest.fixture(scope="module", params=sweep(["plain", "watched"], every=2))
+def sanitizers(request: pytest.FixtureRequest, program: str) -> tuple[str, ...]:
+    """Returns the flags of the sanitizers, or none: those take most of what is compiled."""
+    if request.param == "plain":
+        return ()
+    if flags := watched(program):
+        return flags
+    pytest.skip("the compiler has no sanitizers")
+
+
 @pytest.fixture(scope="module")
-def run(program: str, messages: Messages, tmp_path_factory: pytest.TempPathFactory) -> Run:
+def run(
+    program: str,
+    sanitizers: tuple[str, ...],
+    messages: Messages,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Run:
     folder = tmp_path_factory.mktemp("codec_cpp")
     header(folder, messages.view)
     made: dict[str, str] = {}
@@ -274,7 +290,7 @@ def run(program: str, messages: Messages, tmp_path_factory: pytest.TempPathFacto
         "".join(f"{name} {payload.hex()}\n" for (_, payload), name in payloads.items()),
         encoding="utf-8",
     )
-    flags = (*STRICT, *watched(program), f"-I{folder}")
+    flags = (*STRICT, *sanitizers, f"-I{folder}")
     compiled(program, *flags, HERE / "codec_cpp.cpp", "-o", folder / "turn")
     said = subprocess.run(
         [folder / "turn", folder / "payloads"], capture_output=True, text=True, check=False

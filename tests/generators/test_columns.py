@@ -126,6 +126,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
     return generated(TEXT, tmp_path_factory.mktemp("long_lists"), "long_lists")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made: Generated) -> None:
     made.check_text()
 

@@ -20,7 +20,7 @@ SUPPORT = Path(jaus_codec.__file__).parent / "templates"
 CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
 
 
-@pytest.mark.parametrize("name", sweep(shipped_sets(), every=4))
+@pytest.mark.parametrize("name", sweep(shipped_sets(), every=8))
 def test_messages_compile(name: str, tmp_path: Path) -> None:
     program = compiler()
     if program is None:

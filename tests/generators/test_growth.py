@@ -57,11 +57,13 @@ def test_the_list_of_processes_translates_nothing(growth, tmp_path):
     assert many < few + 31
 
 
+@pytest.mark.slow
 def test_generation_is_not_exponential_in_nesting(growth, tmp_path):
     few, more, most = (calls(growth.nested(n), tmp_path) for n in (20, 40, 60))
     assert most - more < 2 * (more - few)
 
 
+@pytest.mark.slow
 def test_generation_is_no_more_than_fields_in_types_that_double(growth, tmp_path):
     few, more = (calls(growth.doubling(n), tmp_path) for n in (8, 9))
     assert more < 2.2 * few

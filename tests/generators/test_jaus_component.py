@@ -211,6 +211,7 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> No
     run("-m", "ruff", "check", "--select=E,W", *config, ".", cwd=tmp_path, workspace=tmp_path)
 
 
+@pytest.mark.slow
 def test_mypy_finds_nothing(workspace: Path) -> None:
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
     run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)

@@ -154,6 +154,7 @@ def test_installation_of_launch_files_and_parameters(workspace, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_installation_of_the_runtime_has_its_subpackages(workspace, tmp_path):
     files = install_as_colcon_does(workspace / "jausml_runtime", tmp_path)
     installed = {

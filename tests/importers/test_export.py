@@ -95,7 +95,7 @@ def is_the_same_again(exported):
     return export_jsidl(imported.model, list(found.values())).documents == exported.documents
 
 
-@for_each("path", SETS)
+@for_each("path", SETS, shards=4, slow=True)
 def test_a_set_of_the_library_comes_back(path):
     model = read_models([path]).model
     exported = export_jsidl(model, services(model))
@@ -175,6 +175,7 @@ def test_each_argument_of_a_transition_keeps_the_parameter_that_types_it(path):
     assert [each for each in written if not each[2] <= {*each[1]}] == []
 
 
+@pytest.mark.slow
 @for_each("path", [*SETS, OWN])
 def test_no_argument_of_an_exported_transition_is_without_a_type(path):
     model = read_models([path]).model

@@ -134,6 +134,7 @@ def test_text_is_merged_by_elements_too(repository):
     assert "decimation: 2" in merged
 
 
+@pytest.mark.slow
 def test_a_text_that_is_no_model_is_merged_as_lines_and_its_conflict_is_one_error(repository):
     text = repository.folder / "models" / "robot.ros2jaus"
     text.write_text("component a { address: 1.1.1 }\n", encoding="utf-8")
@@ -167,6 +168,7 @@ def test_a_file_that_comes_is_told_as_such(repository):
     assert "+ models/other.xmi: added" in repository.git("diff", "--cached", "--ext-diff")
 
 
+@pytest.mark.slow
 def test_what_theirs_refers_to_in_a_file_of_its_own_comes_with_it(repository):
     """git merges file by file, and the maps that `jausml new bridge` writes are not there yet."""
     repository.git("checkout", "-q", "-b", "theirs", "main")
@@ -189,6 +191,7 @@ def test_what_theirs_refers_to_in_a_file_of_its_own_comes_with_it(repository):
     assert set(re.findall(r"error: (JML\d+)", told)) == {"JML302"}, told  # both took a free address
 
 
+@pytest.mark.slow
 def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repository):
     deeper = MINIMAL.replace(LIBRARY_URI, "../../library/")
     repository.model.write_text(MINIMAL.replace(LIBRARY_URI, "../library/"), encoding="utf-8")

@@ -18,6 +18,7 @@ LAMP = ROOT / "tests" / "generators" / "lamp.xmi"
 LIBRARY = "http://www.jausml.org/library/"
 
 
+@pytest.mark.slow
 def test_the_generated_winch_goes_the_same_ways(run_script):
     happened = run_script("walk_machine.py", model=WINCH / "winch.xmi")
     assert happened["difference"] is None

@@ -24,7 +24,7 @@ FILES = {
 
 @pytest.fixture(autouse=True, scope="module")
 def no_plugins():
-    """Loads no plugins for the tests of packages, as in a campaign: that takes seconds each time."""
+    """Loads no plugins for the tests of packages, as in a campaign: it takes long."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
         yield

@@ -42,21 +42,27 @@ def model(tmp_path):
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
     pytest.importorskip("rclpy")
-    names = [
-        each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)
-    ]
-    found = outcomes(model, *names, "-o", tmp_path / "page")
+    names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
+    found = outcomes(model, *names, "--jobs", 1, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
     assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
     stop = found["stop", "safeValue: PropulsiveLinearEffortX -> nothing"]
     assert (stop["noticed_by"], stop["by"][:7]) == ("validate", "JML451 ")
-    depths = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
-    assert "test_publishers" in depths[0]["by"]
     # The order of a sign and a factor makes no difference: nothing can notice it.
     order = found["order", "conversions: negate, scale -> scale, negate"]
     assert (order["noticed_by"], order["by"]) == ("nothing", "")
     assert "bridge/bridge/bridge_base.py" in order["files"]
     assert "order: drive/bridge/drive/toJaus[1]" in (tmp_path / "page" / "index.html").read_text()
+
+
+@pytest.mark.live
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_another_depth_of_a_topic_is_noticed(model):
+    pytest.importorskip("rclpy")
+    found = outcomes(model, "--only", "figure of QoS")
+    [depth, *_] = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
+    assert "test_publishers" in depth["by"]
 
 
 def test_survivors_are_named():

@@ -15,6 +15,7 @@ import yaml
 from click.testing import CliRunner
 from lxml import etree
 from needs import EMF
+from sweeps import sweep
 
 from jausml.authoring.editing.project import Project
 from jausml.cli import main
@@ -47,7 +48,7 @@ def test_it_validates(project, notation, origin):
     assert (done.exit_code, done.output) == (0, "no problems in 1 file\n")
 
 
-@pytest.mark.parametrize("notation", ["xmi", "text"])
+@pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
     folder = project("--notation", notation)
     monkeypatch.chdir(folder)

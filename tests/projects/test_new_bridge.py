@@ -206,6 +206,7 @@ def test_what_a_tool_could_have_written_is_no_reason(rover, jausml, hold, says):
     assert model.read_bytes() == before
 
 
+@pytest.mark.slow
 @NOTATION
 def test_a_bridge_gets_further_topics(rover, jausml, notation):
     model = rover(notation)
