@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import gc
 import importlib
 import os
 import signal
@@ -179,6 +180,7 @@ class BrokenWorkspace:
 
 def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
     """Runs the tests of a package in this process, and returns the exit status of pytest."""
+    gc.freeze()  # Pytest has garbage collected again and again: not the models of the parent too.
     try:
         with log.open("w", encoding="utf-8") as told:
             for number in (1, 2):

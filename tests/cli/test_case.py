@@ -47,6 +47,28 @@ def made(jausml, model, *options):
     return json.loads(Path("case/case.json").read_text(encoding="utf-8"))
 
 
+@pytest.fixture(scope="module")
+def drawn():
+    """Cases that were drawn, by what they rest on: to draw one takes most of a test."""
+    return {}
+
+
+@pytest.fixture
+def begun(jausml, mower, drawn, tmp_path_factory):
+    """Makes the case with which a test begins, with evidence; returns it as JSON."""
+
+    def make(*evidence):
+        rests = tuple((each.name, each.read_bytes()) for each in (mower, *evidence))
+        if rests in drawn:
+            shutil.copytree(drawn[rests], "case")
+            return json.loads(Path("case/case.json").read_text(encoding="utf-8"))
+        case = made(jausml, mower, *(word for each in evidence for word in ("--evidence", each)))
+        drawn[rests] = shutil.copytree("case", tmp_path_factory.mktemp("drawn") / "case")
+        return case
+
+    return make
+
+
 def found(jausml, model, *options):
     """Returns a case without its pictures."""
     result = jausml("case", model, "--format", "json", *options)
@@ -59,8 +81,8 @@ def goal(case, identifier):
     return next(each for each in goals if each["id"] == identifier)
 
 
-def test_a_folder_with_document_json_and_pictures(jausml, mower):
-    case = made(jausml, mower)
+def test_a_folder_with_document_json_and_pictures(jausml, mower, begun):
+    case = begun()
     names = {each.name for each in Path("case").iterdir()}
     ids = [each["id"] for each in case["hazards"]]
     expected = {"case.html", "case.json", "case.svg", *(f"case-{each}.svg" for each in ids)}
@@ -76,6 +98,7 @@ def test_a_folder_with_document_json_and_pictures(jausml, mower):
     assert before == {each.name: each.read_bytes() for each in Path("case").iterdir()}
 
 
+@pytest.mark.slow
 def test_shapes_of_the_notation(jausml):
     page = jausml("case", CAR).stdout
     assert page.count('class="undeveloped"') > page.count(">Undeveloped: ") > 0
@@ -84,6 +107,7 @@ def test_shapes_of_the_notation(jausml):
     assert "Reason that a person gave: the wheels stay as they are" in page
 
 
+@pytest.mark.slow
 def test_json_without_a_folder(jausml):
     case = json.loads(jausml("case", CAR, "--format", "json").stdout)
     assert case["system"] == "catvehicle"
@@ -116,9 +140,9 @@ def test_a_model_that_cannot_be_read_has_no_case(jausml, tmp_path):
     assert not (tmp_path / "case").exists()
 
 
-def test_evidence_is_named_by_link_and_digest(jausml, mower):
+def test_evidence_is_named_by_link_and_digest(jausml, mower, begun):
     file = proof(mower)
-    case = made(jausml, mower, "--evidence", file)
+    case = begun(file)
     assert case["evidence"][1] == {
         "id": "E1",
         "kind": "proof",
@@ -133,6 +157,7 @@ def test_evidence_is_named_by_link_and_digest(jausml, mower):
     assert made(jausml, mower) == case  # the case knows its evidence
 
 
+@pytest.mark.slow
 def test_paths_that_are_no_text(jausml, mower):
     file = proof(mower).rename(mower.with_name("p\udcff<b>.json"))
     made(jausml, mower, "--evidence", file)
@@ -142,8 +167,8 @@ def test_paths_that_are_no_text(jausml, mower):
     assert checked(jausml) == (0, "")
 
 
-def test_evidence_against_a_goal(jausml, mower):
-    case = made(jausml, mower, "--evidence", proof(mower, "JML922 Velocity_X is changed"))
+def test_evidence_against_a_goal(mower, begun):
+    case = begun(proof(mower, "JML922 Velocity_X is changed"))
     assert not goal(case, "unit/mower.drive")["supported"]
     page = Path("case/case.html").read_text(encoding="utf-8")
     assert "JML922 Velocity_X is changed" in page
@@ -183,14 +208,14 @@ def checked(jausml):
     return result.exit_code, result.stderr
 
 
-def test_a_case_that_holds_passes(jausml, mower):
-    made(jausml, mower, "--evidence", proof(mower))
+def test_a_case_that_holds_passes(jausml, mower, begun):
+    begun(proof(mower))
     assert checked(jausml) == (0, "")
 
 
-def test_lost_evidence_fails(jausml, mower):
+def test_lost_evidence_fails(jausml, mower, begun):
     file = proof(mower)
-    made(jausml, mower, "--evidence", file)
+    begun(file)
     file.unlink()
     status, told = checked(jausml)
     assert status == 1
@@ -199,8 +224,8 @@ def test_lost_evidence_fails(jausml, mower):
     assert f"case/case.json:{line}:1: error: JML941 evidence ../proof.json is not there" in told
 
 
-def test_other_evidence_fails(jausml, mower):
-    made(jausml, mower, "--evidence", proof(mower))
+def test_other_evidence_fails(jausml, mower, begun):
+    begun(proof(mower))
     proof(mower, "JML922 Velocity_X is changed")
     status, told = checked(jausml)
     assert status == 1
@@ -208,16 +233,16 @@ def test_other_evidence_fails(jausml, mower):
     assert "JML943 Upon wrong unit, sign or frame, a rule or a test of mower.drive" in told
 
 
-def test_a_changed_model_makes_evidence_stale(jausml, mower):
-    made(jausml, mower, "--evidence", proof(mower))
+def test_a_changed_model_makes_evidence_stale(jausml, mower, begun):
+    begun(proof(mower))
     mower.write_text(f"{mower.read_text(encoding='utf-8')}\n// changed\n", encoding="utf-8")
     status, told = checked(jausml)
     assert status == 1
     assert "JML942 evidence ../proof.json is of another version of the model" in told
 
 
-def test_a_lost_answer_fails_where_the_element_stands(jausml, mower):
-    made(jausml, mower)
+def test_a_lost_answer_fails_where_the_element_stands(jausml, mower, begun):
+    begun()
     text = mower.read_text(encoding="utf-8").replace("controlTimeout: 3", "guardian: false")
     mower.write_text(text, encoding="utf-8")
     status, told = checked(jausml)
@@ -228,8 +253,8 @@ def test_a_lost_answer_fails_where_the_element_stands(jausml, mower):
     assert "no guardian with a stop" in told
 
 
-def test_a_lost_element_fails(jausml, mower):
-    made(jausml, mower)
+def test_a_lost_element_fails(jausml, mower, begun):
+    begun()
     text = mower.read_text(encoding="utf-8")
     mower.write_text(text.replace("connection drive", "connection steer"), encoding="utf-8")
     assert (
@@ -237,16 +262,16 @@ def test_a_lost_element_fails(jausml, mower):
     )
 
 
-def test_a_case_out_of_date_fails(jausml, mower):
-    made(jausml, mower)
+def test_a_case_out_of_date_fails(jausml, mower, begun):
+    begun()
     mower.write_text(f"{mower.read_text(encoding='utf-8')}\n// changed\n", encoding="utf-8")
     status, told = checked(jausml)
     assert status == 1
     assert "case/case.json:1:1: error: JML944 the case is not what is found now" in told
 
 
-def test_a_document_that_was_filled_in_stays(jausml, mower):
-    made(jausml, mower)
+def test_a_document_that_was_filled_in_stays(jausml, mower, begun):
+    begun()
     page = Path("case/case.html")
     signed = page.read_text(encoding="utf-8").replace("name <span></span>", "name Ada", 1)
     page.write_text(signed, encoding="utf-8")

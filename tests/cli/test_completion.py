@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 from terminal import at_terminal
 
 from jausml.cli.shared.options import SHELLS
@@ -62,6 +63,7 @@ def test_bash_completes(jausml, folder):
 
 
 @pytest.mark.needs("zsh")
+@pytest.mark.slow
 def test_zsh_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "zsh").stdout, encoding="utf-8")
     zsh = ("zsh", "-f", "-i")
@@ -71,6 +73,7 @@ def test_zsh_completes(jausml, folder):
 
 
 @pytest.mark.needs("fish")
+@pytest.mark.slow
 def test_fish_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "fish").stdout, encoding="utf-8")
     lines = [f"complete -C '{typed}'" for typed in TYPED]
@@ -152,7 +155,7 @@ def test_names_follow_the_models(offered):
     assert offered("jausml show message SetWi") == (["SetWinding"], True)
 
 
-@pytest.mark.parametrize("kept", ["", "[]", '{"state": 1}', "\0"])
+@pytest.mark.parametrize("kept", sweep(["[]", "", '{"state": 1}', "\0"], every=4))
 def test_names_are_read_again_where_they_cannot_be_kept(offered, kept):
     offered("jausml show message SetWi")
     (file,) = (offered.cache / "jausml").iterdir()
@@ -163,11 +166,13 @@ def test_names_are_read_again_where_they_cannot_be_kept(offered, kept):
     assert offered("jausml show message SetWi") == (["SetWinch"], True)
 
 
+@pytest.mark.slow
 def test_a_model_with_errors_takes_nothing_from_completion(offered):
     (offered.folder / "broken.ros2jaus").write_text("service_set { service", encoding="utf-8")
     assert offered("jausml show message SetWi") == (["SetWinch"], True)
 
 
+@pytest.mark.slow
 def test_models_that_are_named_are_known(offered, tmp_path):
     model = str(offered.folder / "winch.ros2jaus")
     line = f"jausml show message --model {model} SetWi"

@@ -381,6 +381,7 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 def test_runs_at_once_wait_for_each_other():
     """All end well, and the tree is that of one run."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -10,6 +11,7 @@ from datetime import date, timedelta
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.cli.shared.options import REPORT_FORMATS
 from jausml.language.model import answers, cache
@@ -83,15 +85,16 @@ def told_twice(asked, *arguments):
     return was_new and not is_new
 
 
-@pytest.mark.parametrize("output_format", REPORT_FORMATS)
+@pytest.mark.parametrize("output_format", sweep(REPORT_FORMATS, every=5))
 def test_findings_of_examples_are_told_again_in_each_format(output_format, asked):
     assert told_twice(asked, "validate", MODELS / "examples", "--format", output_format)
 
 
-@pytest.mark.parametrize("output_format", REPORT_FORMATS)
-@pytest.mark.parametrize("text", BROKEN.values(), ids=BROKEN)
+@pytest.mark.parametrize(
+    ("text", "output_format"), sweep(itertools.product(BROKEN, REPORT_FORMATS), every=6)
+)
 def test_faults_are_told_again_in_each_format(text, output_format, asked):
-    Path("bad.ros2jaus").write_bytes(text.encode("utf-8", "surrogateescape"))
+    Path("bad.ros2jaus").write_bytes(BROKEN[text].encode("utf-8", "surrogateescape"))
     Path("bad.xmi").write_text("<a><b></a>", encoding="utf-8")
 
     assert told_twice(asked, "validate", ".", "--strict", "--format", output_format)
@@ -141,7 +144,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+@pytest.mark.parametrize("change", sweep(CHANGES, every=3))
 def test_what_changes_on_the_disk_is_looked_at_anew(change, asked):
     write("second.ros2jaus", TEXT.replace("robot", "second").replace("100.1.2", "100.1.3"))
     write("lost.xmi", LOST.format(href="gone.xmi#//@serviceSets.0/@services.0"))
@@ -152,7 +155,7 @@ def test_what_changes_on_the_disk_is_looked_at_anew(change, asked):
     write("lib/jaus/core-1.1.xmi", SERVICE.read_text("utf-8").replace("Transport", "Other", 1))
     assert told_twice(asked, "validate", ".")
 
-    change()
+    CHANGES[change]()
 
     expected, is_new = asked("validate", ".")
     assert is_new
@@ -250,6 +253,7 @@ def test_a_baseline_counts(asked, jausml):
 
 
 def test_the_program_counts(asked, monkeypatch):
+    monkeypatch.setattr(answers, "tool", cache.tool.__wrapped__)  # each run is a process
     assert (asked("validate", WARNING)[1], asked("validate", WARNING)[1]) == (True, False)
     rule, read = Path(engine.__file__), Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b"\n" * (path == rule))
@@ -321,6 +325,7 @@ def test_too_large_an_answer_is_not_believed(asked, folders, monkeypatch):
     assert asked("validate", WARNING)[1]
 
 
+@pytest.mark.slow
 def test_two_at_once_leave_one_whole_answer(folders):
     command = [sys.executable, "-m", "jausml", "validate", WARNING]
     both = [subprocess.Popen(command, stderr=subprocess.PIPE) for _ in range(2)]
@@ -402,11 +407,11 @@ CHANGED = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGED.values(), ids=CHANGED)
+@pytest.mark.parametrize("change", sweep(CHANGED, every=3))
 def test_what_changes_in_a_workspace_is_generated_anew(change, asked):
     asked(*GENERATE)
     assert not asked(*GENERATE)[1]
-    change()
+    CHANGED[change]()
     assert asked(*GENERATE)[1]
 
 

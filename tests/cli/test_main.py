@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 import pytest
+from sweeps import sweep
 
 from jausml.cli import VERBS, main
 from jausml.language.validation import engine
@@ -63,7 +64,11 @@ def test_lists_of_what_is_known_are_what_the_rules_and_the_library_have():
 
 
 @pytest.mark.parametrize(
-    "words", [["show", "message", "SetVelocityCommand"], ["list", "services"], ["decode", "0220"]]
+    "words",
+    sweep(
+        [["show", "message", "SetVelocityCommand"], ["list", "services"], ["decode", "0220"]],
+        every=3,
+    ),
 )
 def test_looking_up_messages_loads_neither_runtime_nor_text(words):
     code = (

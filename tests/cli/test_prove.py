@@ -50,6 +50,7 @@ def model(tmp_path, monkeypatch):
     return path
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_map_that_is_sound(jausml, model):
     result = jausml("prove", model, "--only", "sound", "--jobs", "1")
@@ -103,6 +104,7 @@ def test_findings_pages_and_what_is_kept(jausml, model, tmp_path, monkeypatch):
     assert [bool(each["error"]) for each in json.loads(both.stdout)["maps"]] == [True, True]
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.timeout(300)
 @pytest.mark.usefixtures("model")  # nothing is known

@@ -25,6 +25,7 @@ def workspace(folder, jausml, model_text):
     return folder / "out"
 
 
+@pytest.mark.slow
 def test_component_and_bridge_start_and_stop(workspace):
     environment = {
         **os.environ,

@@ -123,6 +123,7 @@ def test_a_project_is_found_where_an_option_says(jausml, folder, model_text):
         assert f"'{wrong}' is not NAME=DIR" in result.stderr
 
 
+@pytest.mark.slow
 def test_same_bytes_in_every_process(folder):
     (folder / "bad.xmi").write_text(
         (folder / "bad.xmi").read_text().replace("Velocity_X", "V").replace("10.1.2", "10.1.1")
@@ -158,7 +159,7 @@ def test_what_is_no_model_is_a_problem_with_a_place(jausml, folder, content):
 
 
 @settings(
-    max_examples=60,
+    max_examples=15,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

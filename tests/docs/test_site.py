@@ -47,6 +47,7 @@ def test_a_warning_ends_the_build(tmp_path, monkeypatch):
         build_site.build(tmp_path / "site", "1.0.0")
 
 
+@pytest.mark.slow
 def test_the_site_is_built_without_a_warning(tmp_path):
     """One test, as the build takes seconds: versions, what comes along, search, other servers."""
     (tmp_path / "0.0.9").mkdir()

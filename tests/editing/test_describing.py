@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.authoring.editing.commands import Create, EditError, Move
 from jausml.authoring.editing.describing import numbered_name
@@ -20,6 +22,8 @@ EXAMPLE = Path(__file__).parents[2] / "models" / "examples" / "catvehicle"
 NAMES = Policy(ignored=frozenset({"name"}))
 NAMES_AND_TABLES = Policy(ignored=frozenset({"name", "table"}))
 FILES = ("catvehicle.xmi", "catvehicle.ros2jaus")
+COPIED = ("vehicle", "velocity_controller", "velocity_state", "onboard")
+COPIES = itertools.product(FILES, FILES, COPIED)
 
 
 @pytest.fixture
@@ -42,10 +46,8 @@ def own(project, file, name):
     return next(each for each in model.root.eAllContents() if getattr(each, "name", "") == name)
 
 
-@pytest.mark.parametrize("target", FILES)
-@pytest.mark.parametrize("source", FILES)
-@pytest.mark.parametrize("name", ["vehicle", "velocity_controller", "velocity_state", "onboard"])
-def test_a_copy_holds_the_same(project, source, target, name):
+@pytest.mark.parametrize(("target", "source", "name"), sweep(COPIES, every=3))
+def test_a_copy_holds_the_same(project, target, source, name):
     model = project.model(source).model
     original = own(project, source, name)
     text = project.copy([project.ref(original, model)])

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_commands import Commands
+from sweeps import sweep
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
@@ -35,7 +36,7 @@ def opened(folder, name):
     return Project(folder)
 
 
-@pytest.mark.parametrize("name", PROJECTS)
+@pytest.mark.parametrize("name", sweep(PROJECTS, every=3))
 @given(seed=st.integers(0, 2**32))
 @settings(max_examples=max(2, settings().max_examples // 25))
 def test_after_random_commands(name, seed):

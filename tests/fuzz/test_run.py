@@ -66,6 +66,7 @@ def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopp
         assert name in done.stdout
 
 
+@pytest.mark.slow
 def test_a_run_can_be_repeated():
     reports = [
         run(

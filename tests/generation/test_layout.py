@@ -99,7 +99,7 @@ def formatted(text: str) -> str:
 
 
 @settings(
-    max_examples=40,
+    max_examples=10,
     deadline=None,
     phases=[Phase.generate],
     suppress_health_check=list(HealthCheck),

@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.generation import generate, load_targets, render, render_again, select
 from jausml.generation import rendering as again
@@ -61,7 +62,9 @@ def model_of(path):
     return check_project([path]).model
 
 
-@pytest.mark.parametrize("name", ["catvehicle/catvehicle.xmi", "examples/fleet/fleet.ros2jaus"])
+@pytest.mark.parametrize(
+    "name", sweep(["catvehicle/catvehicle.xmi", "examples/fleet/fleet.ros2jaus"], every=2)
+)
 def test_what_is_kept_is_what_was_rendered(name, rendered):
     every = select(load_targets()).targets
     expected = render(model_of(MODELS / name), every)
@@ -79,6 +82,7 @@ def test_each_thing_that_files_are_made_of_counts(car, rendered, monkeypatch):
         assert rendered == [each for each in [expected] if each]
         rendered.clear()
 
+    monkeypatch.setattr(again, "tool", cache.tool.__wrapped__)  # as another process reads it
     every = len(targets())
     makes(every)
     makes(0)
@@ -111,6 +115,7 @@ def test_what_cannot_be_told_apart_is_rendered(car, rendered, monkeypatch):
     def unknown(_):
         raise PackageNotFoundError
 
+    monkeypatch.setattr(again, "tool", cache.tool.__wrapped__)
     monkeypatch.setattr(cache, "version", unknown)
     (messages,) = select(load_targets(), ["messages"]).targets
     assert render_again(model_of(car), [messages], HOW) == render(model_of(car), [messages])

@@ -130,6 +130,7 @@ def read_by_python(workspace, *, runs_tests):
         assert done.returncode == 0 or missing, done.stdout
 
 
+@pytest.mark.slow
 def test_neither_mutants_nor_compositions_are_all_refused():
     """Else the property would say nothing: a good part of what is drawn is generated."""
     chosen = random.Random(0).choice

@@ -146,6 +146,7 @@ def made(tmp_path_factory):
     return generated(TEXT, tmp_path_factory.mktemp("lists"), "listed")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made):
     made.check_text()
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import needs
 import pytest
 from codec_support import FieldNames, load, render
+from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
 
 from jausml import generation
@@ -226,8 +227,23 @@ def messages() -> Messages:
     return Messages.read()
 
 
+@pytest.fixture(scope="module", params=sweep(["plain", "watched"], every=2))
+def sanitizers(request: pytest.FixtureRequest, program: str) -> tuple[str, ...]:
+    """Returns the flags of the sanitizers, or none: those take most of what is compiled."""
+    if request.param == "plain":
+        return ()
+    if flags := watched(program):
+        return flags
+    pytest.skip("the compiler has no sanitizers")
+
+
 @pytest.fixture(scope="module")
-def run(program: str, messages: Messages, tmp_path_factory: pytest.TempPathFactory) -> Run:
+def run(
+    program: str,
+    sanitizers: tuple[str, ...],
+    messages: Messages,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Run:
     folder = tmp_path_factory.mktemp("codec_cpp")
     header(folder, messages.view)
     made: dict[str, str] = {}
@@ -273,7 +289,7 @@ def run(program: str, messages: Messages, tmp_path_factory: pytest.TempPathFacto
         "".join(f"{name} {payload.hex()}\n" for (_, payload), name in payloads.items()),
         encoding="utf-8",
     )
-    flags = (*STRICT, *watched(program), f"-I{folder}")
+    flags = (*STRICT, *sanitizers, f"-I{folder}")
     compiled(program, *flags, HERE / "codec_cpp.cpp", "-o", folder / "turn")
     said = subprocess.run(
         [folder / "turn", folder / "payloads"], capture_output=True, text=True, check=False
@@ -345,6 +361,7 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
     assert not [n for n in names if re.fullmatch("[a-z][a-z0-9_]*", n) and cpp_name(n) == n]
 
 
+@pytest.mark.slow
 def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     for each in generation.render(model, [TARGET.for_whole_library()]):

@@ -126,6 +126,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
     return generated(TEXT, tmp_path_factory.mktemp("long_lists"), "long_lists")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made: Generated) -> None:
     made.check_text()
 
@@ -179,7 +180,7 @@ UP_CHANGES = st.lists(
 FRAMES = st.sampled_from(["odom", "", "base_link", "\u00e4" * 9])
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(count=COUNTS, level=st.booleans(), changes=UP_CHANGES, frame=FRAMES)
 def test_paths_to_ros(
     made: Generated, count: int, level: bool, changes: list[Any], frame: str

@@ -285,6 +285,7 @@ print(taken, left)
 
 
 @pytest.mark.needs("sanitizers", "preloaded sanitizer")
+@pytest.mark.slow
 def test_no_bytes_do_what_c_leaves_undefined(made: Generated, tmp_path: Path) -> None:
     program = str(compiler())
     found = subprocess.run(

@@ -28,7 +28,7 @@ from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
 
 GUARDS = ("jausml/generation/contract",)
-EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "2"))
 FOLDER = "boom/boom"
 TARGETS = gen.load_targets()
 CODE = [TARGETS[name] for name in ("jaus_component", "messages")]

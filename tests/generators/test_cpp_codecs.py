@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from codec_support import definitions, shipped_sets
+from sweeps import sweep
 
 from jausml.generation.native import FLAGS, compiler
 from jausml_generators.cpp import jaus_codec
@@ -20,7 +21,7 @@ CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
 
 
 @pytest.mark.needs("compiler")
-@pytest.mark.parametrize("name", shipped_sets())
+@pytest.mark.parametrize("name", sweep(shipped_sets(), every=8))
 def test_messages_compile(name: str, tmp_path: Path) -> None:
     codec = jaus_codec.JausCodec()
     for view in dict.fromkeys(definitions(name).values()):

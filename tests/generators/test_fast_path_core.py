@@ -170,6 +170,7 @@ def test_damaged_datagrams_do_no_harm(program):
     assert passed > 300
 
 
+@pytest.mark.slow
 def test_another_thread_may_stop_it_at_any_time(tmp_path):
     program = built(tmp_path, "-fsanitize=thread")
     sent = [("d", datagram(CODE + bytes(8), 100 + number), 0) for number in range(2000)]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from counting import calls as counted
+from sweeps import sweep
 
 from jausml.generation import load_targets, render, select
 from jausml.language.validation.engine import check_project
@@ -40,7 +41,9 @@ def calls(text, folder, work=rendering):
     return counted(lambda: work(report.model)).total()
 
 
-@pytest.mark.parametrize(("own_maps", "own_frames"), [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize(
+    ("own_maps", "own_frames"), sweep([(True, True), (True, False), (False, False)], every=3)
+)
 def test_generation_is_linear_in_connections(growth, tmp_path, own_maps, own_frames):
     few, more, most = (
         calls(growth.connections(n, own_maps=own_maps, own_frames=own_frames), tmp_path)
@@ -54,11 +57,13 @@ def test_the_list_of_processes_translates_nothing(growth, tmp_path):
     assert many < few + 31
 
 
+@pytest.mark.slow
 def test_generation_is_not_exponential_in_nesting(growth, tmp_path):
     few, more, most = (calls(growth.nested(n), tmp_path) for n in (20, 40, 60))
     assert most - more < 2 * (more - few)
 
 
+@pytest.mark.slow
 def test_generation_is_no_more_than_fields_in_types_that_double(growth, tmp_path):
     few, more = (calls(growth.doubling(n), tmp_path) for n in (8, 9))
     assert more < 2.2 * few

@@ -6,11 +6,13 @@ import inspect
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from sweeps import sweep
 from workspaces import python_path
 
 from jausml.generation import render
@@ -27,6 +29,7 @@ MODEL = HERE / "components.xmi"
 PACKAGES = ["wrench_driver", "operator_jaus", "nothing_at_all"]
 
 
+@cache
 def artifacts() -> list[Artifact]:
     result = read_models([MODEL], project_root=ROOT)
     assert not result.diagnostics, result.diagnostics
@@ -208,12 +211,13 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> No
     run("-m", "ruff", "check", "--select=E,W", *config, ".", cwd=tmp_path, workspace=tmp_path)
 
 
+@pytest.mark.slow
 def test_mypy_finds_nothing(workspace: Path) -> None:
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
     run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
 def test_generated_tests_pass(workspace: Path, package: str) -> None:
     run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
 

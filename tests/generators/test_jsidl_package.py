@@ -128,6 +128,7 @@ BALER = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+@pytest.mark.slow
 def test_a_service_refines_the_states_of_access_control(tmp_path: Path) -> None:
     """Where Management has further states, which the service knows nothing of."""
     (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")

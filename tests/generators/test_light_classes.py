@@ -50,7 +50,7 @@ def types_installed():
     return [name for name, each in library().types.items() if real_class(each) is not None]
 
 
-@for_each("name", types_made, shards=4, slow=True)
+@for_each("name", types_made, shards=16, slow=True)
 @FEW
 @given(data=st.data())
 def test_values_return_from_both_byte_orders_and_their_bytes_are_those_of_rclpy(name, data):
@@ -92,7 +92,7 @@ def test_a_new_message_is_that_of_rclpy(name):
 # ------------------------------------------------------------------ bytes of strangers
 
 
-@for_each("name", types_made, shards=4, slow=True)
+@for_each("name", types_made, shards=16, slow=True)
 @settings(FEW, max_examples=10)
 @given(data=st.data())
 def test_any_bytes_are_a_message_or_an_error(name, data):
@@ -278,6 +278,7 @@ def test_the_module_is_clean(tmp_path):
             assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_module_passes_the_type_checker(tmp_path):
     for number, made in enumerate((library(), extremes())):
         text = made.text.replace("from jausml_runtime.", "from jausml.runtime.")

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import warm
 from codec_support import ROOT
+from sweeps import sweep
 from workspaces import packages_of, python_path
 
 from jausml.generation import render
@@ -108,12 +109,15 @@ def test_generated_tests_drive_the_machines(workspace):
 
 @pytest.mark.parametrize(
     ("right", "wrong", "failure"),
-    [
-        ('target="On.Bright"', 'target="On.Dim"', "'On.Dim' == 'On.Bright'"),
-        ("kind=Kind.PUSH", "kind=Kind.SIMPLE", "== 'On.Dim'"),
-        ("exit=(self.import_,),", "", "== \\('import_',"),
-        ("do=(self.stop_,), ", "", "== \\('"),
-    ],
+    sweep(
+        [
+            ('target="On.Bright"', 'target="On.Dim"', "'On.Dim' == 'On.Bright'"),
+            ("kind=Kind.PUSH", "kind=Kind.SIMPLE", "== 'On.Dim'"),
+            ("exit=(self.import_,),", "", "== \\('import_',"),
+            ("do=(self.stop_,), ", "", "== \\('"),
+        ],
+        every=4,
+    ),
 )
 def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wrong, failure):
     """The ways are worked out from the model, not from the table that they test."""

@@ -132,6 +132,7 @@ def compiled(bridge):
 CODES = {"cells": b"\x11\xd1", "plain": b"\x12\xd1", "shares": b"\x14\xd1"}
 
 
+@pytest.mark.slow
 @given(cells=st.binary(max_size=300), name=st.sampled_from([*CODES]))
 def test_octets_of_jaus_are_the_same_compiled(bridge, compiled, cells, name):
     data = CODES[name] + len(cells).to_bytes(2, "little") + cells

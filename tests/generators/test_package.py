@@ -153,6 +153,7 @@ def test_installation_of_launch_files_and_parameters(workspace, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_installation_of_the_runtime_has_its_subpackages(workspace, tmp_path):
     files = install_as_colcon_does(workspace / "jausml_runtime", tmp_path)
     installed = {
@@ -165,6 +166,7 @@ def test_installation_of_the_runtime_has_its_subpackages(workspace, tmp_path):
     assert "services/events.py" in installed
 
 
+@pytest.mark.slow
 def test_pip_installs_without_a_network(workspace, tmp_path):
     options = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")
     done = run("-m", "pip", "install", "-q", *options, "--target", tmp_path, workspace / "talker")

@@ -38,6 +38,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> str:
     return os.pathsep.join(found)
 
 
+@pytest.mark.slow
 def test_vehicle_and_unit_meet(path: str) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "profiles_meet.py"],

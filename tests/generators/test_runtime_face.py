@@ -9,6 +9,7 @@ import shutil
 from types import ModuleType
 
 import pytest
+from sweeps import sweep
 
 from jausml import generation as gen
 from jausml import runtime
@@ -132,12 +133,18 @@ def talk(tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("version", "remedy"),
-    [
-        ("(1, 0)", None),
-        ("(1, 3)", None),
-        ("(2, 0)", "generate the package anew with the jausml that brought the runtime"),
-        ("(0, 9)", "an older runtime is found first: build and source the newer workspace anew"),
-    ],
+    sweep(
+        [
+            ("(1, 0)", None),
+            ("(1, 3)", None),
+            ("(2, 0)", "generate the package anew with the jausml that brought the runtime"),
+            (
+                "(0, 9)",
+                "an older runtime is found first: build and source the newer workspace anew",
+            ),
+        ],
+        every=2,
+    ),
 )
 def test_another_api_is_refused(talk, tmp_path, version, remedy):
     shutil.copytree(talk / "jausml_runtime", tmp_path / "jausml_runtime")

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.generation.target import system_of
 from jausml.language.model import read_models
@@ -75,7 +76,7 @@ def viewed(text, folder):
     return BridgeView(system_of(model).bridges[0], system_of(model), "shared.ros2jaus")
 
 
-@pytest.mark.parametrize("text", [EVERY_POLICY, MESSAGES_IN_MESSAGES])
+@pytest.mark.parametrize("text", sweep([EVERY_POLICY, MESSAGES_IN_MESSAGES], every=2))
 def test_connections_share_what_each_has_alone(text, tmp_path):
     text, names = multiplied(text)
     whole = viewed(text, tmp_path)

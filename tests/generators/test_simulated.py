@@ -54,6 +54,7 @@ def test_the_component_does_as_it_is_told(workspace: Path) -> None:
     assert "8 passed" in told
 
 
+@pytest.mark.slow
 @pytest.mark.ports
 def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path: Path) -> None:
     robot = generated(HERE / "judged.ros2jaus", tmp_path)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from sweeps import sweep
 from workspaces import python_path
 
 from jausml.generation import render
@@ -84,11 +85,14 @@ def environment(folder: Path) -> dict[str, str]:
 
 @pytest.mark.parametrize(
     ("transport", "expected"),
-    [
-        ("judp", "TransportKind.JUDP 0 1400"),
-        ("jtcp", "TransportKind.JTCP 2 1400"),
-        ("nodeManager", "TransportKind.NODE_MANAGER 0 1400"),
-    ],
+    sweep(
+        [
+            ("judp", "TransportKind.JUDP 0 1400"),
+            ("jtcp", "TransportKind.JTCP 2 1400"),
+            ("nodeManager", "TransportKind.NODE_MANAGER 0 1400"),
+        ],
+        every=3,
+    ),
 )
 def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
     generate(tmp_path, transport)

@@ -111,6 +111,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
     return generated(TEXT, tmp_path_factory.mktemp("whole_lists"), "whole_lists")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made: Generated) -> None:
     made.check_text()
 

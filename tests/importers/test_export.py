@@ -191,6 +191,7 @@ def check_arguments(path):
     assert [each for each in written if not each[2] <= {*each[1]}] == []
 
 
+@pytest.mark.slow
 @for_each("path", [*SETS, OWN])
 def test_no_argument_of_an_exported_transition_is_without_a_type(path):
     model = read_models([path]).model

@@ -395,7 +395,7 @@ def test_each_operation_keeps_its_bounds(operation):
     else:
         text = f"x {operation} y"
 
-    @settings(max_examples=40)
+    @settings(max_examples=12)
     @given(boxes())
     def holds(box):
         test_no_value_lies_outside_its_bounds.hypothesis.inner_test(text, box)

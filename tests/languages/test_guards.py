@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.language.attributes.guards import (
@@ -75,6 +75,7 @@ def test_bounds_hold():
         parse_guard("a" * (LONGEST + 1))
 
 
+@settings(max_examples=max(1, settings().max_examples // 3))
 @given(st.text(max_size=60) | st.text(alphabet="ab.!&|() ,'_1", max_size=40))
 def test_no_text_does_harm(text):
     try:

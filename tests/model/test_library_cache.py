@@ -201,7 +201,7 @@ def test_the_next_reading_walks_nothing_of_the_library(tmp_path, monkeypatch):
     assert found[0] == found[1] != []
 
 
-@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sweep(MODELS, every=6), ids=lambda path: path.name)
 def test_what_an_element_owns_is_of_a_class_that_it_may_own(path):
     model = read(path).model
     class_of = model.metamodels.class_of

@@ -110,7 +110,7 @@ def with_another_value(text, chance, is_xmi):
 
 @pytest.mark.parametrize(
     "path",
-    [*sweep(shipped("*.xmi"), every=6), *sweep(shipped("*.ros2jaus"), every=12)],
+    [*sweep(shipped("*.xmi"), every=4), *sweep(shipped("*.ros2jaus"), every=8)],
     ids=lambda each: each.name,
 )
 def test_after_random_changes_it_is_what_was_read_as_a_whole(path, tmp_path):

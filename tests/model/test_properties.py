@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from reader_support import EMF, ZOO_METAMODELS, Files, zoo
+from sweeps import sweep
 
 from jausml.language.metamodel import FeatureKind, ValueKind, load_metamodels
 from jausml.language.model import READER_RULES
@@ -35,7 +36,7 @@ TEXT = st.text(
     ),
     max_size=8,
 )
-QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+QUICK = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def values(data_type):
@@ -147,7 +148,7 @@ def read(text, metamodels):
 ROOTS = ["jaus.ServiceSet", "ros.InterfacePackage", "ros.Node", "jaus.Component", "system.Host"]
 
 
-@pytest.mark.parametrize("root", ROOTS)
+@pytest.mark.parametrize("root", sweep(ROOTS, every=3))
 @given(data=st.data())
 @QUICK
 def test_written_models_are_read(root, data):
@@ -165,7 +166,7 @@ GOOD = [path.read_bytes() for path in sorted((EMF / "zoo").glob("good_*.xmi"))]
 
 
 @given(st.sampled_from(GOOD), st.data())
-@settings(QUICK, max_examples=300)
+@settings(QUICK, max_examples=100)
 def test_damaged_bytes_never_raise(good, data):
     damaged = bytearray(good)
     for _ in range(data.draw(st.integers(1, 4))):
@@ -184,7 +185,7 @@ PIECES = st.sampled_from(
 
 
 @given(st.sampled_from(GOOD), st.data())
-@settings(QUICK, max_examples=300)
+@settings(QUICK, max_examples=100)
 def test_damaged_text_never_raises(good, data):
     text = good.decode("latin-1")
     for _ in range(data.draw(st.integers(1, 4))):

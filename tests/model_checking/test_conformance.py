@@ -18,7 +18,7 @@ OBEYING = {
 }
 
 
-@pytest.mark.parametrize("subject", sweep(OBEYING, every=3))
+@pytest.mark.parametrize("subject", sweep(OBEYING, every=5))
 def test_a_bridge_that_obeys(subject, run_script):
     happened = run_script("walk.py", subject)
     assert happened["difference"] is None
@@ -43,6 +43,7 @@ def test_a_bridge_and_its_peer(run_script):
     assert 1.0 < happened["longest"] <= happened["bound"]
 
 
+@pytest.mark.slow
 def test_a_stop_that_is_sent_once_is_noticed_by_a_walk(run_script):
     difference = run_script("walk_peer.py", "--once")["difference"]
     assert difference["real"]["moves"]

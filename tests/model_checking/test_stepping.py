@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from sweeps import sweep
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
@@ -107,8 +108,7 @@ def test_a_step_that_is_gone_is_named(winch):
         walked(machine.product, [*READY, Chosen("winch", "RopeCut")])
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("model", [WINCH, LAMP], ids=lambda each: each.stem)
+@pytest.mark.parametrize("model", sweep([WINCH, LAMP], every=2), ids=lambda each: each.stem)
 def test_the_generated_component_goes_random_paths(model, path_of, tmp_path):
     read, machine = stepped(model)
     states = set()

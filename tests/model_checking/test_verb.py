@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from lxml import etree
+from sweeps import sweep
 from workspaces import python_path
 
 from jausml.cli import main
@@ -33,14 +34,17 @@ def run(*words, status):
 
 @pytest.mark.parametrize(
     ("model", "subjects"),
-    [
-        (ROOT / "models" / "catvehicle" / "catvehicle.xmi", 3),
-        (EXAMPLES / "winch" / "winch.xmi", 1),
-        (EXAMPLES / "waypoints" / "waypoints.ros2jaus", 3),
-        (EXAMPLES / "fleet" / "fleet.ros2jaus", 1),
-        (EXAMPLES / "simulator" / "simulator.ros2jaus", 1),
-        (Path(__file__).with_name("rover.ros2jaus"), 6),
-    ],
+    sweep(
+        [
+            (ROOT / "models" / "catvehicle" / "catvehicle.xmi", 3),
+            (EXAMPLES / "winch" / "winch.xmi", 1),
+            (EXAMPLES / "waypoints" / "waypoints.ros2jaus", 3),
+            (EXAMPLES / "fleet" / "fleet.ros2jaus", 1),
+            (EXAMPLES / "simulator" / "simulator.ros2jaus", 1),
+            (Path(__file__).with_name("rover.ros2jaus"), 6),
+        ],
+        every=5,
+    ),
     ids=lambda each: each.stem if isinstance(each, Path) else "",
 )
 def test_examples_hold(model, subjects):

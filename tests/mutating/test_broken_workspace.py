@@ -22,12 +22,27 @@ FILES = {
 }
 
 
-@pytest.fixture
-def workspace(tmp_path):
-    """Returns a workspace whose tests pass."""
-    made = BrokenWorkspace(tmp_path, FILES)
+@pytest.fixture(autouse=True, scope="module")
+def no_plugins():
+    """Loads no plugins for the tests of packages, as in a campaign: it takes long."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+        yield
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    """A folder, and the workspace in it whose tests pass: whatever is replaced comes back."""
+    folder = tmp_path_factory.mktemp("lamp")
+    made = BrokenWorkspace(folder, FILES)
     assert made.sound() == {}
-    return made
+    return folder, made
+
+
+@pytest.fixture
+def workspace(sound):
+    """That workspace."""
+    return sound[1]
 
 
 def noticed(workspace, **changed):
@@ -46,10 +61,11 @@ def test_what_no_test_sees_survives(workspace):
     assert noticed(workspace, code=FILES[CODE].replace("OTHER = 1", "OTHER = 2")) == ""
 
 
-def test_files_are_as_before_afterwards(workspace, tmp_path):
+def test_files_are_as_before_afterwards(sound):
+    folder, workspace = sound
     noticed(workspace, code="VALUE = 2\n", **{"lamp/lamp/more.py": "MORE = 1\n"})
-    assert (tmp_path / CODE).read_text() == FILES[CODE]
-    assert not (tmp_path / "lamp" / "lamp" / "more.py").exists()
+    assert (folder / CODE).read_text() == FILES[CODE]
+    assert not (folder / "lamp" / "lamp" / "more.py").exists()
 
 
 def test_a_file_that_is_gone_is_noticed(workspace):

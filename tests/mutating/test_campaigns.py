@@ -42,22 +42,28 @@ def model(tmp_path):
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
-    needs.ask("rclpy")
-    names = [
-        each for name in ("offset", "stop", "order", "figure of QoS") for each in ("--only", name)
-    ]
-    found = outcomes(model, *names, "-o", tmp_path / "page")
+    pytest.importorskip("rclpy")
+    names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
+    found = outcomes(model, *names, "--jobs", 1, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
     assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
     stop = found["stop", "safeValue: PropulsiveLinearEffortX -> nothing"]
     assert (stop["noticed_by"], stop["by"][:7]) == ("validate", "JML451 ")
-    depths = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
-    assert "test_publishers" in depths[0]["by"]
     # The order of a sign and a factor makes no difference: nothing can notice it.
     order = found["order", "conversions: negate, scale -> scale, negate"]
     assert (order["noticed_by"], order["by"]) == ("nothing", "")
     assert "bridge/bridge/bridge_base.py" in order["files"]
     assert "order: drive/bridge/drive/toJaus[1]" in (tmp_path / "page" / "index.html").read_text()
+
+
+@pytest.mark.live
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_another_depth_of_a_topic_is_noticed(model):
+    pytest.importorskip("rclpy")
+    found = outcomes(model, "--only", "figure of QoS")
+    [depth, *_] = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
+    assert "test_publishers" in depth["by"]
 
 
 def test_survivors_are_named():
@@ -76,6 +82,7 @@ def test_survivors_are_named():
     assert matrix == [["rate", *"........", "1"], ["all", *"..1.....1"]]
 
 
+@pytest.mark.slow
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_a_campaign_is_the_same_again_with_more_processes():
@@ -101,6 +108,7 @@ def test_other_operators_are_refused(model):
     assert "there is no operator 'nobody'; there are sign, factor" in done.output
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(120)
 def test_a_command_of_the_user_notices(model, tmp_path):
     check = tmp_path / "check.py"

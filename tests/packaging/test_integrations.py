@@ -13,6 +13,7 @@ import check_jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
+from sweeps import sweep
 
 from jausml.cli import main
 from jausml.language.model import LIBRARY_URI
@@ -114,7 +115,9 @@ def test_the_action_takes_a_baseline_and_no_command(repository):
     assert not (repository / "hit").exists()
 
 
-@pytest.mark.parametrize("models", ["a folder\nmodels/robot.xmi", "  a folder", "a folder\n\n"])
+@pytest.mark.parametrize(
+    "models", sweep(["a folder\nmodels/robot.xmi", "  a folder", "a folder\n\n"], every=3)
+)
 def test_the_action_looks_at_each_line(models, repository):
     (repository / "a folder").mkdir()
     (repository / "models" / "doubtful.xmi").rename(repository / "a folder" / "doubtful.xmi")

@@ -103,6 +103,7 @@ def walks_of_the_library(path):
                 yield function.lineno
 
 
+@pytest.mark.slow
 def test_nobody_else_looks_into_its_folders():
     files = [each for root in SOURCES for each in root.rglob("*.py")]
     found = {

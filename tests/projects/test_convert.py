@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 IDS = r' xmi:id="\w+"'
 
@@ -66,7 +67,7 @@ TOPICS = ["fix:sensor_msgs/NavSatFix", "imu:sensor_msgs/Imu", "cmd_vel:geometry_
 HELD = ("--hold", "cmd_vel=a watchdog of the motor stops it")
 
 
-@pytest.fixture(params=["xmi", "text"])
+@pytest.fixture(params=sweep(["xmi", "text"], every=2))
 def joined(request, tmp_path, jausml, monkeypatch):
     """The model of a project with a map that joins two topics."""
     made = ("init", "p", "--notation", request.param, "--from", "topics", *TOPICS, "--yes", *HELD)
@@ -93,6 +94,7 @@ def test_joins_go_where_their_maps_go(joined, jausml):
     assert "jausml.org/library/mappings" not in joined.with_name(names[0]).read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_what_would_be_broken_is_not_written(jausml, tmp_path, monkeypatch):
     """A copy of ready maps that somebody changed lacks what the model refers to."""
     monkeypatch.chdir(tmp_path)

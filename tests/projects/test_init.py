@@ -14,6 +14,7 @@ import pytest
 import yaml
 from click.testing import CliRunner
 from lxml import etree
+from sweeps import sweep
 
 from jausml.authoring.editing.project import Project
 from jausml.cli import main
@@ -46,7 +47,7 @@ def test_it_validates(project, notation, origin):
     assert (done.exit_code, done.output) == (0, "no problems in 1 file\n")
 
 
-@pytest.mark.parametrize("notation", ["xmi", "text"])
+@pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
     folder = project("--notation", notation)
     monkeypatch.chdir(folder)
@@ -65,6 +66,7 @@ def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
             assert run(*hook["entry"].split()[1:], model).exit_code == 0
 
 
+@pytest.mark.slow
 def test_the_commands_that_it_names_work(project):
     folder = project()
     readme = (folder / "README.md").read_text(encoding="utf-8")

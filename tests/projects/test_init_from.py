@@ -7,6 +7,7 @@ from pathlib import Path
 import emf_check
 import pytest
 from profiles import decided
+from sweeps import sweep
 
 WINCH = Path(__file__).parents[1] / "importers" / "winch"
 TOPICS = ("--from", "topics", "cmd_vel:geometry_msgs/Twist", "scan:sensor_msgs/LaserScan", "--yes")
@@ -48,12 +49,15 @@ def test_a_robot_for_the_judge_leaves_safety_to_a_person(tmp_path, monkeypatch, 
 
 @pytest.mark.parametrize(
     ("profile", "codes", "asked"),
-    [
-        ("iop-ugv", ["JML498"] * 3 + ["JML451"], "after how much silence the vehicle stops"),
-        ("iop-payload", ["JML498"] * 3, "after how much silence the unit stops"),
-        ("iop-manipulator", ["JML498"] * 4 + ["JML451"], "which joints there are"),
-        ("iop-operator", ["JML498"] * 3, "which authority the unit has over others"),
-    ],
+    sweep(
+        [
+            ("iop-manipulator", ["JML498"] * 4 + ["JML451"], "which joints there are"),
+            ("iop-ugv", ["JML498"] * 3 + ["JML451"], "after how much silence the vehicle stops"),
+            ("iop-payload", ["JML498"] * 3, "after how much silence the unit stops"),
+            ("iop-operator", ["JML498"] * 3, "which authority the unit has over others"),
+        ],
+        every=4,
+    ),
 )
 def test_a_profile_of_iop_leaves_safety_to_a_person(
     tmp_path, monkeypatch, jausml, profile, codes, asked

@@ -100,6 +100,7 @@ def test_the_other_side_commands_and_asks(rover, jausml):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+@pytest.mark.slow
 def test_one_topic_may_have_several_maps(rover, jausml):
     model = rover("xmi")
     word = f"{ODOM}:local_pose,velocity_state"
@@ -204,6 +205,7 @@ def test_what_a_tool_could_have_written_is_no_reason(rover, jausml, hold, says):
     assert model.read_bytes() == before
 
 
+@pytest.mark.slow
 @NOTATION
 def test_a_bridge_gets_further_topics(rover, jausml, notation):
     model = rover(notation)

@@ -147,6 +147,7 @@ def test_goals_of_a_tool_are_for_those_who_say_so(robot, jausml):
     assert name_of(made.element) == "set_end_effector_pose"
 
 
+@pytest.mark.slow
 @NOTATION
 def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     model = robot(notation)

@@ -79,6 +79,7 @@ def test_the_joints_of_a_command_have_no_stop_before_a_person_says_so(rover, jau
     assert "JML451" in found.output
 
 
+@pytest.mark.slow
 def test_its_messages_pass_by_name(rover, jausml, tmp_path):
     needs.ask("rclpy")
     model = rover("text")

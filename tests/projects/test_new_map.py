@@ -235,7 +235,7 @@ def test_a_decision_is_open_until_a_person_removes_it(ears, jausml):
     assert "nothing is open" in jausml("new", "--open").output
 
 
-@pytest.mark.parametrize("output_format", ["text", "json"])
+@pytest.mark.parametrize("output_format", sweep(["text", "json"], every=2))
 def test_what_is_open_is_listed_with_its_place(ears, jausml, output_format):
     model = ears("text")
     assert jausml("new", "map", "own", *COMMAND, "--fill", "--yes").exit_code == 0
@@ -327,6 +327,7 @@ def test_eclipse_opens_it(rover, jausml):
     assert (done.returncode, done.stdout) == (0, "")
 
 
+@pytest.mark.slow
 def test_it_asks_on_a_terminal(ears):
     model = ears("text")
     command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND)
@@ -347,6 +348,7 @@ def test_it_asks_on_a_terminal(ears):
     assert (made.stopRos, made.stopJaus) == (None, None)
 
 
+@pytest.mark.slow
 def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
     model = ears("text")
     command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND, "--fill")

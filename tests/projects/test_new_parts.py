@@ -6,8 +6,9 @@ import re
 
 import emf_check
 import pytest
+from sweeps import sweep
 
-NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])
+NOTATION = pytest.mark.parametrize("notation", sweep(["xmi", "text"], every=2))
 
 
 @NOTATION

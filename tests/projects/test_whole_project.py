@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml import decode, encode
 from jausml.live.messages import UnknownMessageError
@@ -31,7 +32,7 @@ TANKS = (
 )
 
 
-@pytest.fixture(params=["xmi", "text"])
+@pytest.fixture(params=sweep(["text", "xmi"], every=2))
 def notation(request):
     return request.param
 
@@ -128,6 +129,7 @@ def test_outside_of_a_project_a_model_has_to_be_named(tmp_path, jausml, monkeypa
 MESSAGE = json.dumps({"message": "ReportTanks", "fields": {"Level": 50, "State": 1}})
 
 
+@pytest.mark.slow
 def test_messages_of_the_project_are_known_in_it(tanks, jausml, tmp_path, monkeypatch):
     done = jausml("encode", MESSAGE)
     assert done.exit_code == 0, done.output

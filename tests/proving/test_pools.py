@@ -53,6 +53,7 @@ def test_what_is_left_in_folders_is_removed() -> None:
     assert not Path(first).parent.exists()
 
 
+@pytest.mark.slow
 def test_nobody_at_the_address_is_told(tmp_path: Path) -> None:
     done = run("prove", some_maps(tmp_path), "--scheduler", "nonsense://nowhere")
     assert done.returncode == 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import build_proofs
+import pytest
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths
@@ -14,6 +15,7 @@ from jausml.proving.results import FieldResult, MapResult
 GUARDS = ("tools/build_proofs.py", "models/library/mappings")
 
 
+@pytest.mark.slow
 def test_the_page_has_all_ready_maps() -> None:
     text = build_proofs.PAGE.read_text(encoding="utf-8")
     model = check_project(list(map(str, library_paths("mappings")))).model

@@ -146,7 +146,7 @@ def touches(monkeypatch):
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("seed", sweep(range(2), every=2))
 def test_its_verdict_is_that_of_all_rules(start, seed, tmp_path, touches):
-    judged = Judged(STARTS[start], tmp_path, seed).edit(40, touches)
+    judged = Judged(STARTS[start], tmp_path, seed).edit(20, touches)
     assert judged.differing == []
     # Edits that change nothing would prove nothing.
     assert sum(map(bool, judged.touched)) > len(judged.touched) / 3
@@ -179,7 +179,7 @@ def _without_instances(monkeypatch):
 BLIND = (_without_values, _without_lists, _without_is_read, _without_instances)
 
 
-@pytest.mark.parametrize("blind", BLIND, ids=lambda one: one.__name__)
+@pytest.mark.parametrize("blind", sweep(BLIND, every=4), ids=lambda one: one.__name__)
 def test_a_judge_that_notes_less_is_found_out(blind, tmp_path, touches, monkeypatch):
     blind(monkeypatch)
     series = ((seed, start) for seed in range(8) for start in ("groups", "texts", "documents"))

@@ -15,6 +15,7 @@ import stat
 import sys
 import time
 import zlib
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from importlib.resources import files
@@ -70,12 +71,19 @@ def keep(name: str, state: str, content: Any) -> None:
         return  # It is worked out again the next time.
 
 
-def tool() -> Iterator[str]:
-    """Yields what says which program works: versions, and all files of it, as in a checkout.
+@cache
+def tool() -> tuple[str, ...]:
+    """Returns what says which program works: versions, and all files of it, as in a checkout.
+
+    Files that change later are not those of what works in this process.
 
     Raises:
         OSError, PackageNotFoundError: Nobody knows what works.
     """
+    return tuple(_tool())
+
+
+def _tool() -> Iterator[str]:
     yield f"{__version__} {sys.version}"
     yield from map(version, _LIBRARIES)
     for package in _CODE:

@@ -26,7 +26,7 @@ CASES += [(file, layout) for file in FILES if file.stem == "catvehicle" for layo
 
 @pytest.mark.parametrize(
     ("file", "layout"),
-    sweep(dict.fromkeys(CASES), every=6),
+    sweep(dict.fromkeys(CASES), every=12),
     ids=lambda each: getattr(each, "stem", each),
 )
 def test_random_edits(tmp_path, file, layout):

@@ -114,8 +114,7 @@ def is_nan_in(data: bytes) -> bool:
     return "nan" in [*numbers(data)]
 
 
-@pytest.mark.slow
-@for_each(("stem", "each"), to_ros, ids=name, shards=8, slow=True)
+@for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
@@ -144,7 +143,7 @@ def test_to_ros(
         check(connection, method, function, sent, **joins)
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(

@@ -88,6 +88,7 @@ def stop(process: subprocess.Popen[str]) -> str:
     return rest
 
 
+@pytest.mark.slow
 def test_the_operator_leads_the_winch_through_its_states(workspace):
     process = start(workspace)
     seen = read_until(process, "all done")
