@@ -60,6 +60,12 @@ def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkey
     assert result.exit_code == 2
     assert result.output == "Error: pictures need graphviz-pure: pip install 'jausml[diagram]'\n"
     assert not (tmp_path / "x.svg").exists()
+    result = jausml("case", CAR, "-o", tmp_path / "case")
+    assert result.exit_code == 2
+    assert "pictures need graphviz-pure: pip install 'jausml[diagram]'" in result.output
+    result = jausml("studio", "--no-browser", tmp_path)
+    assert result.exit_code == 2
+    assert result.output == "Error: the studio needs graphviz-pure: pip install 'jausml[studio]'\n"
 
 
 @pytest.mark.parametrize(
