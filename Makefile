@@ -8,12 +8,13 @@ BIN := $(ENVIRONMENT)/bin
 READY := $(ENVIRONMENT)/.ready
 
 .PHONY: help demo quick test test-all test-beside test-random coverage live live-each lint format bench docs fuzz emf reference \
-	types release-check faults soak stories experiment mutate proofs studio studio-check wheel clean
+	types release-check fresh faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(READY): pyproject.toml
+	@echo "Making $(ENVIRONMENT) with what jausml, its example and its tests need: about 270 MB are fetched, once."
 	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
 	$(BIN)/python -m pip install --quiet --editable ".[ros$(RELEASE),demo,editor,dev]"
 	# What pip builds from; left here it would hide the installed entry points from `python -m`.
@@ -133,6 +134,10 @@ types: $(READY)  ## write the type stubs of the metamodel classes
 
 release-check: $(READY)  ## check version, changelog, wheel, sdist and the lowest dependency versions
 	$(BIN)/python tools/release_check.py
+
+# FRESH="--systems trixie --only demo" runs a part; it needs root and debootstrap.
+fresh: $(READY)  ## run `make demo` and `make test` on bare systems of Debian, and print a table
+	$(BIN)/python tools/fresh.py $(FRESH)
 
 clean:  ## remove everything that make has made
 	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page studio/node_modules

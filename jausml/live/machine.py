@@ -63,7 +63,7 @@ OLDEST = (3, 10)
 """The oldest Python that is promised; that of ROS 2 Jazzy is 3.12."""
 
 _EXTRAS = (
-    ("diagram", "pygraphviz", "pictures of `jausml diagram`"),
+    ("diagram", "graphviz-pure", "pictures of `jausml diagram`"),
     ("studio", "starlette", "`jausml studio`"),
     ("editor", "pygls", "`jausml language-server`"),
     ("top", "textual", "the view of `jausml top`"),
@@ -81,8 +81,8 @@ def python_checks() -> Iterator[Finding]:
         yield Finding("python", "version", Outcome.ERROR, found, f"use Python {oldest} or newer")
     else:
         yield Finding("python", "version", Outcome.OK, found)
-    for extra, module, purpose in _EXTRAS:
-        if find_spec(module) is None:
+    for extra, package, purpose in _EXTRAS:
+        if not _is_installed(package):
             cure = f"pip install 'jausml[{extra}]'"
             yield Finding("python", extra, Outcome.NOTE, f"{purpose} is not installed", cure)
         elif extra == "studio" and not _PAGE.is_file():
@@ -258,12 +258,13 @@ def distribution() -> str:
     sourced = os.environ.get("ROS_DISTRO")
     if sourced in _DISTRIBUTIONS:
         return sourced
-    return next(filter(_has_wheels, _DISTRIBUTIONS), _DISTRIBUTIONS[0])
+    installed = (each for each in _DISTRIBUTIONS if _is_installed(f"ros-{each}-rclpy"))
+    return next(installed, _DISTRIBUTIONS[0])
 
 
-def _has_wheels(release: str) -> bool:
+def _is_installed(package: str) -> bool:
     try:
-        metadata.distribution(f"ros-{release}-rclpy")
+        metadata.distribution(package)
     except metadata.PackageNotFoundError:
         return False
     return True

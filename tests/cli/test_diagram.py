@@ -53,11 +53,55 @@ def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch
 
 
 def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkeypatch):
-    monkeypatch.setattr(graphviz, "find_spec", lambda _: None)
+    monkeypatch.setattr(graphviz, "program", lambda: None)
     result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
     assert result.exit_code == 2
-    assert result.output == "Error: pictures need pygraphviz: pip install 'jausml[diagram]'\n"
+    assert result.output == "Error: pictures need graphviz-pure: pip install 'jausml[diagram]'\n"
     assert not (tmp_path / "x.svg").exists()
+    result = jausml("case", CAR, "-o", tmp_path / "case")
+    assert result.exit_code == 2
+    assert "pictures need graphviz-pure: pip install 'jausml[diagram]'" in result.output
+    result = jausml("studio", "--no-browser", tmp_path)
+    assert result.exit_code == 2
+    assert result.output == "Error: the studio needs graphviz-pure: pip install 'jausml[studio]'\n"
+
+
+@pytest.mark.parametrize(
+    ("script", "complaint"),
+    [
+        ("exec sleep 60", "Graphviz found no layout within 0.2 s"),
+        ("kill -SEGV $$", "Graphviz failed: exit -11"),
+        ("echo 'out of memory' >&2; exit 1", "Graphviz failed: out of memory"),
+        ("echo '{\"bb\":'", "Graphviz failed: its answer is no JSON"),
+    ],
+)
+def test_an_engine_that_hangs_or_crashes_is_an_error(
+    jausml, tmp_path, monkeypatch, script, complaint
+):
+    engine = tmp_path / "engine"
+    engine.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    engine.chmod(0o755)
+    monkeypatch.setattr(graphviz, "program", lambda: engine)
+    monkeypatch.setattr(graphviz, "LONGEST", 0.2 if "sleep" in script else 60)
+    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    assert (result.exit_code, result.output) == (2, f"Error: {complaint}\n")
+    assert not (tmp_path / "x.svg").exists()
+
+
+def test_an_engine_that_does_not_start_is_an_error(jausml, tmp_path, monkeypatch):
+    engine = tmp_path / "engine"
+    engine.touch(0o644)
+    monkeypatch.setattr(graphviz, "program", lambda: engine)
+    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    assert result.exit_code == 2
+    assert result.output == f"Error: Graphviz does not start: {engine}: Permission denied\n"
+
+
+def test_the_engine_is_found_where_it_is_installed(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    assert graphviz.program().is_file()
+    monkeypatch.setattr(graphviz, "PACKAGE", "no-such-package")
+    assert graphviz.program() is None
 
 
 @pytest.mark.parametrize(

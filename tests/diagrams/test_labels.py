@@ -18,8 +18,6 @@ from jausml.views.diagrams.layout.sheet import samples
 from jausml.views.diagrams.views import graph_of, view_names
 from jausml.views.diagrams.writers import shapes, values
 
-pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
-
 SHIPPED = sorted(
     path.relative_to(MODELS).as_posix()
     for ending in ("*.xmi", "*.ros2jaus")

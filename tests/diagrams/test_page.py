@@ -16,8 +16,6 @@ from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import html
 
-pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
-
 
 class Page(HTMLParser):
     """What a page holds: its tags, its scripts and styles."""

@@ -12,8 +12,6 @@ from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import html
 from jausml.views.diagrams.writers.shapes import width
 
-pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
-
 
 @pytest.fixture(scope="module")
 def car(tmp_path_factory):

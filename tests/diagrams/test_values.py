@@ -22,8 +22,6 @@ from jausml.views.diagrams.layout.sheet import Places, Route
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import values
 
-pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
-
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "25"))
 KINDS = ("component", "bridge", "node")
 

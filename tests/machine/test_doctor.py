@@ -168,6 +168,10 @@ def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     assert {name for topic, name in checks if topic == "python"} == {
         *("version", "diagram", "studio", "editor", "top", "record"),
     }
+    assert checks["python", "diagram"]["verdict"] == "ok"
+    monkeypatch.setattr("jausml.live.machine._is_installed", lambda name: name != "graphviz-pure")
+    _, checks = doctor("--port", free_port())
+    assert checks["python", "diagram"]["cure"] == "pip install 'jausml[diagram]'"
     monkeypatch.setattr("jausml.live.machine._PAGE", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
     assert checks["python", "studio"]["verdict"] == "note"

@@ -24,7 +24,7 @@ from jausml.cli.shared.terminal import remark
 if TYPE_CHECKING:
     from jausml.authoring.studio.operating.unit import Powers
 
-_NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "pygls")
+_NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygls")
 
 
 @click.command("studio")
@@ -108,9 +108,7 @@ def command(
     Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
     or the page is missing), 3 internal error.
     """
-    missing = [each for each in _NEEDED if find_spec(each) is None]
-    if missing:
-        raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
+    _require_extra()
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.serving import PageMissingError, Studio, require_page, serve
@@ -150,6 +148,16 @@ def command(
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
+
+
+def _require_extra() -> None:
+    from jausml.views.diagrams.layout import graphviz
+
+    missing = [each for each in _NEEDED if find_spec(each) is None]
+    if graphviz.program() is None:
+        missing.append(graphviz.PACKAGE)
+    if missing:
+        raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
 
 
 def _powers(operate: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import threading
 from functools import partial
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
@@ -31,7 +30,7 @@ from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
 from jausml.views.diagrams.folding import MOST_SHOWN
-from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.graphviz import Graphviz, program
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
@@ -75,7 +74,7 @@ def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: 
     project = context.project
     extras = {
         "live": True,
-        "graphviz": _has_graphviz(),
+        "graphviz": program() is not None,
         "recordings": context.recordings.given,
     }
     return {
@@ -88,10 +87,6 @@ def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: 
         **log_as_json(project),
         "extras": extras,
     }
-
-
-def _has_graphviz() -> bool:
-    return find_spec("pygraphviz") is not None
 
 
 def _faults(context: StudioContext) -> dict[str, Any]:

@@ -1,16 +1,16 @@
-"""Layout by Graphviz, as pygraphviz brings it: `dot`, on boxes of given sizes.
+"""Layout by Graphviz, as graphviz-pure brings it: `dot`, on boxes of given sizes.
 
-It is told no text, so that no font of the machine has a say.
+It is told no text, so that no font has a say.
 """
 
 from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from dataclasses import replace
-from importlib.util import find_spec
+from importlib import metadata
 from math import dist
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.views.diagrams.graph import nested
@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
     from jausml.views.diagrams.layout.sheet import Box, Line, Point, Sheet
 
-MISSING = "pictures need pygraphviz: pip install 'jausml[diagram]'"
+PACKAGE = "graphviz-pure"
+"""The distribution, and the program that it installs."""
+
+MISSING = f"pictures need {PACKAGE}: pip install 'jausml[diagram]'"
 LONGEST = 120
 """Seconds that a layout may take."""
 
@@ -36,6 +39,16 @@ _FEW_PARTS = 2
 _TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cellpadding="0"'
 
 
+def program() -> Path | None:
+    """Returns the program of the layout as it is installed for this Python; None without it."""
+    try:
+        files = metadata.files(PACKAGE) or ()
+    except metadata.PackageNotFoundError:
+        return None
+    places = (Path(str(file.locate())) for file in files if file.stem == PACKAGE)
+    return next((place for place in places if place.is_file()), None)
+
+
 class Graphviz:
     """An engine that runs `dot` in a process of its own."""
 
@@ -43,10 +56,8 @@ class Graphviz:
         """Returns where everything stands; what needs no search is placed without Graphviz."""
         if can_face(sheet):
             return cleared(sheet, face(sheet))
-        if find_spec("pygraphviz") is None:
-            raise LayoutError(MISSING)
         parts = [sheet] if sheet.packed else _parts(sheet)
-        found = json.loads(_run(json.dumps(["\n".join(_graph(each)) for each in parts])))
+        found = _run("\n".join(line for part in parts for line in _graph(part)))
         return cleared(
             sheet,
             _beside(
@@ -55,18 +66,37 @@ class Graphviz:
         )
 
 
-def _run(text: str) -> bytes:
-    command = [sys.executable, "-m", "jausml.views.diagrams.layout.process"]
+def _run(graphs: str) -> list[dict[str, Any]]:
+    """Returns the layouts of graphs, which come one after the other."""
+    dot = program()
+    if dot is None:
+        raise LayoutError(MISSING)
     try:
-        done = subprocess.run(  # noqa: S603 - our own interpreter and module
-            command, input=text.encode(), capture_output=True, timeout=LONGEST, check=False
+        done = subprocess.run(  # noqa: S603 - what the package has installed
+            [dot, "-Kdot", "-Tjson0"],
+            input=graphs.encode(),
+            capture_output=True,
+            timeout=LONGEST,
+            check=False,
         )
     except subprocess.TimeoutExpired as error:
         raise LayoutError(f"Graphviz found no layout within {LONGEST} s") from error
+    except OSError as error:
+        raise LayoutError(f"Graphviz does not start: {dot}: {error.strerror}") from error
     if done.returncode or not done.stdout:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         raise LayoutError(f"Graphviz failed: {lines[-1] if lines else f'exit {done.returncode}'}")
-    return done.stdout
+    try:
+        return list(_layouts(done.stdout.decode()))
+    except ValueError as error:
+        raise LayoutError("Graphviz failed: its answer is no JSON") from error
+
+
+def _layouts(text: str) -> Iterator[dict[str, Any]]:
+    decoder, end = json.JSONDecoder(), 0
+    while (begin := text.find("{", end)) >= 0:
+        layout, end = decoder.raw_decode(text, begin)
+        yield layout
 
 
 def _graph(sheet: Sheet) -> Iterator[str]:
