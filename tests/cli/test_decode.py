@@ -219,6 +219,7 @@ def test_a_folder_is_no_file(jausml, tmp_path):
     assert jausml("decode", "").exit_code == 0
 
 
+@pytest.mark.slow
 def test_own_models(jausml, tmp_path):
     (tmp_path / "own.xmi").write_text(
         """<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

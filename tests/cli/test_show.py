@@ -222,6 +222,7 @@ def test_what_is_unknown_is_told_with_what_is_similar(words, error, jausml):
     assert error in result.stderr
 
 
+@pytest.mark.slow
 def test_a_model_with_errors_shows_none(jausml, tmp_path):
     (tmp_path / "bad.ros2jaus").write_text("map {")
     for words in (("show", "map", "x"), ("show", "message", "x"), ("list", "maps")):

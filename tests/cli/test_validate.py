@@ -140,6 +140,7 @@ def test_same_bytes_in_every_process(folder):
     assert b"JML302" in outputs.pop()
 
 
+@pytest.mark.slow
 def test_exit_status_of_the_process():
     def status(*arguments):
         command = [sys.executable, "-m", "jausml", "validate", *arguments]

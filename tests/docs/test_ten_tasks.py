@@ -53,6 +53,7 @@ def test_lines_are_not_longer_than_others():
             compile(code, tool, "exec")
 
 
+@pytest.mark.slow
 @pytest.mark.live
 def test_the_snippets_of_jausml_run(tmp_path):
     (tmp_path / "drive.pcap").write_bytes(capture(bytes.fromhex(QUERY_STATUS)))

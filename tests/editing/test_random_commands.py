@@ -93,6 +93,7 @@ CANONICAL = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sweep(CANONICAL, every=5), ids=str)
 @given(seed=st.integers(0, 2**32))
 @settings(max_examples=max(1, settings().max_examples // 10))

@@ -8,6 +8,7 @@ from pathlib import Path
 import needs
 import pytest
 import yaml
+from sweeps import sweep
 
 from jausml.generation import render
 from jausml.language.metamodel.classes import bridge, ros
@@ -351,7 +352,7 @@ rclpy.shutdown()
 
 
 @pytest.mark.live
-@pytest.mark.parametrize("name", ["everything", "Odometry"])
+@pytest.mark.parametrize("name", sweep(["everything", "Odometry"], every=2))
 def test_rclpy_accepts_the_parameter_file(name, tmp_path):
     needs.ask("rclpy")
     write("features", tmp_path)

@@ -18,6 +18,7 @@ from codec_support import codec, definitions, library, listed_definitions, shipp
 from for_each import for_each
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from sweeps import sweep
 
 from jausml.runtime.wire.message import DecodeError, EncodeError, optional_fields
 from jausml_generators.python.codec.examples import example_bytes
@@ -148,7 +149,7 @@ def has_counts(view: Any) -> bool:
     return any(member.value.kind in ("list", "blob") for member in members)
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@pytest.mark.parametrize("set_name", sweep(shipped_sets(), every=4))
 def test_examples_hold_the_codec_to_the_layout(set_name: str) -> None:
     for view, cls in classes(set_name):
         data = example_bytes(view)

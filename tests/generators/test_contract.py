@@ -459,6 +459,7 @@ def jausml(*words: object):
     return CliRunner().invoke(main, [str(each) for each in words])
 
 
+@pytest.mark.slow
 def test_a_component_whose_service_is_gone_fails_the_check(tmp_path):
     """What the skeleton itself imports: an ImportError at the start, and once a green check."""
     model, out = tmp_path / "v.ros2jaus", tmp_path / "ws"

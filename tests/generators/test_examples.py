@@ -47,7 +47,7 @@ warn_return_any = false
 """
 
 
-@pytest.fixture(scope="module", params=sweep(EXAMPLES, every=4))
+@pytest.fixture(scope="module", params=sweep(EXAMPLES, every=8))
 def workspace(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Generates an example, around its skeletons where it has any."""
     source = ROOT / "models" / request.param

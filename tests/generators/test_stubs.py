@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 from click.testing import CliRunner
+from sweeps import sweep
 
 from jausml.cli import main
 
 METHODS = ("on_set_velocity_command", "on_set_acceleration_limit")
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", sweep(METHODS, every=2))
 def test_a_stub_can_be_pasted_over_the_method_of_the_skeleton(tmp_path, method):
     model, out = tmp_path / "car.ros2jaus", tmp_path / "src"
     model.write_text("component car { address: 100.1.2  provides: VelocityStateDriver }")

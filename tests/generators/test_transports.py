@@ -124,6 +124,7 @@ def test_the_launch_files_pass_it_on(tmp_path):
     assert '["--jaus-transport=", LaunchConfiguration("jaus_transport")],' in text
 
 
+@pytest.mark.slow
 def test_generated_processes_of_two_hosts_talk_over_tcp(tmp_path):
     generate(tmp_path, "jtcp", free_port(), free_port())
     processes = [

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from lupa import lua52, lua54
+from sweeps import sweep
 
 from jausml import generation
 from jausml.generation.artifact import has_valid_header
@@ -194,7 +195,7 @@ def test_the_file_is_lua_with_a_header_and_the_same_each_time(example):
 
 
 @pytest.mark.parametrize("lua", [lua52, lua54], ids=["5.2", "5.4"])
-@pytest.mark.parametrize("whole_library", [False, True], ids=["used", "all"])
+@pytest.mark.parametrize("whole_library", sweep([False, True], every=2), ids=["used", "all"])
 def test_the_languages_of_old_and_new_wireshark_read_it(example, lua, whole_library):
     artifact = render(example, TARGET.for_whole_library() if whole_library else TARGET)
     load = lua.LuaRuntime(unpack_returned_tuples=True).globals().load

@@ -64,7 +64,7 @@ def cache():
     return LibraryCache()
 
 
-@pytest.mark.parametrize("path", sweep(MODELS, every=4), ids=lambda each: each.name)
+@pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=lambda each: each.name)
 def test_a_model_is_the_same_whoever_has_read_the_library(path, cache):
     alone, first, again = read(path), read(path, cache), read(path, cache)
     assert outline(first) == outline(alone)

@@ -157,6 +157,7 @@ def test_no_model(tmp_path):
     assert "No such file" in done.output
 
 
+@pytest.mark.slow
 def test_maps_alone_generate_nothing(tmp_path):
     path = tmp_path / "maps.ros2jaus"
     path.write_text(

@@ -129,13 +129,16 @@ def test_the_action_looks_at_each_line(models, repository):
 
 @pytest.mark.parametrize(
     "given",
-    [
-        {"models": "--help"},
-        {"models": "models\nnowhere"},
-        {"models": "models", "strict": "yes"},
-        {"models": "models", "upload": "True\n::notice::"},
-        {"models": "models", "sarif": "nowhere/jausml.sarif"},
-    ],
+    sweep(
+        [
+            {"models": "--help"},
+            {"models": "models\nnowhere"},
+            {"models": "models", "strict": "yes"},
+            {"models": "models", "upload": "True\n::notice::"},
+            {"models": "models", "sarif": "nowhere/jausml.sarif"},
+        ],
+        every=3,
+    ),
     ids=lambda given: next(reversed(given)),
 )
 def test_the_action_fails_at_what_it_cannot_mean(given, repository):
@@ -164,6 +167,7 @@ def test_the_workflow_gives_the_permission_that_the_upload_needs():
 EXAMPLES = ("github-workflow.yml", "gitlab-ci.yml", "azure-pipelines.yml")
 
 
+@pytest.mark.slow
 def test_the_commands_of_the_examples_run(repository):
     """Those that several have are run once."""
     texts = {each: (FOLDER / each).read_text(encoding="utf-8") for each in EXAMPLES}

@@ -80,6 +80,7 @@ def joined(request, tmp_path, jausml, monkeypatch):
     return model
 
 
+@pytest.mark.slow
 def test_joins_go_where_their_maps_go(joined, jausml):
     """Both ways, and back again."""
     endings = [".xmi", ".ros2jaus"] * 2

@@ -302,6 +302,7 @@ def test_bad_names_change_nothing(rover, jausml, name, told):
     assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
 
 
+@pytest.mark.slow
 def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
     monkeypatch.chdir(tmp_path)
     (tmp_path / ".git").mkdir()

@@ -193,6 +193,7 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     sound(jausml, model)
 
 
+@pytest.mark.slow
 @NOTATION
 def test_goals_of_an_operator_need_a_speed_that_a_person_states(robot, jausml, notation):
     model = robot(notation)

@@ -6,6 +6,7 @@ import emf_check
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sweeps import sweep
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.message_words import KINDS, message_of_words
@@ -242,7 +243,7 @@ def test_bad_words_change_nothing(water, jausml, words, told):
     assert model.read_bytes() == before
 
 
-@pytest.mark.parametrize("suffix", ["xmi", "ros2jaus"])
+@pytest.mark.parametrize("suffix", sweep(["xmi", "ros2jaus"], every=2))
 def test_a_file_of_services_has_no_system(rover, jausml, suffix):
     """A second system would have each further verb ask which one is meant."""
     rover("xmi")

@@ -160,6 +160,7 @@ def test_the_python_interface_knows_them_too(tanks, jausml, tmp_path, monkeypatc
     assert encode("ReportTanks", {"Level": 50, "State": 1}, models=str(tanks)) == payload
 
 
+@pytest.mark.slow
 def test_a_broken_model_beside_it_hides_no_other_messages(tanks, jausml):
     broken = tanks.with_name("broken.ros2jaus")
     broken.write_text("service Broken {{{\n", encoding="utf-8")
@@ -169,6 +170,7 @@ def test_a_broken_model_beside_it_hides_no_other_messages(tanks, jausml):
     assert jausml("validate").exit_code == 1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("tanks")
 def test_an_own_package_is_looked_for_on_this_machine(jausml):
     done = jausml("doctor", "--format", "json")

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 from jausml.language.validation.engine import check_project
 from jausml.safety_case.argument import safety_case
@@ -86,18 +87,26 @@ def test_without_its_answer_a_goal_is_undeveloped(mower, tmp_path, goal, old, ne
 
 @pytest.mark.parametrize(
     ("model", "goal", "old", "new"),
-    [
-        (CAR, "operator/bridge.speed_command", 'silenceTimeout="0.5"', 'silenceTimeout="0"'),
-        (CAR, "preemption/bridge.cruise_speed", SAFE_VALUE, ""),
-        (CAR, "crash/bridge.cruise_speed", ' controlTimeout="2"', ' guardian="false"'),
-        (CAR, "foreign/bridge.cruise_speed", 'peers="operator_control_unit"', ""),
-        (CAR, "stale/bridge.estimated_pose", 'freshness="1.0"', ""),
-        (WINCH, "link/winch", 'controlTimeout="2"', 'controlTimeout="0"'),
-        (WINCH, "sensor/winch_operator.winch_state", 'silenceTimeout="1.0"', ""),
-        (WAYPOINTS, "link/waypoint_vehicle.travel_speed", "controlTimeout: 5", "controlTimeout: 0"),
-        (WAYPOINTS, "operator/waypoint_vehicle.global_waypoint", "onSilence: hold", ""),
-        (WAYPOINTS, "crash/waypoint_vehicle.travel_speed", "frequency: 10", "guardian: false"),
-    ],
+    sweep(
+        [
+            (CAR, "operator/bridge.speed_command", 'silenceTimeout="0.5"', 'silenceTimeout="0"'),
+            (CAR, "preemption/bridge.cruise_speed", SAFE_VALUE, ""),
+            (CAR, "crash/bridge.cruise_speed", ' controlTimeout="2"', ' guardian="false"'),
+            (CAR, "foreign/bridge.cruise_speed", 'peers="operator_control_unit"', ""),
+            (CAR, "stale/bridge.estimated_pose", 'freshness="1.0"', ""),
+            (WINCH, "link/winch", 'controlTimeout="2"', 'controlTimeout="0"'),
+            (WINCH, "sensor/winch_operator.winch_state", 'silenceTimeout="1.0"', ""),
+            (
+                WAYPOINTS,
+                "link/waypoint_vehicle.travel_speed",
+                "controlTimeout: 5",
+                "controlTimeout: 0",
+            ),
+            (WAYPOINTS, "operator/waypoint_vehicle.global_waypoint", "onSilence: hold", ""),
+            (WAYPOINTS, "crash/waypoint_vehicle.travel_speed", "frequency: 10", "guardian: false"),
+        ],
+        every=3,
+    ),
 )
 def test_answers_of_the_examples_can_be_lost(tmp_path, model, goal, old, new):
     assert goals(model)[goal].supported

@@ -12,7 +12,7 @@ from functools import partial
 import conversions_another_way as another_way
 import pytest
 from for_each import for_each
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sources import ROOT, modules_below
 
@@ -21,6 +21,8 @@ from jausml.language.metamodel import documentation, load_metamodels
 from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, Effect, NoValueError
 from jausml.language.semantics.conversions.authored import Formula
 from jausml.runtime import conversions as runtime
+
+FEWER = settings(max_examples=max(1, settings().max_examples // 3))
 
 GUARDS = (
     "metamodels/bridge.ecore",
@@ -253,6 +255,7 @@ def is_steep(conversion, values):
 
 
 @pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in CALLED])
+@FEWER
 @given(data=st.data())
 def test_both_compute_the_same(conversion, data):
     values = data.draw(inputs_of(conversion))
@@ -389,6 +392,7 @@ NUMERIC = [each for each in CALLED if set(each.inputs) == {"number"} and not eac
 
 
 @pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in NUMERIC])
+@FEWER
 @given(data=st.data())
 def test_results_lie_in_the_range(conversion, data):
     values = data.draw(inputs_of(conversion))
@@ -422,6 +426,7 @@ UNDONE = [each for each in CALLED if each.inverse and not each.needs_clock]
 
 
 @pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in UNDONE])
+@FEWER
 @given(data=st.data())
 def test_the_inverse_leads_back(conversion, data):
     inverse = CONVERSIONS[conversion.inverse]

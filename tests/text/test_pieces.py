@@ -206,7 +206,7 @@ def test_an_error_within_brackets_has_no_other_piece_parsed(wrong):
         assert found.is_apart
 
 
-@pytest.mark.parametrize("put_in", ["{", "}", "/*", "(", '"'])
+@pytest.mark.parametrize("put_in", sweep(["{", "}", "/*", "(", '"'], every=5))
 def test_what_is_open_has_little_parsed_and_nothing_once_it_is_closed(put_in):
     text = grown(20, 8)
     pieces = Pieces()
