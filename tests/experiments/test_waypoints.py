@@ -42,7 +42,9 @@ def test_a_list_is_driven_and_an_emergency_stops_it(tmp_path) -> None:
 
 def test_without_a_compiler_there_is_no_drive(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(ExperimentError, match="type support of nav2_msgs needs gcc and g"):
+    with pytest.raises(
+        ExperimentError, match="type support of nav2_msgs cannot be built: apt install g"
+    ):
         stage.run_drives(tmp_path, [drives.SHORT], lambda _: None)
 
 
