@@ -103,6 +103,21 @@ def test_arguments(capsys):
 
 
 @pytest.mark.parametrize(
+    ("script", "minutes", "reason"),
+    [
+        ("echo done", 1, ""),
+        ("echo done; exit 3", 1, "exit status 3"),
+        ("echo done; exec sleep 60", 0.01, "not done within 0.01 minutes"),
+    ],
+)
+def test_a_command_has_a_limit_and_a_log(tmp_path, script, minutes, reason):
+    log = tmp_path / "log"
+    with log.open("wb") as output:
+        found = fresh._reason(["sh", "-c", script], output.fileno(), dict(os.environ), minutes)
+    assert (found, log.read_text(encoding="utf-8")) == (reason, "done\n")
+
+
+@pytest.mark.parametrize(
     ("user", "said"),
     [
         (1000, "make fresh needs root: sudo make fresh\n"),
