@@ -42,7 +42,7 @@ def model(tmp_path):
 @pytest.mark.live
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
     found = outcomes(model, *names, "--jobs", 1, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
@@ -60,7 +60,7 @@ def test_what_notices_a_mutation_is_told(model, tmp_path):
 @pytest.mark.slow
 @pytest.mark.timeout(120)
 def test_another_depth_of_a_topic_is_noticed(model):
-    pytest.importorskip("rclpy")
+    needs.ask("rclpy")
     found = outcomes(model, "--only", "figure of QoS")
     [depth, *_] = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
     assert "test_publishers" in depth["by"]
