@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import socket
+import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -86,6 +89,22 @@ def test_a_port_that_is_held(doctor, kind, name):
     assert status == 0
     assert checks["network", f"{name} {port}"]["verdict"] == "warning"
     assert checks["network", f"{name} {port}"]["text"].startswith("held by")
+
+
+@pytest.mark.needs("setpriv")
+@pytest.mark.skipif(os.geteuid() != 0, reason="root alone gives a capability away")
+def test_a_port_that_others_may_not_have():
+    command = ("setpriv", "--bounding-set=-net_bind_service", sys.executable, "-m", "jausml")
+    arguments = ("doctor", "--port", "80", "--format", "json")
+    done = subprocess.run([*command, *arguments], capture_output=True, text=True)
+    assert done.returncode == 1, done.stderr
+    found = {each["name"]: each for each in json.loads(done.stdout)["checks"]}
+    for name in ("udp port 80", "tcp port 80"):
+        assert found[name]["verdict"] == "error"
+        assert (found[name]["text"], found[name]["cure"]) == (
+            "Permission denied",
+            "take another port by --port",
+        )
 
 
 @pytest.mark.parametrize(("missing", "verdict"), [(-1, "ok"), (0, "ok"), (1, "note")])

@@ -6,7 +6,7 @@ import pytest
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.validation.engine import check_project
-from jausml.mutating.outcomes import Proofs
+from jausml.mutating.outcomes import Proofs, _demanding_map
 
 GUARDS = ("jausml/mutating/outcomes.py",)
 
@@ -35,3 +35,25 @@ def test_a_factor_in_one_direction_is_found(tmp_path):
     path.write_text(MODEL)
     assert proofs.noticed(check_project([path]), used.toRos[0]) == ""
     assert proofs.noticed(report, report.model.root) == ""
+
+
+def test_a_map_of_one_way_without_a_precision_is_not_proved(tmp_path):
+    path = tmp_path / "speed.ros2jaus"
+    path.write_text(
+        """\
+import jaus.mobility
+
+speed {
+    JAUS GlobalWaypointDriver.ReportTravelSpeed
+    ROS ackermann_msgs/AckermannDrive
+    ROS->JAUS ( speed -> Speed )
+}
+"""
+    )
+    report = check_project([path])
+    [used] = report.model.instances(bridge.AttributeMap, library=False)
+    assert _demanding_map(used.toJaus[0]) == ""
+    path.write_text(path.read_text().replace("-> Speed )", "-> Speed { precision: 0.1 } )"))
+    report = check_project([path])
+    [used] = report.model.instances(bridge.AttributeMap, library=False)
+    assert _demanding_map(used.toJaus[0]) == "speed"

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+
 import pytest
+import warm
 
 from jausml.cli.shared import options
 from jausml.live.peers.makes import rover
@@ -39,6 +43,23 @@ def test_it_is_controlled_and_watched(jausml, vehicle):
     assert result.stdout.count("ReportStatus") > 3
     assert f"note: {ADDRESS} acknowledges without the version of JUDP" in result.stderr
     assert not vehicle.is_dead
+
+
+def test_a_peer_lives_until_it_is_ended(jausml, free_port):
+    command = [*warm.command(), "peer", "junior", "--interface", "127.0.0.1"]
+    process = subprocess.Popen(
+        [*command, "--port", str(free_port)], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
+    )
+    try:
+        assert b"junior rover 152.1.1 at 127.0.0.1" in process.stderr.readline()
+        assert jausml("ping", "152.1.1", "--count", "1").exit_code == 0
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=20)
+    finally:
+        process.kill()
+        process.wait()
+    assert (process.returncode, rest) == (0, b"interrupted\n")
 
 
 def test_a_peer_of_each_make_can_be_started():

@@ -16,6 +16,7 @@ from isolation import small_folder
 from ports import free_port
 from recordings import by_mcap, datagram, event, pose, velocity
 
+from jausml.cli.live import record
 from jausml.live.recording.mcap_files import McapRecording
 from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
@@ -29,6 +30,14 @@ def wait_for(condition, what):
     while not condition():
         assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
         time.sleep(0.05)
+
+
+def test_topics_that_nobody_publishes_are_told_beside_the_recording(capsys):
+    record._show_awaited([f"/vehicle/topic_{number}" for number in range(record._NAMED + 2)])
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "nobody publishes /vehicle/topic_0 yet\n" in said.err
+    assert said.err.endswith("nor 2 other topics of the model\n")
 
 
 def says(number, port):

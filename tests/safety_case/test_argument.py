@@ -193,12 +193,13 @@ def says(goal, kind, content, *, tests=()):
 
 def test_a_proof_is_of_the_map():
     def proof(*found):
-        fields = [{"tried": 65536, "total": 65536}, {"tried": 65536, "total": 1 << 32}]
+        totals = (65536, 1 << 32, 1 << 32)
+        fields = [{"tried": 65536, "total": total} for total in totals]
         return {"maps": [{"name": "cruise_speed", "fields": fields, "found": list(found)}]}
 
     said, lacks = says("unit/bridge.cruise_speed", "proof", proof())
     assert said == [
-        (True, "map cruise_speed: 2 numbers, 1 of them whole, 131,072 values, no findings")
+        (True, "map cruise_speed: 3 numbers, 1 of them whole, 196,608 values, no findings")
     ]
     assert "proof" not in lacks
     said, lacks = says("unit/bridge.cruise_speed", "proof", proof("JML922 Velocity_X drifts"))
