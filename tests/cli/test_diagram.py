@@ -27,6 +27,7 @@ def test_the_ending_says_what_is_written(jausml, tmp_path, name, start):
     assert output.read_bytes() == first
 
 
+@pytest.mark.needs("fonts")
 def test_a_picture_of_dots(jausml, tmp_path):
     sizes = {}
     for theme in ("auto", "light", "dark"):
