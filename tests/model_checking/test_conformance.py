@@ -34,6 +34,7 @@ def test_a_bridge_that_drives_along_lists(run_script):
     assert happened["steps"] > 1000
 
 
+@pytest.mark.slow
 def test_a_bridge_and_its_peer(run_script):
     happened = run_script("walk_peer.py")
     assert happened["difference"] is None
