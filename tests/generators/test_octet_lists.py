@@ -146,6 +146,7 @@ def is_unusual(cells, name):
     return name == "plain" and any(each > 127 for each in cells)
 
 
+@pytest.mark.slow
 @given(
     cells=st.lists(st.integers(-128, 127), max_size=300), name=st.sampled_from(["cells", "plain"])
 )

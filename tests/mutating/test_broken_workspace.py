@@ -86,6 +86,7 @@ def test_tests_stay_those_of_what_is_not_broken(workspace):
 def test_why_no_test_can_see_a_change(workspace):
     assert "no Python code" in workspace.why_unseen(["lamp/package.xml"])
     assert workspace.why_unseen([CODE]) == ""
+    assert workspace.why_unseen(["figures/figures/__init__.py"]) == ""  # for all may import it
 
 
 @pytest.mark.parametrize(

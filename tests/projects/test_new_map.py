@@ -361,6 +361,7 @@ def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
     assert map_in(model, "own").stopRos is not None
 
 
+@pytest.mark.slow
 @NOTATION
 def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation):
     model = ears(notation)
