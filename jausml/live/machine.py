@@ -28,6 +28,8 @@ from jausml.language.interfaces.parsing import Installation
 from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.ports import holders, manager_folder
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.writers import svg
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -102,6 +104,16 @@ def program_checks() -> Iterator[Finding]:
         else:
             text = f"{program.fault}, which is for {program.purpose}"
             yield Finding("programs", program.name, Outcome.NOTE, text, program.cure)
+    yield _fonts()
+
+
+def _fonts() -> Finding:
+    try:
+        text = f"{svg.installed_font()} is there for pictures in PNG"
+    except LayoutError as error:
+        cure = svg.FONT_CURE if find_spec("resvg_py") else "pip install 'jausml[diagram]'"
+        return Finding("programs", "fonts", Outcome.NOTE, str(error), cure)
+    return Finding("programs", "fonts", Outcome.OK, text)
 
 
 _NETWORK = "network"

@@ -45,11 +45,11 @@ def test_a_picture_of_dots(jausml, tmp_path):
 
 def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch):
     monkeypatch.setattr(svg, "FONTS", ("No Such Font",))
-    svg._font.cache_clear()
+    svg.installed_font.cache_clear()
     result = jausml("diagram", CAR, "-o", tmp_path / "x.png")
-    svg._font.cache_clear()
+    svg.installed_font.cache_clear()
     assert result.exit_code == 2
-    assert "needs one of these fonts on this machine: No Such Font" in result.output
+    assert "fonts on this machine: No Such Font (apt install fonts-liberation)" in result.output
     assert not (tmp_path / "x.png").exists()
 
 

@@ -21,6 +21,7 @@ from jausml.live.peers.makes.vehicle import Place, Vehicle
 from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
+from jausml.views.diagrams.writers import svg
 
 CATVEHICLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 ROS_VARIABLES = (
@@ -213,7 +214,7 @@ def test_programs_that_are_missing_are_told_with_their_packages(doctor, monkeypa
     status, checks = doctor("--port", free_port())
     told = {name: each["cure"] for (topic, name), each in checks.items() if topic == "programs"}
     assert status == 0
-    assert told.keys() == {each.name for each in PROGRAMS}
+    assert told.keys() == {*(program.name for program in PROGRAMS), "fonts"}
     assert (told["tshark"], told["nft"]) == ("apt install tshark", "apt install nftables")
     (tmp_path / "nft").write_text("#!/bin/sh\n")
     (tmp_path / "nft").chmod(0o755)
@@ -221,6 +222,16 @@ def test_programs_that_are_missing_are_told_with_their_packages(doctor, monkeypa
     assert checks["programs", "nft"]["verdict"] == "ok"
     assert str(tmp_path / "nft") in checks["programs", "nft"]["text"]
     assert checks["programs", "git"]["verdict"] == "note"
+
+
+def test_fonts_for_pictures_are_told(doctor, monkeypatch):
+    svg.installed_font.cache_clear()
+    monkeypatch.setattr(svg, "FONTS", ("No Such Font",))
+    _, checks = doctor("--port", free_port())
+    svg.installed_font.cache_clear()
+    found = checks["programs", "fonts"]
+    assert (found["verdict"], found["cure"]) == ("note", "apt install fonts-liberation")
+    assert "No Such Font" in found["text"]
 
 
 def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):

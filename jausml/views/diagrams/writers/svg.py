@@ -275,7 +275,8 @@ def _pair(point: Point) -> str:
 
 
 MISSING = "PNG needs resvg-py: pip install 'jausml[diagram]'"
-NO_FONT = "PNG needs one of these fonts on this machine: {}; the ending .svg needs none"
+FONT_CURE = "apt install fonts-liberation"
+NO_FONT = f"PNG needs one of these fonts on this machine: {{}} ({FONT_CURE}); .svg needs none"
 
 ZOOM = 2
 """Dots for each pixel of the picture."""
@@ -297,9 +298,7 @@ def render_png(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
     `theme`: `light` or `dark`; `auto` is light. `LayoutError`: there is no layout, nobody who
     draws, or no font.
     """
-    if find_spec("resvg_py") is None:
-        raise LayoutError(MISSING)
-    font = _font()
+    font = installed_font()
     picture = render(graph, engine, "light" if theme == "auto" else theme)
     width, height = size_of(picture)
     zoom = min(ZOOM, (MOST_DOTS / (width * height)) ** 0.5)
@@ -307,12 +306,14 @@ def render_png(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
 
 
 @cache
-def _font() -> str:
-    """Returns the first font that the machine has.
+def installed_font() -> str:
+    """Returns the first font that the machine has, of those that pictures are measured for.
 
-    In place of one that it has not, resvg draws no text at all, or takes one with serifs, if there
-    is one.
+    `LayoutError`: it has none, or nobody draws. In place of one that it has not, resvg draws no
+    text at all, or takes one with serifs, if there is one.
     """
+    if find_spec("resvg_py") is None:
+        raise LayoutError(MISSING)
     lacking = [_drawn(_probe(_NO_NAME, text), 1, _NO_NAME) for text in ("", "Ag")]
     for each in FONTS:
         if _drawn(_probe(each, "Ag"), 1, each) not in lacking:
