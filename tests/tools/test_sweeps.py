@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from needs import SHARED
 from sweeps import sweep
 
 GUARDS = (".ci/run",)
@@ -54,7 +55,7 @@ def checkout(tmp_path):
     name = ("-c", "user.name=CI", "-c", "user.email=ci@localhost")
     for command in (("init", "-q"), ("add", "."), (*name, "commit", "-qm", "Begin")):
         subprocess.run(["git", *command], cwd=root, check=True)
-    (root.parent / "shared").mkdir()
+    (root.parent / SHARED.name).mkdir()
     return root
 
 
@@ -79,10 +80,10 @@ def test_ci_runs_all_where_nothing_is_beside_and_fails_if_one_does(checkout, tmp
     for target, home, beside, shared in ran:
         # The clone, its home, and nothing else; the folder is named to the last step alone.
         assert (Path(home).name, beside) == ("home", "home,jausml,")
-        assert shared == (str(checkout.parent / "shared") if target == "test-beside" else "-")
+        assert shared == (str(checkout.parent / SHARED.name) if target == "test-beside" else "-")
 
 
 def test_ci_says_nothing_of_what_is_not_beside_it(checkout, tmp_path):
-    (checkout.parent / "shared").rmdir()
+    (checkout.parent / SHARED.name).rmdir()
     status, ran = judged(checkout, tmp_path, "")
     assert (status, [target for target, *_ in ran]) == (0, MADE[:2])
