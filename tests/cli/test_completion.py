@@ -139,6 +139,7 @@ def offered(tmp_path):
     return words
 
 
+@pytest.mark.slow
 def test_names_of_the_project_are_offered_and_read_once(offered, tmp_path):
     assert offered("jausml show message SetWi") == (["SetWinch"], True)
     assert offered("jausml show message SetWi") == (["SetWinch"], False)
@@ -148,6 +149,7 @@ def test_names_of_the_project_are_offered_and_read_once(offered, tmp_path):
     assert offered("jausml show message SetWi", tmp_path) == ([], False)
 
 
+@pytest.mark.slow
 def test_names_follow_the_models(offered):
     offered("jausml show message SetWi")
     model = offered.folder / "winch.ros2jaus"

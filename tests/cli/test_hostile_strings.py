@@ -9,6 +9,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import escape, quoteattr
 
+import pytest
+
 from jausml.language.metamodel import ValueKind, load_metamodels
 from jausml.language.model import read_models
 from jausml.language.validation.engine import check_project
@@ -173,6 +175,7 @@ def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
                 assert line_of(feature) in {each.location.line for each in errors}
 
 
+@pytest.mark.slow
 def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("model.xmi").write_text(with_payload(free_features()), encoding="utf-8")

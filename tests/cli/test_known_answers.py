@@ -415,6 +415,7 @@ def test_what_changes_in_a_workspace_is_generated_anew(change, asked):
     assert asked(*GENERATE)[1]
 
 
+@pytest.mark.slow
 def test_what_is_not_the_usual_run_is_never_an_answer(asked):
     asked(*GENERATE)
     for options in (

@@ -64,6 +64,7 @@ def test_a_map_that_is_sound(jausml, model):
     assert "faulty" not in result.output
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_findings_pages_and_what_is_kept(jausml, model, tmp_path, monkeypatch):
     pages = tmp_path / "pages"

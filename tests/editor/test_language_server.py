@@ -245,6 +245,7 @@ def laid_out(client, uri):
     return client.ask("textDocument/formatting", textDocument=document, options=OPTIONS)
 
 
+@pytest.mark.slow
 def test_what_is_typed_comes_as_changes(client, folder):
     uri = (folder / "typed.ros2jaus").as_uri()
     text = 'component a {\n  documentation: "🚜"\n}\n'

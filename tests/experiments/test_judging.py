@@ -61,6 +61,7 @@ def test_the_same_system_twice_is_equivalent() -> None:
     assert verdict.pairs == 4
 
 
+@pytest.mark.slow
 def test_a_good_bridge_is_equivalent() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.002, 3, 4), PARAMETERS)
 

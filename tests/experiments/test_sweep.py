@@ -98,6 +98,7 @@ def test_no_two_cells_have_one_name() -> None:
     assert len(names) == len(set(names))
 
 
+@pytest.mark.slow
 def test_a_mass_that_the_tyres_do_not_fit_is_seen() -> None:
     parameters = VehicleParameters()
 

@@ -12,6 +12,8 @@ from experiments.waypoints.equivalence import bound, path_gap, path_of
 from experiments.waypoints.systems import SYSTEMS, generated
 from experiments.waypoints.virtual import Conditions, VirtualDrive
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def places(tmp_path_factory):

@@ -75,6 +75,7 @@ def test_what_is_kept_is_what_was_rendered(name, rendered):
     assert any(each.contract and each.contract.methods for each in expected)
 
 
+@pytest.mark.slow
 def test_each_thing_that_files_are_made_of_counts(car, rendered, monkeypatch):
     def makes(expected, *, only=targets, reading=HOW):
         render_again(model_of(car), only(), reading)
@@ -182,6 +183,7 @@ def test_each_edit_has_the_outcome_that_it_has_without_a_cache(car, tmp_path, re
     assert len(rendered) == 3
 
 
+@pytest.mark.slow
 def test_a_kept_file_that_somebody_has_changed_is_not_written(car, tmp_path, rendered):
     generate(
         model_of(car), targets(), tmp_path / "out",

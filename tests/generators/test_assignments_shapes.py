@@ -105,6 +105,7 @@ def made(tmp_path_factory):
     return generated(TEXT, tmp_path_factory.mktemp("shapes"), "shaped")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made):
     made.check_text()
 

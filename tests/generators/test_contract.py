@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from click.testing import CliRunner
+from sweeps import sweep
 
 from jausml import generation as gen
 from jausml.cli import main
@@ -252,24 +253,27 @@ def method(body: str) -> str:
 
 @pytest.mark.parametrize(
     ("body", "message"),
-    [
-        ("self.report_boom_now()", "BoomBase has no report_boom_now; is it report_boom now?"),
-        ("super().more_of_it()", "BoomBase has no more_of_it"),
-        ("self.report_changed()", "report_changed needs report_class"),
-        (
-            "self.report_changed(FoldBoom, 1, 2, 3)",
-            "report_changed takes 1 positional argument, not 4",
-        ),
-        ("ReportBoom(1, 2.0, 3)", "ReportBoom takes 2 positional arguments, not 3"),
-        ("[each.size for each in [] if ReportBoom().size]", "ReportBoom has no size"),
-        ("(lambda: ReportBoom().size)()", "ReportBoom has no size"),
-        ("ReportBoom.Mode", "ReportBoom has no Mode"),
-        ("from . import gone", "boom has no gone any more; nothing uses it, take it out"),
-        ("from .gone import X; X", "there is no module boom.gone any more"),
-        ("import boom.gone", "there is no module boom.gone any more"),
-        ("from . import messages as m; m.Stow", "boom.messages has no Stow"),
-        ("import boom.messages as m; m.Stow", "boom.messages has no Stow"),
-    ],
+    sweep(
+        [
+            ("self.report_boom_now()", "BoomBase has no report_boom_now; is it report_boom now?"),
+            ("super().more_of_it()", "BoomBase has no more_of_it"),
+            ("self.report_changed()", "report_changed needs report_class"),
+            (
+                "self.report_changed(FoldBoom, 1, 2, 3)",
+                "report_changed takes 1 positional argument, not 4",
+            ),
+            ("ReportBoom(1, 2.0, 3)", "ReportBoom takes 2 positional arguments, not 3"),
+            ("[each.size for each in [] if ReportBoom().size]", "ReportBoom has no size"),
+            ("(lambda: ReportBoom().size)()", "ReportBoom has no size"),
+            ("ReportBoom.Mode", "ReportBoom has no Mode"),
+            ("from . import gone", "boom has no gone any more; nothing uses it, take it out"),
+            ("from .gone import X; X", "there is no module boom.gone any more"),
+            ("import boom.gone", "there is no module boom.gone any more"),
+            ("from . import messages as m; m.Stow", "boom.messages has no Stow"),
+            ("import boom.messages as m; m.Stow", "boom.messages has no Stow"),
+        ],
+        every=4,
+    ),
 )
 def test_what_raises_is_an_error(yard, body, message):
     code = method(body)
@@ -279,26 +283,29 @@ def test_what_raises_is_an_error(yard, body, message):
 
 @pytest.mark.parametrize(
     "body",
-    [
-        "self.mine = 1; self.mine",
-        "self._private",
-        "other.anything()",
-        "getattr(self, 'gone')",
-        "hasattr(self, 'gone') and self.gone()",
-        "other = ReportBoom() if rest else other; other.size",
-        "report = ReportBoom(); report = other; report.size",
-        "isinstance(other, ReportBoom) and other.size",
-        "ReportBoom(*rest); ReportBoom(**other)",
-        "ReportBoom().encode(); ReportBoom.CODE; ReportBoom.State.FOLDED.name",
-        "self.counters.count('x', 'y'); self.loop.call_later(1, print)",
-        "ReportBoom.__name__; ReportBoom.State(1).value; ReportBoom.State.__members__",
-        "from .helper import X; X.anything",
-        "from . import helper; helper.anything",
-        "from . import *",
-        "import os.path as m; m.anything",
-        "global State; State = other; State.NOTHING",
-        "from another.messages import X",
-    ],
+    sweep(
+        [
+            "self.mine = 1; self.mine",
+            "self._private",
+            "other.anything()",
+            "getattr(self, 'gone')",
+            "hasattr(self, 'gone') and self.gone()",
+            "other = ReportBoom() if rest else other; other.size",
+            "report = ReportBoom(); report = other; report.size",
+            "isinstance(other, ReportBoom) and other.size",
+            "ReportBoom(*rest); ReportBoom(**other)",
+            "ReportBoom().encode(); ReportBoom.CODE; ReportBoom.State.FOLDED.name",
+            "self.counters.count('x', 'y'); self.loop.call_later(1, print)",
+            "ReportBoom.__name__; ReportBoom.State(1).value; ReportBoom.State.__members__",
+            "from .helper import X; X.anything",
+            "from . import helper; helper.anything",
+            "from . import *",
+            "import os.path as m; m.anything",
+            "global State; State = other; State.NOTHING",
+            "from another.messages import X",
+        ],
+        every=4,
+    ),
 )
 def test_what_cannot_be_known_is_not_told(yard, body):
     body = body.replace("from . import *", "pass")
@@ -321,7 +328,7 @@ ODD = {
 }
 
 
-@pytest.mark.parametrize("name", ODD)
+@pytest.mark.parametrize("name", sweep(ODD, every=4))
 def test_odd_files_beside_the_skeleton_are_read(yard, name):
     (yard.out / FOLDER / "odd.py").write_text(ODD[name])
     assert told(yard.look()) == []
@@ -391,28 +398,31 @@ def test_a_fix_keeps_every_other_byte(yard, encode, end):
 
 @pytest.mark.parametrize(
     ("before", "after"),
-    [
-        ("from .messages import Gone\n", ""),
-        (
-            "from .messages import Gone as G, QueryBoom\n\nQueryBoom\n",
-            "from .messages import QueryBoom\n\nQueryBoom\n",
-        ),
-        (
-            "from .messages import (\n    FoldBoom,\n    Gone,  # keep\n)\n\nFoldBoom\n",
-            "from .messages import (\n    FoldBoom,  # keep\n)\n\nFoldBoom\n",
-        ),
-        (
-            "from .messages import (\n    Gone,\n    FoldBoom,\n)\n\nFoldBoom\n",
-            "from .messages import (\n    FoldBoom,\n)\n\nFoldBoom\n",
-        ),
-        ("from .messages import (\n    Gone,  # keep\n    FoldBoom,\n)\n\nFoldBoom\n", None),
-        ("from .messages import Gone  # keep\n", None),
-        ("def f():\n    from .messages import Gone\n", "def f():\n    pass\n"),
-        ("import os; from .messages import Gone\n", None),
-        ("from .messages import Gone\n\n__all__ = ['Gone']\n", None),
-        ("from .messages import Gone\n\nGone\n", None),
-        ("from .gone import X\n", ""),
-    ],
+    sweep(
+        [
+            ("from .messages import Gone\n", ""),
+            (
+                "from .messages import Gone as G, QueryBoom\n\nQueryBoom\n",
+                "from .messages import QueryBoom\n\nQueryBoom\n",
+            ),
+            (
+                "from .messages import (\n    FoldBoom,\n    Gone,  # keep\n)\n\nFoldBoom\n",
+                "from .messages import (\n    FoldBoom,  # keep\n)\n\nFoldBoom\n",
+            ),
+            (
+                "from .messages import (\n    Gone,\n    FoldBoom,\n)\n\nFoldBoom\n",
+                "from .messages import (\n    FoldBoom,\n)\n\nFoldBoom\n",
+            ),
+            ("from .messages import (\n    Gone,  # keep\n    FoldBoom,\n)\n\nFoldBoom\n", None),
+            ("from .messages import Gone  # keep\n", None),
+            ("def f():\n    from .messages import Gone\n", "def f():\n    pass\n"),
+            ("import os; from .messages import Gone\n", None),
+            ("from .messages import Gone\n\n__all__ = ['Gone']\n", None),
+            ("from .messages import Gone\n\nGone\n", None),
+            ("from .gone import X\n", ""),
+        ],
+        every=4,
+    ),
 )
 def test_an_import_is_taken_out_with_nothing_beside_it(yard, before, after):
     path = yard.out / FOLDER / "helper.py"

@@ -78,6 +78,7 @@ def made(tmp_path_factory):
     return generated(MODEL + BRIDGE + "}\n", tmp_path_factory.mktemp("hostile"), "hostile_names")
 
 
+@pytest.mark.slow
 def test_text_is_clean(made):
     made.check_text()
 

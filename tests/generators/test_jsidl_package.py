@@ -66,6 +66,7 @@ def test_the_package_is_clean(workspace: Path) -> None:
     run("mypy", "--strict", "-p", "hoist", cwd=workspace)
 
 
+@pytest.mark.slow
 def test_the_tests_of_the_package_pass(workspace: Path) -> None:
     done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
     assert " passed" in done

@@ -50,6 +50,7 @@ def types_installed():
     return [name for name, each in library().types.items() if real_class(each) is not None]
 
 
+@pytest.mark.slow
 @for_each("name", types_made, shards=16, slow=True)
 @FEW
 @given(data=st.data())

@@ -107,6 +107,7 @@ def test_generated_tests_drive_the_machines(workspace):
     assert "def test_lamp_fsm_goes_as_modelled" in (folder / "test/test_spot.py").read_text("utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("right", "wrong", "failure"),
     sweep(

@@ -175,6 +175,7 @@ def test_pip_installs_without_a_network(workspace, tmp_path):
     assert (tmp_path / "share" / "talker" / "package.xml").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.live
 def test_the_installed_script_starts_and_ends_by_a_signal(workspace, tmp_path):
     needs.ask("rclpy")

@@ -49,6 +49,7 @@ def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_the_component_does_as_it_is_told(workspace: Path) -> None:
     told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
     assert "8 passed" in told

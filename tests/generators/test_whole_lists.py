@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sweeps import sweep
 
 from tests.generators.assignment_support import generated
 from tests.generators.list_ways import check, outcome, ways
@@ -133,7 +134,7 @@ def joints(order: str, positions: list[float], efforts: list[float]) -> bytes:
     return (b"\0\1\0\0" if order == "<" else b"\0\0\0\0") + bytes(out)
 
 
-@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("order", sweep(["<", ">"], every=2))
 @pytest.mark.parametrize("values", LISTS)
 @pytest.mark.parametrize("name", ["scan_down", "strict_scan_down"])
 def test_single_precision_to_steps(

@@ -75,6 +75,7 @@ def test_bounds_hold():
         parse_guard("a" * (LONGEST + 1))
 
 
+@pytest.mark.slow
 @settings(max_examples=max(1, settings().max_examples // 3))
 @given(st.text(max_size=60) | st.text(alphabet="ab.!&|() ,'_1", max_size=40))
 def test_no_text_does_harm(text):

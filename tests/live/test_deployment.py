@@ -136,6 +136,7 @@ def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, workspa
     assert "has no parameter" not in found.log.read_text()
 
 
+@pytest.mark.slow
 def test_a_deployment_changes_what_the_bridge_is(bridge, ros, tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text(

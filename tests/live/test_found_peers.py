@@ -107,6 +107,7 @@ def test_a_vehicle_that_starts_late_is_killed_and_comes_back_elsewhere(system):
     assert search_of("asked")[1] == "searching VelocityStateSensor in subsystem 10"
 
 
+@pytest.mark.slow
 def test_nearest_takes_one_of_several_and_all_takes_every_one(system):
     nearest, every, asked = map(system.speeds, ("nearest", "every", "asked"))
     started = [("200.1.1", 4.0), ("10.2.1", 3.0), ("10.1.7", 2.0)]

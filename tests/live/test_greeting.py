@@ -14,6 +14,7 @@ needs.ask("rclpy")
 from .bridge_support import Process, RosPeer, generate_text, wait_for
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.live,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),

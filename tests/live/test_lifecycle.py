@@ -165,6 +165,7 @@ def test_inactive_stops_and_passes_nothing_either_way(system):
     assert operator.stop() == 0
 
 
+@pytest.mark.slow
 def test_cleanup_gives_all_back_and_it_can_be_configured_again(system):
     for _ in range(2):
         wait_for(lambda: subscriptions(system) == 1, "subscription")

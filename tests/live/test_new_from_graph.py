@@ -80,6 +80,7 @@ def new(*words):
     return CliRunner().invoke(main, words)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("vehicle")
 def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -308,6 +308,7 @@ def test_exit_in_a_translation_ends_the_bridge(fragile):
     assert "the owner has left" in log
 
 
+@pytest.mark.slow
 def test_end_of_ros_ends_the_bridge(fragile):
     """What publishes is gone too, so that the stop cannot reach ROS; JAUS learns of the end."""
     process = fragile.process

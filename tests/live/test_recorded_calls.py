@@ -149,6 +149,7 @@ def test_a_command_that_the_map_refuses(recorded, model):
     assert found.jaus[4] == "Brightness: 7"
 
 
+@pytest.mark.slow
 def test_a_bridge_without_the_parameter_publishes_no_calls(system):
     system.lamp()
     assert system.call("read").success

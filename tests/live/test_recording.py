@@ -154,6 +154,7 @@ def recording(tmp_path_factory):
     return path, heard, port
 
 
+@pytest.mark.slow
 def test_both_sides_stand_in_one_file(recording):
     path, heard, _ = recording
     reports = [

@@ -179,6 +179,7 @@ def driven(system):
 # Both directions at once: what kills the station loses its stops towards JAUS too.
 
 
+@pytest.mark.slow
 def test_driver_is_killed(driven):
     driven.end("driver", signal.SIGKILL)
     driven.stops(STREAMED)
@@ -186,6 +187,7 @@ def test_driver_is_killed(driven):
     assert "velocity_command: the source is silent; the stop is sent" in driven.log("station")
 
 
+@pytest.mark.slow
 def test_station_is_killed(driven):
     driven.end("station", signal.SIGKILL)
     driven.stops()

@@ -7,6 +7,7 @@ import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from sweeps import sweep
 from wire_vectors import golden_vectors, payload_of, vectors
 
 from jausml.language.metamodel.classes import jaus
@@ -120,6 +121,7 @@ def test_captured_datagrams_show_their_header(
 # -- what the transport can do -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> None:
     data = b"\x02" + packet(WRENCH, 7) + packet(bytes.fromhex("0320"), 8)
     (fields,) = dissect(example, [udp(data)], tmp_path)
@@ -186,7 +188,7 @@ PARTS = [WRENCH[:2], WRENCH[2:5], WRENCH[5:8], WRENCH[8:]]
 FLAGS = [0x41, 0x81, 0x81, 0xC1]
 
 
-@pytest.mark.parametrize("first", [10, 65534], ids=["plain", "wrapping"])
+@pytest.mark.parametrize("first", sweep([65534, 10], every=2))
 @pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2)], ids=["in order", "mixed"])
 def test_fragments_are_reassembled(
     example: Path, tmp_path: Path, first: int, order: tuple[int, ...]
@@ -210,7 +212,7 @@ def test_fragments_of_two_senders_are_not_mixed(example: Path, tmp_path: Path) -
     assert not any(shown(fields, "jaus.code") for fields in dissect(example, packets, tmp_path))
 
 
-@pytest.mark.parametrize("cut", [1, 2, 4, 13, 24, 25, 26, 40])
+@pytest.mark.parametrize("cut", sweep([13, 1, 2, 4, 24, 25, 26, 40], every=8))
 def test_tcp_is_cut_into_messages(example: Path, tmp_path: Path, cut: int) -> None:
     stream = b"\x02" + packet(WRENCH, 1) + packet(b"\x03\x20", 2) + packet(WRENCH, 3)
     answer = b"\x02" + packet(bytes.fromhex("034005"), 1)
@@ -305,7 +307,7 @@ PAYLOADS = [payload for each in vectors() if (payload := payload_of(each))]
 MODELS_OF_VECTORS = sorted({each["model"] for each in vectors()})
 
 
-@pytest.mark.parametrize("model", MODELS_OF_VECTORS)
+@pytest.mark.parametrize("model", sweep(MODELS_OF_VECTORS, every=3))
 def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
     script, view = dissector_of(ROOT / model, tmp_path)
     decoded = [each for each in vectors() if each["model"] == model and "payload" in each]
@@ -402,17 +404,20 @@ def _named(entry: Any) -> str:
 
 @pytest.mark.parametrize(
     ("data", "name"),
-    [
-        (b"\x02", "malformed"),
-        (b"\x03" + packet(WRENCH), "malformed"),
-        (b"\x02" + packet(WRENCH)[:-1], "malformed"),
-        (b"\x02" + packet(WRENCH) + b"garbage", "malformed"),
-        (datagram(b""), "malformed"),
-        (datagram(WRENCH[:-1]), "malformed"),
-        (datagram(bytes.fromhex("0504ffff") + bytes(18)), "malformed"),
-        (datagram(WRENCH + b"\0"), "surplus"),
-        (datagram(b"\xff\xee\1"), "unknown"),
-    ],
+    sweep(
+        [
+            (b"\x02", "malformed"),
+            (b"\x03" + packet(WRENCH), "malformed"),
+            (b"\x02" + packet(WRENCH)[:-1], "malformed"),
+            (b"\x02" + packet(WRENCH) + b"garbage", "malformed"),
+            (datagram(b""), "malformed"),
+            (datagram(WRENCH[:-1]), "malformed"),
+            (datagram(bytes.fromhex("0504ffff") + bytes(18)), "malformed"),
+            (datagram(WRENCH + b"\0"), "surplus"),
+            (datagram(b"\xff\xee\1"), "unknown"),
+        ],
+        every=4,
+    ),
 )
 def test_damage_is_named(example: Path, tmp_path: Path, data: bytes, name: str) -> None:
     if data == b"\x02":
@@ -429,6 +434,7 @@ def test_a_capture_that_holds_less_is_no_damage(example: Path, tmp_path: Path) -
     assert not shown(fields, "jaus.malformed")
 
 
+@pytest.mark.slow
 def test_no_stream_breaks_the_dissector(example: Path, tmp_path: Path) -> None:
     chance = random.Random(3794)
     packets, position = [], 0
@@ -439,6 +445,7 @@ def test_no_stream_breaks_the_dissector(example: Path, tmp_path: Path) -> None:
     assert any(shown(fields, "jaus.malformed") for fields in dissect(example, packets, tmp_path))
 
 
+@pytest.mark.slow
 def test_no_datagram_breaks_the_dissector(
     library: tuple[Path, DissectorView], tmp_path: Path
 ) -> None:

@@ -115,6 +115,7 @@ def test_a_conflict_is_told_with_its_place_and_leaves_a_model(repository):
     assert "~ connection minimal/sensor_bridge/velocity: rate 10 -> 25 Hz" in diff
 
 
+@pytest.mark.slow
 def test_text_is_merged_by_elements_too(repository):
     text = repository.folder / "models" / "robot.ros2jaus"
     repository.run("jausml", "convert", str(repository.model), str(text))
@@ -212,6 +213,7 @@ def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repo
     assert "no problems" in repository.run("jausml", "validate", "models")
 
 
+@pytest.mark.slow
 def test_the_files_of_a_diff_are_named(repository):
     documented = MINIMAL.replace("Ten times", "Often")
     repository.commit("documented", documented)

@@ -157,6 +157,7 @@ def names(subject: Subject, field: jaus.Field) -> None:
 """
 
 
+@pytest.mark.slow
 def test_mypy_finds_what_the_metamodels_do_not_have(tmp_path):
     (tmp_path / "snippet.py").write_text(SNIPPET)
     command = [sys.executable, "-m", "mypy", "--strict", "--config-file", "pyproject.toml"]

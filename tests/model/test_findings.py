@@ -148,6 +148,7 @@ def test_ids_in_the_sources_are_known():
     assert used == set(READER_RULES)
 
 
+@pytest.mark.slow
 def test_conflicts_without_end_are_counted_once_through():
     """A hostile file: each mark is counted from the one before it, and few are named."""
     marks = b"<<<<<<< a\n=======\n>>>>>>> b\n"

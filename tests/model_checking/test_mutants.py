@@ -320,6 +320,7 @@ MODEL_FAULTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stated", "name", "rules"), MODEL_FAULTS)
 def test_a_time_out_left_out_of_a_model_is_found(stated, name, rules, tmp_path):
     assert found_in(ROVER, tmp_path, name) == set()

@@ -96,6 +96,7 @@ def test_a_campaign_is_the_same_again_with_more_processes():
     assert {each["noticed_by"] for each in ranges} == {"tests"}
 
 
+@pytest.mark.slow
 def test_a_budget_ends_a_campaign(model):
     done = run(model, "--budget", "0.001")
     assert done.exit_code == 0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from jausml.language.validation.engine import check_project
 from jausml.mutating.outcomes import Products
 
@@ -12,6 +14,7 @@ GUARDS = ("jausml/mutating/outcomes.py",)
 MODEL = Path(__file__).with_name("drive.ros2jaus").read_text()
 
 
+@pytest.mark.slow
 def test_commands_without_control_are_found(tmp_path):
     path = tmp_path / "drive.ros2jaus"
     path.write_text(MODEL)

@@ -22,6 +22,7 @@ speed {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.needs("compiler")
 @pytest.mark.timeout(120)
 def test_a_factor_in_one_direction_is_found(tmp_path):

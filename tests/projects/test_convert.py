@@ -29,6 +29,7 @@ def test_xmi_that_became_text_is_the_same_when_it_comes_back(text_of_xmi, jausml
     assert after == before
 
 
+@pytest.mark.slow
 def test_ready_maps_of_text_become_copies_that_eclipse_reads(rover, jausml):
     model = rover("text")
     words = "new bridge face odom:nav_msgs/Odometry:local_pose_enu cmd:geometry_msgs/Twist --yes"

@@ -66,6 +66,7 @@ def test_it_validates_and_generates(rover, jausml, notation):
     assert (odometry.reliability.name, odometry.depth) == ("best_effort", 5)
 
 
+@pytest.mark.slow
 @pytest.mark.needs("emf")
 def test_eclipse_opens_what_it_wrote(rover, jausml):
     model = rover("xmi")
@@ -240,6 +241,7 @@ def test_a_copy_of_a_ready_map_stands_for_it(rover, jausml):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+@pytest.mark.slow
 def test_of_several_bridges_one_gets_the_topics(rover, jausml):
     model = rover("text")
     done = jausml("new", "connection", DRIVE, "--yes")
@@ -320,6 +322,7 @@ def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
     assert "several models have a system: name one by --model (b.xmi, car.ros2jaus)" in done.output
 
 
+@pytest.mark.slow
 def test_it_asks_on_a_terminal(rover):
     model = rover("text")
     main, terminal = pty.openpty()

@@ -317,6 +317,7 @@ def test_its_name_is_one_that_is_free(ears, jausml):
     assert model.read_bytes() == before
 
 
+@pytest.mark.slow
 @pytest.mark.needs("emf")
 def test_eclipse_opens_it(rover, jausml):
     model = rover("xmi")

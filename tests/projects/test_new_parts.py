@@ -107,6 +107,7 @@ def _places(model):
     return names
 
 
+@pytest.mark.slow
 @pytest.mark.needs("emf")
 def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
     model = rover("xmi")

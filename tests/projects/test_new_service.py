@@ -243,6 +243,7 @@ def test_bad_words_change_nothing(water, jausml, words, told):
     assert model.read_bytes() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", sweep(["xmi", "ros2jaus"], every=2))
 def test_a_file_of_services_has_no_system(rover, jausml, suffix):
     """A second system would have each further verb ask which one is meant."""

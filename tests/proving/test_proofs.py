@@ -350,6 +350,7 @@ def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path: Path) -> None:
     assert not proofs.rules(name)
 
 
+@pytest.mark.slow
 def test_a_factor_between_two_bridges_names_both(tmp_path: Path) -> None:
     text = TWO_BRIDGES.replace("linear.x -> Speed ", "linear.x -> Speed : scale(0.5) ")
     proofs = Proofs(MESSAGE + text, tmp_path)
@@ -377,6 +378,7 @@ joined {
 """
 
 
+@pytest.mark.slow
 def test_joined_messages_are_tried_as_others(tmp_path: Path) -> None:
     proofs = Proofs(MESSAGE + JOINED, tmp_path)
     gear = proofs.field("gear.data", "ROS", "joined")
@@ -414,6 +416,7 @@ def test_forms_that_differ_by_a_joined_message_are_told(
     assert "JML925" in proofs.rules("joined")
 
 
+@pytest.mark.slow
 def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)

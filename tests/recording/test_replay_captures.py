@@ -86,6 +86,7 @@ def test_values_frames_and_times_by_figures_of_their_own(velocities):
     assert "of 2 components together" in result.stderr
 
 
+@pytest.mark.slow
 def test_joined_report_of_the_same_vehicle_while_it_is_fresh(joined):
     path, result = joined
     odometry = [

@@ -60,6 +60,7 @@ def test_numbers_without_end_are_told(tmp_path, digits, text):
     assert "JML000" not in found
 
 
+@pytest.mark.slow
 def test_references_from_file_to_file_without_end_are_told(tmp_path):
     head = (
         '<?xml version="1.0"?>\n<system:System xmi:version="2.0" name="s{n}"'

@@ -232,6 +232,7 @@ def test_of_many_states_few_are_kept():
     assert len(pieces._kept) <= 8
 
 
+@pytest.mark.slow
 def test_threads_share_the_pieces():
     pieces, text = Pieces(), grown(3, 8)
     states = [text.replace("rate: 5", f"rate: {number}\n" * (number % 3)) for number in range(24)]

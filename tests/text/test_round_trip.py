@@ -183,6 +183,7 @@ def test_the_car_in_text_is_the_car():
     assert lay_out(parse(written).document) == written
 
 
+@pytest.mark.slow
 @pytest.mark.needs("emf")
 def test_eclipse_judges_what_was_text_as_before(tmp_path):
     path = ROOT / "models" / "catvehicle" / "catvehicle.xmi"

@@ -104,6 +104,7 @@ def test_where_a_mount_is_refused_the_network_stays(tmp_path):
     assert done.stdout.splitlines() == ["[Errno 22] mount: Invalid argument", "stayed"]
 
 
+@pytest.mark.slow
 @pytest.mark.needs("namespaces of users")
 def test_one_worker_runs_what_binds_ports_where_the_network_is_shared(tmp_path):
     inside = ["unshare", "--user", "--map-root-user", "sh", "-c", WITHOUT_NAMESPACES, "sh"]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from sweeps import sweep
 
 from jausml.live.programs import PROGRAMS
 
@@ -148,7 +149,10 @@ def test_three(): pytest.skip("nobody has run it")
         ),
     ],
 )
-@pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["one", "two"])
+@pytest.mark.parametrize(
+    "workers",
+    [pytest.param((), id="one"), pytest.param(("-n", "2"), id="two", marks=pytest.mark.slow)],
+)
 def test_skips_that_are_not_expected_fail_a_run(run, tmp_path, lines, told, workers):
     (tmp_path / "expected.txt").write_text("\n".join(lines), encoding="utf-8")
     done = run(SKIPS, "--expected-skips", "expected.txt", *workers)
@@ -162,7 +166,7 @@ def test_without_the_option_any_skip_is_fine(run):
     assert (done.returncode, "not expected" in done.stdout) == (0, False)
 
 
-@pytest.mark.parametrize("line", ["many | reason | why", "1 | reason", "1 | | why"])
+@pytest.mark.parametrize("line", sweep(["many | reason | why", "1 | reason", "1 | | why"], every=3))
 def test_a_line_that_is_no_allowance_is_a_usage_error(run, tmp_path, line):
     (tmp_path / "expected.txt").write_text(f"# first\n{line}\n", encoding="utf-8")
     done = run(SKIPS, "--expected-skips", "expected.txt")

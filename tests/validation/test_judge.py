@@ -273,6 +273,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 def test_an_edit_runs_as_much_in_a_large_model_as_in_a_small_one(tmp_path):
     def runs(groups):
         judge, models, found = Judge(), Models(tmp_path), {}

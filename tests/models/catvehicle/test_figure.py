@@ -13,6 +13,8 @@ from catvehicle import StraightArcStraight, VehicleParameters
 from catvehicle.closed_loop import Loop
 from catvehicle.figure import RESOLUTION, SIZE, draw_run
 
+pytestmark = pytest.mark.slow
+
 PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)
 

@@ -75,6 +75,7 @@ def test_odometry_as_bytes(translator: Callable[[str], Translator]) -> None:
     assert whole(bytes.fromhex(ODOMETRY)).hex(" ") == bytes.fromhex(LOCAL_POSE).hex(" ")
 
 
+@pytest.mark.slow
 def test_twist_as_bytes(translator: Callable[[str], Translator]) -> None:
     bridge = translator("primitive_driver").bridge
     whole = by_bytes(bridge, "wrench_effort_to_jaus")

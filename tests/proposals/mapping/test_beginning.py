@@ -62,6 +62,7 @@ def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_
             assert any(member in one.text for one in made.opens) or "JML460" in each, made.opens
 
 
+@pytest.mark.slow
 def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
     for made in begun.values():
         for child in made.add.children:

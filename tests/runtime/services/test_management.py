@@ -417,6 +417,7 @@ class TestFloodOfRequests:
             client.send(RequestControl(authority_code=100), ready)
         assert client.take() == [ACCEPTED] * 100
 
+    @pytest.mark.slow
     def test_many_requesters_do_not_fill_the_memory(self, world, ready):
         for number in range(2000):
             world.probe(f"{number + 10}.1.1").send(RequestControl(authority_code=1), ready)

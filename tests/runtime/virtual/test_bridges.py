@@ -90,6 +90,7 @@ def test_silence_stops_the_vehicle_by_virtual_time(drive):
     assert stops[0] - last == pytest.approx(1.0, abs=0.001)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_at_the_same_times(drive):
     way = {"delay": 0.05, "loss": 0.2, "seconds": 60, "until": 60}
     one = drive(seed=1, hash_seed="1", **way)

@@ -39,6 +39,7 @@ ASKING = """address => Promise.all([
 ])"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("site", ["http://127.0.0.1:9/", "http://other.test/"])
 def test_the_page_of_another_site_can_ask_nothing(open_shared, chromium, site):
     page = open_shared()

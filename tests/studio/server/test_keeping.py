@@ -206,6 +206,7 @@ def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
     assert showing.view(context, FILE, "system")["freshness"]["state"] == "current"
 
 
+@pytest.mark.slow
 def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder: Path) -> None:
     text = "system boat {\n  host deck { }\n  host engine { }\n"
     text += "  component helm { address: 1.1.1 }\n}\n"

@@ -43,7 +43,13 @@ WORDS = (*FILES, *REFS, "system", "map:odometry", "to_ros", "bridge.Bridge", "na
 KINDS = ("set", "add", "remove", "move", "rename", "create", "place")
 
 texts = st.sampled_from(WORDS) | st.text(max_size=8)
-scalars = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | texts
+scalars = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | texts
+)
 values = st.recursive(
     scalars,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),

@@ -45,6 +45,7 @@ def test_a_name_is_short(page: Page) -> None:
         page.ask("look", **{**LOOK, "element": "x" * 100_000})
 
 
+@pytest.mark.slow
 def test_another_studio_of_the_same_project_is_told_of_until_it_is_killed(
     page: Page, folder: Path, built: Path
 ) -> None:

@@ -51,6 +51,7 @@ def test_without_the_page_it_says_how_to_build_it(folder: Path, tmp_path: Path) 
     assert "`make wheel`" in errors
 
 
+@pytest.mark.slow
 def test_a_port_that_is_taken_is_told(folder: Path, built: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
@@ -68,6 +69,7 @@ def test_a_host_that_is_none_is_told(folder: Path, built: Path, host: str) -> No
     assert errors.startswith("Error: cannot serve at ")
 
 
+@pytest.mark.slow
 def test_a_path_that_is_not_there_is_told(folder: Path, built: Path) -> None:
     code, errors = ended(folder / "nothing.xmi", built)
     assert code == 2

@@ -32,6 +32,7 @@ def actions(planned):
     return {each.path: each.action for each in planned.files}
 
 
+@pytest.mark.slow
 def test_a_second_time_nothing_is_done(workspace):
     planned = plan(read(CAR), workspace)
     found = actions(planned)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of
 
@@ -55,6 +56,7 @@ def test_line_ends_and_wide_characters_are_counted_as_browsers_do(tmp_path):
     assert "\r" not in found.text
 
 
+@pytest.mark.slow
 @for_each("name", SHIPPED)
 def test_every_element_stands_somewhere(name):
     scope = scope_of(name)
