@@ -246,14 +246,14 @@ def test_the_compiler_that_is_named_is_told(doctor, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("release", ["jazzy", "kilted"])
 def test_messages_that_nobody_installed(doctor, tmp_path, monkeypatch, release):
-    if find_spec("nav2_msgs"):
-        pytest.skip("nav2_msgs is installed")
+    if find_spec("geographic_msgs"):
+        pytest.skip("geographic_msgs is installed")
     monkeypatch.setenv("ROS_DISTRO", release)
     model = tmp_path / "model.ros2jaus"
-    model.write_text("import ros.nav2_msgs\n\nsystem rover {\n}\n", encoding="utf-8")
+    model.write_text("import ros.geographic_msgs\n\nsystem rover {\n}\n", encoding="utf-8")
     _, checks = doctor("--port", free_port(), model)
-    assert checks["model", "nav2_msgs"]["verdict"] == "error"
-    assert f"ros-{release}-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
+    assert checks["model", "geographic_msgs"]["verdict"] == "error"
+    assert f"ros-{release}-geographic-msgs" in checks["model", "geographic_msgs"]["cure"]
 
 
 @pytest.mark.slow
