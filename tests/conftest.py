@@ -96,6 +96,11 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
+def pytest_sessionfinish() -> None:
+    """Lets pytest look for garbage at its end among what is new: it could not tell whose it is."""
+    gc.freeze()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
     """Lets go of what a failed test holds, or the next one fails: of sockets that are not closed.

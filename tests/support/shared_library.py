@@ -10,12 +10,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from jausml.authoring.editing.reading import Reader
 from jausml.language import project
 from jausml.language.model import read_models
+from jausml.language.model.library import library_root
 from jausml.language.model.reading.library_cache import LibraryCache
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+    from jausml.language.model.reading.reader import ReadResult
+
+    _Read = Callable[[Reader, str], ReadResult]
 
 TESTS = Path(__file__).resolve().parents[1]
 OF_THE_READER = ("model",)
@@ -24,6 +30,8 @@ IN_THREADS = ("studio/server", "studio/browser", "editor")
 """Folders of tests that read in several threads at once, which each need a cache."""
 
 _CACHE = pytest.StashKey[LibraryCache]()
+_FILES = pytest.StashKey["dict[tuple[Path, str], ReadResult]"]()
+"""Files of the library that were looked at by themselves."""
 
 
 @pytest.hookimpl(wrapper=True)
@@ -36,7 +44,20 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         patch.setitem(read_models.__kwdefaults__, "cache", cache)
         if not _is_in(item.path, IN_THREADS):
             patch.setattr(project, "LibraryCache", lambda: cache)
+            patch.setattr(Reader, "library", _shared(item.config.stash.setdefault(_FILES, {})))
         return (yield)
+
+
+def _shared(known: dict[tuple[Path, str], ReadResult], read: _Read = Reader.library) -> _Read:
+    """Returns what reads a file of the library, unless it is known."""
+
+    def library(reader: Reader, file: str) -> ReadResult:
+        key = library_root(), file
+        if key not in known:
+            known[key] = read(reader, file)
+        return known[key]
+
+    return library
 
 
 def _is_in(path: Path, folders: tuple[str, ...]) -> bool:

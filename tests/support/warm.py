@@ -13,8 +13,10 @@ import atexit
 import contextlib
 import functools
 import gc
+import importlib
 import json
 import os
+import pkgutil
 import select
 import shlex
 import shutil
@@ -31,6 +33,14 @@ CLIENT = Path(__file__).with_name("warm_client.py")
 PAGE = "JAUSML_PAGE"
 """Names, in the environment of a command, the page of the studio of a test."""
 
+
+_WINGS = ("authoring", "cli", "safety_case", "live.messages", "live.peers", "live.traffic")
+_OF_SERVERS = (
+    "uvicorn.lifespan.on",
+    "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.auto",
+)
+"""What uvicorn loads when it begins to serve."""
 
 _servers: list[int] = []
 """The process, once it was started."""
@@ -103,7 +113,8 @@ def _reap(*_: object) -> None:
 
 
 def _prepare() -> None:
-    """Reads the library and compiles all templates."""
+    """Reads the library, compiles all templates, and loads what verbs load when they work."""
+    import jausml
     from jausml.generation import load_targets, render, select
     from jausml.language import project
     from jausml.language.model.reading.library_cache import LibraryCache
@@ -116,6 +127,12 @@ def _prepare() -> None:
     project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
     model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
     render(check_project([model]).model, select(load_targets()).targets)
+    for wing in _WINGS:
+        folder = Path(jausml.__path__[0], *wing.split("."))
+        for module in pkgutil.walk_packages([str(folder)], f"jausml.{wing}."):
+            importlib.import_module(module.name)
+    for module in _OF_SERVERS:
+        importlib.import_module(module)
 
 
 def _watch(client: socket.socket) -> None:
