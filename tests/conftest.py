@@ -45,7 +45,7 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # as nohup does
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    _keep_bytecode()
+    _forget_settings()
     _draw_from_no_sources()
     own_domain(worker())
     if "JAUSML_FAULTS" not in os.environ:  # What is measured has the settings of users.
@@ -56,8 +56,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.stash[SHARED_NETWORK] = isolate()
 
 
-def _keep_bytecode() -> None:
-    """Lets workers and programs under test find compiled what others have imported."""
+def _forget_settings() -> None:
+    """Lets programs under test write as they do for users, and find compiled what was imported."""
+    os.environ.pop("PYTHONUNBUFFERED", None)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
 

@@ -62,19 +62,26 @@ def test_a_reader_that_has_gone_is_no_problem_of_the_models(words):
     assert (result.returncode, result.stderr) == (141, b"")
 
 
-def test_an_interrupt_ends_as_shells_expect():
+@pytest.mark.parametrize(
+    ("verb", "line", "said"),
+    [
+        ("decode", "02400000000000", "ReportStatus"),
+        ("encode", "QueryStatus", "0220"),
+    ],
+)
+def test_what_comes_of_a_line_is_there_before_the_next_and_an_interrupt_ends_it(verb, line, said):
     """A loop of a shell ends with a program that died of the signal, and goes on otherwise."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "jausml", "decode", "-"],
+        [sys.executable, "-m", "jausml", verb, *(["-"] if verb == "decode" else [])],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     try:
-        process.stdin.write("02400000000000\n")
+        process.stdin.write(f"{line}\n")
         process.stdin.flush()
-        assert "ReportStatus" in process.stdout.readline()
+        assert said in process.stdout.readline()
         process.send_signal(signal.SIGINT)  # it waits for the next line
         process.wait(timeout=100)
         output, errors = process.stdout.read(), process.stderr.read()

@@ -151,7 +151,17 @@ line_format_option = format_option("Text for people, or one JSON object per line
 
 
 def read_lines(path: str) -> Iterator[str]:
-    """Yields the lines of a file, or of stdin for `-`, without a byte order mark."""
+    """Yields the lines of a file, or of stdin for `-`, without a byte order mark.
+
+    What was written of a line of stdin goes out before one waits for the next.
+    """
+    for line in _lines_of(path):
+        yield line
+        if path == STDIN:
+            sys.stdout.flush()
+
+
+def _lines_of(path: str) -> Iterator[str]:
     try:
         with nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream:
             encoding = "utf-8-sig"
