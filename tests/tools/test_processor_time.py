@@ -53,6 +53,11 @@ def test_what_is_wrong_by_more_than_half_is_told(listed, spent, found):
     assert processor_time.differences(listed, spent) == found
 
 
+def test_after_an_earlier_run_a_file_may_take_less():
+    assert processor_time.differences({"a.py": 20}, {"a.py": 1.0}, from_nothing=False) == []
+    assert processor_time.differences({"a.py": 20}, {"a.py": 31.0}, from_nothing=False)
+
+
 def test_seconds_are_those_of_the_computer_of_the_table():
     own = 2 * processor_time.WORK_SECONDS
     assert processor_time.scaled({"a.py": 30.0}, own) == {"a.py": pytest.approx(15.0)}

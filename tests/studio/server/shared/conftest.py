@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from studio_client import Page, Server
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def folder(
     tmp_path_factory: pytest.TempPathFactory,
     new_project: Callable[[Path], Path],
@@ -30,7 +30,7 @@ def folder(
     return root
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def server(folder: Path, built: Path) -> Iterator[Server]:
     with serving(folder / "catvehicle.xmi", built) as server:
         yield server
