@@ -52,8 +52,7 @@ coverage: $(READY)  ## run all tests and show untested lines; fail below the agr
 	  $(if $(TESTS),--cov-fail-under=0) $(TESTS)
 
 live: $(READY)  ## run the tests with real processes: rclpy, sockets, tshark
-	$(BIN)/python tools/build_studio.py --if-stale
-	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
+	$(BIN)/python tools/suite.py -m live $(TESTS)
 
 live-each:  ## run these tests on Jazzy and on Kilted, each in an environment of its own
 	$(MAKE) live ROS=jazzy
