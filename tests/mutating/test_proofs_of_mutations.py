@@ -40,23 +40,22 @@ def test_a_factor_in_one_direction_is_found(tmp_path):
     assert proofs.noticed(report, report.model.root) == ""
 
 
-def test_a_map_of_one_way_without_a_precision_is_not_proved(tmp_path):
+@pytest.mark.parametrize(
+    ("assignment", "name"),
+    [("speed -> Speed", ""), ("1.0 -> Speed", ""), ("speed -> Speed { precision: 0.1 }", "speed")],
+)
+def test_a_map_of_one_way_is_proved_if_it_has_a_precision(tmp_path, assignment, name):
     path = tmp_path / "speed.ros2jaus"
     path.write_text(
-        """\
+        f"""\
 import jaus.mobility
 
-speed {
+speed {{
     JAUS GlobalWaypointDriver.ReportTravelSpeed
     ROS ackermann_msgs/AckermannDrive
-    ROS->JAUS ( speed -> Speed )
-}
+    ROS->JAUS ( {assignment} )
+}}
 """
     )
-    report = check_project([path])
-    [used] = report.model.instances(bridge.AttributeMap, library=False)
-    assert _demanding_map(used.toJaus[0]) == ""
-    path.write_text(path.read_text().replace("-> Speed )", "-> Speed { precision: 0.1 } )"))
-    report = check_project([path])
-    [used] = report.model.instances(bridge.AttributeMap, library=False)
-    assert _demanding_map(used.toJaus[0]) == "speed"
+    [used] = check_project([path]).model.instances(bridge.AttributeMap, library=False)
+    assert _demanding_map(used.toJaus[0]) == name
