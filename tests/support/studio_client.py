@@ -122,7 +122,17 @@ class Page:
 
 def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
     """Returns a process of `jausml studio` that has just begun."""
-    line = [sys.executable, "-W", "error", str(PROCESS), str(page), "--no-browser", *options]
+    line = [
+        sys.executable,
+        "-W",
+        "error",
+        "-W",
+        f"ignore:{warm.OF_PYGLS}",
+        str(PROCESS),
+        str(page),
+        "--no-browser",
+        *options,
+    ]
     return subprocess.Popen(
         [*line, str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

@@ -30,6 +30,8 @@ from pathlib import Path
 from typing import Any
 
 CLIENT = Path(__file__).with_name("warm_client.py")
+OF_PYGLS = "'asyncio.iscoroutinefunction' is deprecated"
+"""What pygls 2.1 does that Python 3.14 warns of."""
 PAGE = "JAUSML_PAGE"
 """Names, in the environment of a command, the page of the studio of a test."""
 
@@ -175,6 +177,7 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
 
         serving.PAGE = Path(page)
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", OF_PYGLS)
     program()
 
 

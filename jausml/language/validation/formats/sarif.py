@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import re
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
@@ -117,7 +117,7 @@ def _uri(path: str) -> str:
     """Returns a path as a URI: relative with slashes, or of the scheme `file`."""
     pure = PurePath(path)
     if pure.is_absolute():
-        return pure.as_uri()
+        return Path(path).as_uri()
     text = quote(os.fsencode(pure.as_posix()))
     # A colon in the first part would read as a scheme (RFC 3986, section 4.2).
     return text.replace(":", "%3A")
