@@ -9,6 +9,7 @@ import pytest
 from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.model_checking.checking import check_subject
+from jausml.model_checking.runtime_machines import CommandConnection, ConnectionState
 from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, Bounds
 from jausml.model_checking.systems import subjects_of
 
@@ -123,3 +124,11 @@ def test_control_lapses_where_it_is_available_alone(tmp_path, target, rules):
     path.write_text(REFINES_ACCESS_CONTROL.format(target=target), encoding="utf-8")
     (found,) = found_in(path).values()
     assert found == rules
+
+
+def test_a_connection_that_was_stopped_counts_no_silence():
+    """States of the same future are one, or the search has more of them."""
+    connection = CommandConnection("ANY", silence=2)
+    moving = connection.take(ConnectionState())
+    silent = connection.tick(connection.tick(moving))
+    assert silent == connection.stop(moving) == ConnectionState(is_stopped=True, silent_in=0)

@@ -10,7 +10,7 @@ import pytest
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths
 from jausml.language.validation.engine import check_project
-from jausml.proving.results import FieldResult, MapResult
+from jausml.proving.results import FieldResult, MapResult, told
 
 GUARDS = ("tools/build_proofs.py", "models/library/mappings")
 
@@ -47,3 +47,12 @@ def test_what_was_found_of_a_map_is_told() -> None:
     assert "- **JML922 tried: JAUS Lossy drifts**\n- unchanged: `Sound`\n- `Lossy`: all 256" in page
     assert "- one way: `Only`\n" in page
     assert "SetOther and Bool: no numbers were tried.\n\n- left to Python: to_ros: lists" in page
+
+
+@pytest.mark.parametrize(
+    ("unchanged", "words"), [(256, "all 256 values; unchanged"), (200, "all 256 values; 56 change")]
+)
+def test_a_number_says_how_many_of_its_values_change(unchanged, words):
+    made = FieldResult("JAUS", "Speed", "", 8, 1.0, (0.0, 255.0), 256, 256, has_way_back=True)
+    made.unchanged, made.changed = unchanged, 256 - unchanged
+    assert told(made) == words
