@@ -8,6 +8,7 @@ import pytest
 
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.text.notation import NOTATIONS
+from jausml.language.text.reading import declared_messages
 from jausml.live.messages import load_catalogue
 
 
@@ -292,3 +293,12 @@ def test_name_of_the_service_after_another_file_is_explained(texts):
         "did you mean 'Demo'?; the messages of this file belong to 'Demo', named after the file: "
         "'service Depot' gives it a name that stays"
     )
+
+
+def test_where_no_code_is_left_it_is_told(texts, monkeypatch):
+    monkeypatch.setattr(declared_messages, "LAST_CODE", declared_messages.FIRST_CODE)
+    text = "a { JAUS One ( uint8 x ) ROS std_msgs/Float64 }\nb { JAUS Two ( uint8 x ) ROS std_msgs/Float64 }"
+    told = [each for each in texts.one(text).diagnostics if "no code is left" in each.message]
+    assert [(each.rule, each.message, each.location.line) for each in told] == [
+        ("JML712", "no code is left for the new message 'Two'", 2)
+    ]
