@@ -29,11 +29,11 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part. Tests that fail in the crowd are run again, alone.
-test: $(READY)  ## run the tests that guard everything, in six minutes
+test: $(READY)  ## run the tests that guard everything, in seven minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
-test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in a quarter of an hour
+test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in half an hour
 	$(BIN)/python tools/suite.py -m "not slow" $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
 	$(BIN)/python tools/suite.py -m slow $(JUDGED) $(TESTS)
 	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'

@@ -71,7 +71,7 @@ def seconds() -> float:
         return 0.0
     status = Path("/proc", str(_servers[0]), "stat").read_text(encoding="ascii")
     _, _, fields = status.rpartition(") ")
-    ticks = sum(int(field) for field in fields.split()[11:15])  # utime to cstime, proc(5)
+    ticks = sum(int(field) for field in fields.split()[13:15])  # cutime and cstime, proc(5)
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
