@@ -9,6 +9,7 @@ import pytest
 from jausml.runtime import AttributeParameter, Join
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.reports_to_ros import QueryToTopics
+from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.parameters import nearest
 from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault
@@ -202,3 +203,9 @@ def test_faults_of_publishers_are_in_diagnostics(world, setting):
     setting.open(event(rate=10.0))
     world.run(2.0)
     assert setting.ros.statuses[-1]["timeout"].message == "nobody"
+
+
+def test_authority_and_events_have_the_ranges_of_their_octets():
+    """RequestControl and Events have an octet for each (AS5710); no event at a time is none."""
+    assert parameters.AUTHORITY.limits == (0, 255)
+    assert parameters.MAX_EVENTS.limits == (1, 255)
