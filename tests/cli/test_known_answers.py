@@ -91,7 +91,7 @@ def test_findings_of_examples_are_told_again_in_each_format(output_format, asked
 
 
 @pytest.mark.parametrize(
-    ("text", "output_format"), sweep(itertools.product(BROKEN, REPORT_FORMATS), every=6)
+    ("text", "output_format"), sweep(itertools.product(BROKEN, REPORT_FORMATS), every=12)
 )
 def test_faults_are_told_again_in_each_format(text, output_format, asked):
     Path("bad.ros2jaus").write_bytes(BROKEN[text].encode("utf-8", "surrogateescape"))
@@ -144,7 +144,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", sweep(CHANGES, every=3))
+@pytest.mark.parametrize("change", sweep(CHANGES, every=6))
 def test_what_changes_on_the_disk_is_looked_at_anew(change, asked):
     write("second.ros2jaus", TEXT.replace("robot", "second").replace("100.1.2", "100.1.3"))
     write("lost.xmi", LOST.format(href="gone.xmi#//@serviceSets.0/@services.0"))
@@ -407,7 +407,7 @@ CHANGED = {
 }
 
 
-@pytest.mark.parametrize("change", sweep(CHANGED, every=3))
+@pytest.mark.parametrize("change", sweep(CHANGED, every=6))
 def test_what_changes_in_a_workspace_is_generated_anew(change, asked):
     asked(*GENERATE)
     assert not asked(*GENERATE)[1]

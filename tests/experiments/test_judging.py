@@ -87,6 +87,7 @@ def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
         assert found[name].differs, name
 
 
+@pytest.mark.slow
 def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
     # Four times what is tolerated: the test is sharp, not only able to see the absurd.
     verdict = judge(drives(0.0002, 1, 4), drives(0.02, 5, 4), PARAMETERS)

@@ -63,7 +63,7 @@ ALL = (
     grown.lines,
     grown.one_line,
 )
-GUARDING = (grown.assignments, grown.states, grown.components, grown.lines)
+GUARDING = (grown.states, grown.components, grown.lines)
 VIEW = {grown.states: "machine:M", grown.transitions: "machine:M", grown.messages: "service:S"}
 MAPS = (grown.assignments, grown.ros_fields, grown.ros_structures, grown.table)
 

@@ -123,6 +123,7 @@ def test_one_worker_runs_what_binds_ports_where_the_network_is_shared(tmp_path):
     assert len(workers) == 1
 
 
+@pytest.mark.slow
 def test_what_a_failed_test_left_open_is_no_failure_of_the_next(tmp_path):
     shutil.copy(TESTS / "conftest.py", tmp_path)
     settings = f"[pytest]\npythonpath = {PYTHONPATH}\nfilterwarnings = error\n"

@@ -86,6 +86,7 @@ def test_what_is_missing_is_skipped_with_its_cure(run, without_programs, tmp_pat
     assert "'wings' is no need that tests/support/needs.py knows" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_module_is_not_imported_further_and_says_what_its_package_said(run, tmp_path):
     (tmp_path / "rclpy.py").write_text("import half_of_it", encoding="utf-8")
     done = run(MODULE, PYTHONPATH=str(tmp_path))
@@ -93,6 +94,7 @@ def test_a_module_is_not_imported_further_and_says_what_its_package_said(run, tm
     assert f"1 skipped: {reason}\n" in done.stdout, done.stdout
 
 
+@pytest.mark.slow
 def test_what_stands_beside_is_chosen_and_found(run, tmp_path):
     (tmp_path / "golden").mkdir()
     (tmp_path / "golden" / "none.jsonl").touch()
@@ -161,11 +163,13 @@ def test_skips_that_are_not_expected_fail_a_run(run, tmp_path, lines, told, work
     assert "1 skipped: nobody has run it\n" in done.stdout
 
 
+@pytest.mark.slow
 def test_without_the_option_any_skip_is_fine(run):
     done = run(SKIPS)
     assert (done.returncode, "not expected" in done.stdout) == (0, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", sweep(["many | reason | why", "1 | reason", "1 | | why"], every=3))
 def test_a_line_that_is_no_allowance_is_a_usage_error(run, tmp_path, line):
     (tmp_path / "expected.txt").write_text(f"# first\n{line}\n", encoding="utf-8")
@@ -174,6 +178,7 @@ def test_a_line_that_is_no_allowance_is_a_usage_error(run, tmp_path, line):
     assert "expected.txt: line 2 is not MOST | REASON | WHY" in done.stderr
 
 
+@pytest.mark.slow
 def test_the_file_of_the_project_is_one(run):
     done = run("", "--expected-skips", str(ROOT / "tests" / "expected_skips.txt"))
     assert done.returncode == pytest.ExitCode.NO_TESTS_COLLECTED, done.stderr

@@ -47,18 +47,21 @@ def suite(tmp_path, monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_what_passes_runs_once(suite):
     status, output = suite(good="def test_good(): pass")
     assert status == 0
     assert "once more" not in output
 
 
+@pytest.mark.slow
 def test_what_passes_alone_is_named(suite):
     status, output = suite(once=FAILS_ONCE.format(name="once"))
     assert status == 0
     assert "test_once.py::test_once: passed alone, and may hide a race" in output
 
 
+@pytest.mark.slow
 def test_what_fails_alone_too_fails(suite):
     status, output = suite(bad="def test_bad(): assert False", good="def test_good(): pass")
     assert status == 1
@@ -73,6 +76,7 @@ def test_each_gets_its_own_verdict(suite):
     assert "test_once.py::test_once: passed alone, and may hide a race" in output
 
 
+@pytest.mark.slow
 def test_many_failures_are_a_fault(suite):
     names = [f"once{number}" for number in range(4)]
     status, output = suite(**{each: FAILS_ONCE.format(name=each) for each in names})
@@ -80,6 +84,7 @@ def test_many_failures_are_a_fault(suite):
     assert output.count("passed alone, and may hide a race") == 4
 
 
+@pytest.mark.slow
 def test_what_fails_shows_its_values_in_the_second_run(suite):
     status, output = suite(bad="def test_bad():\n    found = 6 * 7\n    assert found == 43\n")
     assert status == 1

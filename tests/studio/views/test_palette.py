@@ -94,7 +94,7 @@ def test_nothing_is_offered_that_cannot_be_dropped():
     assert {each.group for each in found} <= {"elements"}
 
 
-@for_each("name", SHIPPED)
+@for_each("name", SHIPPED, shards=4, slow=True)
 def test_every_model_has_a_palette_whose_references_are_known(name):
     scope = scope_of(name)
     for each in palette(scope, "pose", limit=20):
