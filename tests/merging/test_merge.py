@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
+from random import Random
 
 import pytest
 from merging_support import MESSAGE, NODE, PACKAGE, PLANT
@@ -478,6 +480,43 @@ def merge_texts(tmp_path):
         return merged("rover.ros2jaus", tmp_path.resolve(), *(each.encode() for each in states))
 
     return run
+
+
+def test_what_git_keeps_of_comments_this_keeps_too(merge_texts, tmp_path):
+    """Comments are written, changed and taken away at random; nothing that lines keep is lost."""
+    random = Random(5)
+    clean = 0
+    whole = ROVER + "".join(f"component c{n} {{\n  address: 100.2.{n}\n}}\n" for n in range(1, 20))
+
+    def commented(text, who, times=2):
+        lines = text.splitlines()
+        for number in sorted(random.sample(range(1, len(lines) + 1), times), reverse=True):
+            lines.insert(number, f"  // {who} {random.randrange(1000)}")
+        return "\n".join(lines) + "\n"
+
+    def changed(text, who):
+        said = [line for line in text.splitlines() if "// base" in line]
+        gone, other = random.sample(said, 2)
+        text = replaced(text, (f"{gone}\n", ""), (other, f"  // {who} was {other.strip(' /')}"))
+        return commented(text, who)
+
+    for _ in range(25):
+        base = commented(whole, "base", 8)
+        ours = replaced(changed(base, "ours"), ("rate: 25", "rate: 50"))
+        states = (base, ours, changed(base, "theirs"))
+        for name, text in zip("bot", states, strict=True):
+            (tmp_path / name).write_text(text)
+        command = ("git", "merge-file", "-p", "o", "b", "t")
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        outcome = merge_texts(*states)
+        text = outcome.data.decode()
+        assert outcome.findings == ()
+        assert "rate: 50" in text
+        if done.returncode == 0:
+            clean += 1
+            kept = [each.strip() for each in done.stdout.splitlines() if "//" in each]
+            assert [each for each in kept if each not in text] == []
+    assert clean > 5
 
 
 def test_two_changes_of_one_line_of_text_go_together(merge_texts):
