@@ -219,7 +219,8 @@ class _Planner:
             found = next((each for each in new if self._is_moved(base, each)), None)
             if found is not None:
                 self.plan.moved.add(found)
-            did = "removed" if found is None else f"moved to {self._label(found.eContainer())}"
+            owner = found.eContainer() if found is not None else None
+            did = "removed" if owner is None else f"moved to {self._label(owner)}"
             difference = self._difference(base, ours)
             what = f"{self._label(ours)} was {did} by them and changed by us: {difference}"
             self.plan.conflicts.append(Conflict(GONE_HERE, ours, what))

@@ -45,7 +45,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     from jausml.language.validation.formats.text import lines_of
 
     named = Path(file or ours)
-    states = [_read(each) for each in (base, ours, theirs)]
+    states = _read(base), _read(ours), _read(theirs)
     root = find_project_root([named]).resolve()
     path = named.parent.resolve() / named.name
     try:
