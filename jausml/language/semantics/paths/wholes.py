@@ -83,7 +83,7 @@ def _is_many(place: PathPlace) -> bool:
 
 def _value_in(element: PathPlace | None, other: PathPlace | None) -> str:
     """Returns the path of the value in an element: lists of JAUS hold records, if only of one."""
-    members = (_members(element) if element is not None else None) or {}
+    members: dict[str, str] = (_members(element) if element is not None else None) or {}
     is_value = other is not None and _members(other) is None
     return next(iter(members.values())) if is_value and len(members) == 1 else "."
 
