@@ -109,13 +109,10 @@ def _members(place: PathPlace) -> dict[str, str] | None:
 def _pairs(
     source: dict[str, str], target: dict[str, str], names: tuple[str, str]
 ) -> Iterator[Pair]:
-    for one, other, here, there in (
-        (source, target, *names),
-        (target, source, *reversed(names)),
-    ):
-        lacking = [name for key, name in one.items() if key not in other]
-        if lacking:
-            raise ShapeError(f"'{lacking[0]}' of {here} has no counterpart in {there}")
+    lacking = [(name, *names) for key, name in source.items() if key not in target]
+    lacking += [(name, *names[::-1]) for key, name in target.items() if key not in source]
+    for name, here, there in lacking:
+        raise ShapeError(f"'{name}' of {here} has no counterpart in {there}")
     for key, name in target.items():
         yield source[key], name
 
