@@ -20,12 +20,13 @@ int16 [<=5] few
 whole {
   JAUS SetWhole (
     outer membername  triple second  few third  struct [ uint8 A ] [2] last
+    float32 [] free
   ) { code: 0xD201 }
-  ROS Whole ( outer membername2  triple second2  few third2  struct [ uint8 a ] [2] last2 )
-  JAUS->ROS ( membername -> membername2  second -> second2  third -> third2  last -> last2 )
+  ROS Whole ( outer membername2  triple second2  few third2  struct [ uint8 a ] [2] last2  float32 [] free2 )
+  JAUS->ROS ( membername -> membername2  second -> second2  third -> third2  last -> last2  free -> free2 )
   ROS->JAUS (
     membername2 -> membername { outOfRange: dropMessage }
-    second2 -> second  third2 -> third  last2 -> last
+    second2 -> second  third2 -> third  last2 -> last  free2 -> free
   )
 }
 bridge wholes {
@@ -49,6 +50,7 @@ def filled():
     inner.x, inner.top_speed, inner.flags = 1.5, -2.5, [1, 2, 3, 255]
     message.membername2.note = "note"
     message.second2, message.third2 = [0.5, 1.0, -1.0], [-7, 8]
+    message.free2 = [0.25, 0.5]
     for number, each in enumerate(message.last2, 3):
         each.a = number
     return message
@@ -105,6 +107,7 @@ def findings(text, tmp_path, name="model.ros2jaus"):
         ("struct [ float64 x ] m", "struct [ float64 x  float64 y ] m", "'y' of "),
         ("struct [ float64 x ] m", "struct [ string x ] m", "'m.x' is a number, but 'm.x' is text"),
         ("float64[3] m", "float64[4] m", "'m' has 3 elements, 'm' has 4"),
+        ("float64[3] m", "float64[] m", "'m' has 3 elements, 'm' has any number of"),
         ("struct [ uint8[2] a ] m", "struct [ uint8[3] a ] m", "'m.a' -> 'm.a' is of wholes"),
         ("float64[3] m", "string[3] m", "'.' is a number, but '.' is text"),
         ("float64[3] m", "float64 m", "'m' is an array"),

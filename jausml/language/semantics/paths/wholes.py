@@ -89,10 +89,19 @@ def _value_in(element: PathPlace | None, other: PathPlace | None) -> str:
 
 
 def _hold_counts(source: PathPlace, target: PathPlace) -> None:
-    counts = [each.attribute().count for each in (source, target)]
-    if None not in counts and counts[0] != counts[1]:
+    fixed = [_fixed_count(each) for each in (source, target)]
+    if fixed[0] != fixed[1]:
+        counts = ["any number of" if each is None else each for each in fixed]
         message = f"{_name(source)} has {counts[0]} elements, {_name(target)} has {counts[1]}"
         raise ShapeError(message)
+
+
+def _fixed_count(place: PathPlace) -> int | None:
+    """Returns how many elements there always are; None where their number varies."""
+    if isinstance(place.field, jaus.List):
+        least, most = place.field.minimumCount, place.field.maximumCount
+        return most if most and least == most else None
+    return place.attribute().count
 
 
 def _members(place: PathPlace) -> dict[str, str] | None:
