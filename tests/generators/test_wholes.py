@@ -22,8 +22,14 @@ whole {
     outer membername  triple second  few third  struct [ uint8 A ] [2] last
     float32 [] free
   ) { code: 0xD201 }
-  ROS Whole ( outer membername2  triple second2  few third2  struct [ uint8 a ] [2] last2  float32 [] free2 )
-  JAUS->ROS ( membername -> membername2  second -> second2  third -> third2  last -> last2  free -> free2 )
+  ROS Whole (
+    outer membername2  triple second2  few third2  struct [ uint8 a ] [2] last2
+    float32 [] free2
+  )
+  JAUS->ROS (
+    membername -> membername2
+    second -> second2  third -> third2  last -> last2  free -> free2
+  )
   ROS->JAUS (
     membername2 -> membername { outOfRange: dropMessage }
     second2 -> second  third2 -> third  last2 -> last  free2 -> free
