@@ -73,6 +73,7 @@ ACCEPTED = {
     ("integer", "bool"),
     ("text", "text"),
     ("octets", "octets"),
+    ("array", "array"),
 }
 
 

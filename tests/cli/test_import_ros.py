@@ -104,7 +104,7 @@ def test_a_definition_is_never_overwritten(jausml, folder):
         (["nothing"], "no package 'nothing' is installed"),
         (["bad\x00name"], "no package"),
         (["prefix"], None),
-        (["empty"], "no .msg or .srv or .action files in empty"),
+        (["empty"], "no .msg or .srv or .action or .idl files in empty"),
     ],
 )
 def test_what_is_not_there(jausml, folder, words, said):

@@ -354,9 +354,23 @@ def test_a_named_process_runs_alone_with_its_arguments(jausml, workspace):
     assert shown(jausml("run", out, "vehicle", "--", "--for", "x")) == {"vehicle": ["--for", "x"]}
 
 
+def test_the_frequency_goes_to_bridges_before_what_is_said_in_detail(jausml, workspace):
+    out = several(workspace, vehicle="component", front="bridge", camera="node")
+    said = ["--ros-args", "-p", "frequency:=20.0"]
+    more = ["--ros-args", "-p", "x.rate:=5.0"]
+    assert shown(jausml("run", out, "--frequency", "20", *more)) == {
+        "vehicle": [],
+        "front": [*params(out, "front"), *said, *more],
+        "camera": [*params(out, "camera"), *more],
+    }
+    assert shown(jausml("run", out, "front", "--frequency", "20"))["front"][-3:] == said
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["vehicle", "--frequency", "20"], "no process is a bridge, which --frequency is for"),
+        (["front", "--frequency", "0"], "0 is not in the range 0.02<=x<=1092"),
         (["fornt"], "no process 'fornt'; there are vehicle, front, camera"),
         (
             ["--jaus-id", "1.1.9"],

@@ -140,6 +140,21 @@ def test_namespaces_are_declared_where_they_are_needed(tmp_path):
     assert text(project, "s.xmi") == wanted
 
 
+def test_several_new_namespaces_stand_in_the_order_of_eclipse(tmp_path):
+    head = '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+    system = ' xmlns:system="http://www.jausml.org/system/1.0" name="s">'
+    (tmp_path / "s.xmi").write_text(f'{head}{system}\n  <bridges name="b"/>\n</system:System>\n')
+    project = Project(tmp_path)
+    constant = Child("toRos", "bridge.ConstantAssignment", {"target": ("x",), "value": ("1",)})
+    added = Add("s.xmi#//@bridges.0", "maps", "bridge.AttributeMap", {"name": ("m",)}, (constant,))
+    project.do([added], "add")
+    model = project.model("s.xmi").model
+    written = to_xmi(model.documents[0].roots, model, tmp_path / "s.xmi").splitlines()
+    assert text(project, "s.xmi").splitlines()[0] == written[1]
+    assert " xmlns:xsi=" in written[1]
+    assert written[1].index(" xmlns:xsi=") < written[1].index(" xmlns:bridge=")
+
+
 def test_a_reference_to_the_library_is_written_with_its_uri(project):
     service = "library:/jaus/mobility.xmi#PrimitiveDriver"
     project.do([Set("robot.xmi#//@components.0", "provides", (service,))], "provide")

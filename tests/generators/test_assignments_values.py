@@ -289,7 +289,8 @@ def test_quantities_are_parameters(made):
 
 
 def test_rates_that_are_not_stated_are_that_of_the_bridge(made):
-    assert (made.bridge.polled.rate, made.bridge.often.rate) == (12.5, 50.0)
+    assert made.bridge.settings.frequency == 12.5
+    assert (made.bridge.polled.rate, made.bridge.often.rate) == (0.0, 50.0)
 
 
 def test_expressions(made):

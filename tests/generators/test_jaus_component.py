@@ -106,6 +106,12 @@ def test_commands_are_obeyed_as_the_service_demands() -> None:
         assert name not in flat, "the runtime handles the messages of the core services"
 
 
+def test_a_silent_report_leads_to_the_state_that_the_model_says() -> None:
+    flat = " ".join(texts()["operator_jaus/operator_jaus/operator_jaus_base.py"].split())
+    assert "silence_timeout=0.5, on_silence=lambda: self.on_effort_silent" in flat
+    assert flat.count("stands_by=True") == 1
+
+
 def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path: Path) -> None:
     library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
     path = tmp_path / "driver.xmi"

@@ -10,8 +10,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from merging_support import MESSAGE, NODE, PACKAGE, PLANT
 
-from jausml.language.model import LIBRARY_URI
+from jausml.language.model import LIBRARY_URI, read_models
 
 ROOT = Path(__file__).resolve().parents[2]
 MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
@@ -211,6 +212,30 @@ def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repo
     repository.git("checkout", "-q", "changed")
     repository.git("merge", "-q", "--no-edit", "moved~1")
     assert "no problems" in repository.run("jausml", "validate", "models")
+
+
+@pytest.mark.slow
+def test_references_by_position_follow_what_both_sides_did_to_another_file(repository):
+    """git tells its drivers the other commit, so that the other files of their side can be read."""
+    alarm, depth, last = (MESSAGE.format(each) for each in ("Alarm", "Depth", "Last"))
+    package, plant = (repository.folder / "models" / each for each in ("d_msgs.xmi", "plant.xmi"))
+
+    def commit(branch, messages, *nodes):
+        if branch != "main":
+            repository.git("checkout", "-q", "-b", branch, "main")
+        package.write_text(PACKAGE.format(messages))
+        plant.write_text(PLANT.format("".join(NODE.format(*each) for each in nodes)))
+        repository.git("add", ".")
+        repository.git("commit", "-q", "-m", branch)
+
+    commit("main", alarm, ("a", "1.0", 0))
+    commit("adds", depth + alarm, ("a", "1.0", 1), ("b", "1.0", 0))
+    commit("alters", alarm + last, ("a", "5.0", 0), ("c", "2.0", 1))
+    repository.git("merge", "-q", "--no-edit", "adds")
+    model = read_models([plant]).model
+    used = {each.name: each.publishers[0].type.name for each in model.root.nodes}
+    assert used == {"a": "Alarm", "b": "Depth", "c": "Last"}
+    assert model.root.nodes[0].frequency == 5
 
 
 @pytest.mark.slow

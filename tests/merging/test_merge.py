@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
+from random import Random
 
 import pytest
+from merging_support import MESSAGE, NODE, PACKAGE, PLANT
 
 from jausml.authoring.differences.finding import changes
-from jausml.authoring.merging.merging import UnmergeableError, merged
+from jausml.authoring.merging.merging import States, UnmergeableError, merged
 from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.language.model import LIBRARY_URI, read_models
 from jausml.language.model.library import LIBRARY_URI as NAME
@@ -304,12 +307,101 @@ def test_places_of_metamodels_follow_a_model_that_moved(merge):
     assert merge(base, odd, deeper) == (odd, ())
 
 
-def test_comments_that_theirs_added_are_told(tmp_path):
-    added = replaced(MINIMAL, ("  <bridges", "  <!-- of\n theirs -->\n  <bridges"), RATE)
-    states = (each.encode() for each in (MINIMAL, MINIMAL, added))
+OLD = ("  <components", "  <!-- old -->\n  <components")
+NEW = ("<!-- old -->", "<!-- newer -->")
+THEIRS = ("  <bridges", "  <!-- of\n theirs -->\n  <bridges")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "iso-8859-1"])
+def test_comments_of_both_sides_are_kept(tmp_path, encoding):
+    base = replaced(MINIMAL, OLD, ("UTF-8", encoding), ("Ten times", "Zehnmal, häufig"))
+    ours = replaced(base, ("  <bridges", "  <!-- ours, für uns -->\n  <bridges"))
+    theirs = replaced(base, NEW, THEIRS, RATE, (END, f"  <!-- end -->\n{END}"))
+    states = (each.encode(encoding) for each in (base, ours, theirs))
     outcome = merged("model.xmi", tmp_path.resolve(), *states)
-    assert outcome.left_out == ("of theirs",)
-    assert outcome.data.decode() == replaced(MINIMAL, RATE)
+    assert outcome.findings == ()
+    text = outcome.data.decode(encoding)
+    assert text == replaced(ours, NEW, THEIRS, RATE) + "<!-- end -->\n"
+
+
+def test_a_comment_that_both_changed_is_there_twice_and_one_that_they_took_away_is_not(merge):
+    base = replaced(MINIMAL, OLD, THEIRS)
+    ours = replaced(base, ("<!-- old -->", "<!-- ours -->"))
+    text, findings = merge(base, ours, replaced(base, NEW, THEIRS[::-1], RATE))
+    both = replaced(ours, ("<!-- ours -->", "<!-- ours -->\n  <!-- newer -->"), RATE)
+    assert (text, findings) == (replaced(both, THEIRS[::-1]), ())
+
+
+def test_a_comment_without_a_place_is_a_conflict(merge):
+    line = " ".join(MINIMAL.split())
+    theirs = replaced(line, ("<bridges", "<!-- theirs --> <bridges"), RATE)
+    text, (found,) = merge(line, line, theirs)
+    assert text == replaced(line, RATE)
+    assert (found.rule, found.message) == ("JML816", "a comment of theirs is lost: theirs")
+
+
+MOVED = '  <bridges xmi:id="other" name="other" address="10.1.8">\n    {}\n  </bridges>\n'
+
+
+@pytest.mark.parametrize("with_id", [True, False])
+@pytest.mark.parametrize("is_known", [True, False])
+def test_what_they_moved_and_we_changed_is_one_conflict_and_there_once(merge, with_id, is_known):
+    closing = "    </bridgeConnections>\n"
+    start, end = MINIMAL.index("    <bridgeConn"), MINIMAL.index(closing) + len(closing)
+    connection = MINIMAL[start:end]
+    base = MINIMAL
+    if with_id:
+        moved = replaced(connection, ("<bridgeConnections", '<bridgeConnections xmi:id="v"'))
+        base, connection = replaced(base, (connection, moved)), moved
+    if is_known:
+        base = replaced(base, (END, MOVED.format("") + END))
+    theirs = replaced(
+        base,
+        (connection, ""),
+        (
+            MOVED.format("") if is_known else END,
+            MOVED.format(connection.strip()) + ("" if is_known else END),
+        ),
+    )
+    ours = replaced(base, RATE)
+    text, (found,) = merge(base, ours, theirs)
+    assert found.rule == "JML812"
+    assert (
+        "was moved to bridge 'other' by them and changed by us: rate 10 -> 25 Hz" in found.message
+    )
+    assert text.count("<bridgeConnections") == 1
+    assert RATE[1] in text
+    assert 'name="other"' in text
+    text, findings = merge(base, base, theirs)
+    assert findings == ()
+    assert text.count("<bridgeConnections") == 1
+    assert text.index('name="other"') < text.index("<bridgeConnections")
+
+
+@pytest.mark.parametrize("is_swapped", [False, True])
+@pytest.mark.parametrize("both", [False, True])
+def test_references_by_position_follow_the_other_file_of_each_side(tmp_path, is_swapped, both):
+    """One side puts a message before the others and uses it, the other side changes and adds."""
+    alarm, depth, last = (MESSAGE.format(each) for each in ("Alarm", "Depth", "Last"))
+    old, new = PACKAGE.format(alarm), PACKAGE.format(depth + alarm)
+    other = PACKAGE.format(alarm + last) if both else old
+    base = PLANT.format(NODE.format("a", "1.0", 0))
+    adds = PLANT.format(NODE.format("a", "1.0", 1) + NODE.format("b", "1.0", 0))
+    alters = PLANT.format(NODE.format("a", "5.0", 0) + NODE.format("c", "2.0", int(both)))
+    plants, packages = (adds, alters), (new, other)
+    if is_swapped:
+        plants, packages = plants[::-1], packages[::-1]
+    around = {"d_msgs.xmi": States(*(each.encode() for each in (old, *packages)))}
+    (tmp_path / "d_msgs.xmi").write_text(packages[0])
+    texts = (each.encode() for each in (base, *plants))
+    outcome = merged("plant.xmi", tmp_path.resolve(), *texts, around)
+    assert outcome.findings == ()
+    package = merged("d_msgs.xmi", tmp_path.resolve(), *(e.encode() for e in (old, *packages)))
+    (tmp_path / "d_msgs.xmi").write_bytes(package.data)
+    (tmp_path / "plant.xmi").write_bytes(outcome.data)
+    model = read_models([tmp_path / "plant.xmi"]).model
+    found = {e.name: (e.frequency, e.publishers[0].type.name) for e in model.root.nodes}
+    assert found == {"a": (5, "Alarm"), "b": (1, "Depth"), "c": (2, "Last" if both else "Alarm")}
 
 
 def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
@@ -390,6 +482,43 @@ def merge_texts(tmp_path):
     return run
 
 
+def test_what_git_keeps_of_comments_this_keeps_too(merge_texts, tmp_path):
+    """Comments are written, changed and taken away at random; nothing that lines keep is lost."""
+    random = Random(5)
+    clean = 0
+    whole = ROVER + "".join(f"component c{n} {{\n  address: 100.2.{n}\n}}\n" for n in range(1, 20))
+
+    def commented(text, who, times=2):
+        lines = text.splitlines()
+        for number in sorted(random.sample(range(1, len(lines) + 1), times), reverse=True):
+            lines.insert(number, f"  // {who} {random.randrange(1000)}")
+        return "\n".join(lines) + "\n"
+
+    def changed(text, who):
+        said = [line for line in text.splitlines() if "// base" in line]
+        gone, other = random.sample(said, 2)
+        text = replaced(text, (f"{gone}\n", ""), (other, f"  // {who} was {other.strip(' /')}"))
+        return commented(text, who)
+
+    for _ in range(25):
+        base = commented(whole, "base", 8)
+        ours = replaced(changed(base, "ours"), ("rate: 25", "rate: 50"))
+        states = (base, ours, changed(base, "theirs"))
+        for name, text in zip("bot", states, strict=True):
+            (tmp_path / name).write_text(text)
+        command = ("git", "merge-file", "-p", "o", "b", "t")
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        outcome = merge_texts(*states)
+        text = outcome.data.decode()
+        assert outcome.findings == ()
+        assert "rate: 50" in text
+        if done.returncode == 0:
+            clean += 1
+            kept = [each.strip() for each in done.stdout.splitlines() if "//" in each]
+            assert [each for each in kept if each not in text] == []
+    assert clean > 5
+
+
 def test_two_changes_of_one_line_of_text_go_together(merge_texts):
     ours = replaced(ROVER, ("rate: 25", "rate: 50"))
     theirs = replaced(ROVER, ("topic odometry", "topic odom"))
@@ -417,9 +546,10 @@ def test_what_theirs_uses_in_a_text_is_imported(merge_texts):
     assert "connection pose {" in text
 
 
-def test_a_conflict_in_a_text_has_its_place_and_comments_of_theirs_are_told(merge_texts):
+def test_a_conflict_in_a_text_has_its_place_and_comments_of_theirs_are_kept(merge_texts):
     theirs = replaced(ROVER, ("rate: 25", "rate: 30"), ("// A rover.", "// A rover.\n// Fast."))
     outcome = merge_texts(ROVER, replaced(ROVER, ("rate: 25", "rate: 50")), theirs)
     (found,) = outcome.findings
     assert (found.rule, found.location.line) == ("JML811", 9)
-    assert outcome.left_out == ("Fast.",)
+    assert "// A rover.\n" in outcome.data.decode()
+    assert "// Fast.\n" in outcome.data.decode()

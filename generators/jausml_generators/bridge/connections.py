@@ -260,11 +260,13 @@ class ConnectionView:
 
     @property
     def rate(self) -> float | None:
-        """Messages each second that are asked for; None when nothing is, or every change."""
+        """Messages each second that are asked for, 0 for as many as the frequency of the bridge.
+
+        None when nothing is asked for, or every change.
+        """
         if not self.to_ros or self.exchange not in {"periodicEvent", "query"}:
             return None
-        owner = self.connection.eContainer()
-        return float(self.connection.rate or (owner.frequency if owner is not None else 0.0))
+        return float(self.connection.rate)
 
     @property
     def named_peers(self) -> list[str]:

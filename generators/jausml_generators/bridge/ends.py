@@ -167,8 +167,11 @@ class ReportJoinView:
 
     @property
     def rate(self) -> float | None:
-        """Reports each second that are asked for; None when nothing is, or every change."""
-        return self.report.rate or None
+        """Reports each second that are asked for, 0 for as many as the frequency of the bridge.
+
+        None when nothing is asked for, or every change.
+        """
+        return self.report.stated_rate if self.report.rate else None
 
     @property
     def named_peers(self) -> list[str]:

@@ -72,6 +72,11 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
         "jaus_digital_resources", "", "URLs of streams and files, with spaces between them."
     )
     yield ParameterLine(
+        "frequency",
+        float(element.frequency),
+        "Messages each second (Hz) of the connections that state no rate.",
+    )
+    yield ParameterLine(
         "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
     )
     yield ParameterLine(
@@ -121,6 +126,16 @@ def _budget_lines(element: bridge.Bridge) -> Iterator[ParameterLine]:
     )
 
 
+def _rate_line(name: str, rate: float, connection: bridge.Connection) -> ParameterLine:
+    """Returns a rate; a comment where the frequency of the bridge says it."""
+    if rate:
+        return ParameterLine(f"{name}.rate", rate, "Messages each second (Hz).")
+    owner = connection.eContainer()
+    usual = float(owner.frequency) if owner is not None else 0.0
+    about = "Messages each second (Hz); without it, the frequency."
+    return ParameterLine(f"{name}.rate", usual, about, is_comment=True)
+
+
 def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
     name, connection = view.model_name, view.connection
     about = " ".join(printable(connection.documentation or "").split())
@@ -131,7 +146,7 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
     if view.named_peers:
         yield ParameterLine(f"{name}.peers", view.named_peers)
     if view.rate is not None:
-        yield ParameterLine(f"{name}.rate", view.rate, "Messages each second (Hz).")
+        yield _rate_line(name, view.rate, view.connection)
     if not isinstance(view, ActionView):
         yield ParameterLine(
             f"{name}.silence_timeout",
@@ -154,7 +169,7 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         if join.named_peers:
             yield ParameterLine(f"{owner}.peers", join.named_peers)
         if join.rate is not None:
-            yield ParameterLine(f"{owner}.rate", join.rate, "Messages each second (Hz).")
+            yield _rate_line(owner, join.rate, connection)
     for topic in connection.topics:
         yield from _quality_lines(connection, topic)
 

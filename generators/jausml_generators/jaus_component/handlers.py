@@ -194,6 +194,8 @@ class Received:
             method = f"self.{self.silent.name}"
             callback = method if is_found else f"lambda: {method}({self.provider})"
             arguments.append(f"on_silence={callback}")
+            if self.connection.whenSilent.name == "standby":
+                arguments.append("stands_by=True")
         return call("self.subscribe_to_found" if is_found else "self.subscribe", *arguments)
 
     def _query(self) -> str:

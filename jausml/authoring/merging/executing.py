@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -64,15 +64,18 @@ class Execution:
             obj: f"{file}#{fragments[copy]}" for obj, copy in working_copy.copies.items()
         }
         self._working_copy: WorkingCopy | None = None
+        self._moved: set[EObject] = set()
         self._later: list[tuple[EObject, FeatureTable, EObject]] = []
 
     def run(self, plan: Plan) -> None:
         """Carries a plan out."""
-        going = {each for one in (*plan.removed, *plan.replaced) for each in self._all_of(one)}
+        going = {e for one in (*plan.removed, *plan.replaced) for e in self._sides.all_of(one)}
+        self._moved = plan.moved
         for each in plan.replaced:
             self._remove(each, going)
         for addition in plan.additions:
-            self._add(addition)
+            if addition.element not in plan.moved:
+                self._add(addition)
         for setting in plan.settings:
             self._set(setting.element, setting.feature, setting.values, setting.element)
         for element, feature, owner in self._later:
@@ -97,12 +100,6 @@ class Execution:
 
     def _draft(self) -> Draft:
         return Draft(self.root, self.files, self._reader, 1)
-
-    def _all_of(self, obj: EObject) -> Iterable[EObject]:
-        yield obj
-        for feature in self._sides.table(obj).contained:
-            for each in contents(obj, feature):
-                yield from self._all_of(each)
 
     # -- Adding ----------------------------------------------------------------------------------
 
@@ -148,7 +145,7 @@ class Execution:
                     continue
                 texts = tuple(filter(None, found))
             else:
-                owned = contents(obj, each)
+                owned = self._added(obj, each)
                 children += [self._described(one, each.name, owner) for one in owned]
                 continue
             if texts:
@@ -156,13 +153,17 @@ class Execution:
         kind = self._sides.table(obj).qualified_name
         return Child(feature, kind, values, tuple(children))
 
+    def _added(self, obj: EObject, feature: FeatureTable) -> list[EObject]:
+        """Returns what an element of theirs owns and our side has in no other place."""
+        return [each for each in contents(obj, feature) if each not in self._moved]
+
     def _locate(self, obj: EObject, ref: Ref) -> None:
         """Remembers where an element of theirs stands now, and what it owns."""
         self.where[obj] = ref
         file, _, _ = ref.partition("#")
         path = self._path(ref)
         for feature in self._sides.table(obj).contained:
-            for index, each in enumerate(contents(obj, feature)):
+            for index, each in enumerate(self._added(obj, feature)):
                 identifier = self._sides.theirs.model.identifier(each)
                 step = f"@{feature.name}{f'.{index}' if feature.many else ''}"
                 self._locate(each, f"{file}#{identifier or f'{path}/{step}'}")

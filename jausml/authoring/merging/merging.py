@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import os
 import re
+from bisect import bisect
 from collections.abc import Container, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import NOTATIONS, Reader, stored
 from jausml.authoring.editing.records import Stored
+from jausml.authoring.merging.comments import LineOf, comments_of, with_comments
 from jausml.authoring.merging.executing import Execution
-from jausml.authoring.merging.planning import ELSEWHERE, MERGE_RULES, Conflict, planned
+from jausml.authoring.merging.planning import ELSEWHERE, LEFT_OUT, MERGE_RULES, Conflict, planned
 from jausml.authoring.merging.sides import Sides
 from jausml.language.metamodel import ClassTable, Metamodels
 from jausml.language.model import refs
+from jausml.language.model.comparison import compare
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI
@@ -23,12 +28,9 @@ from jausml.language.model.model import Model
 from jausml.language.model.project import model_files
 from jausml.language.model.reading.reader import LostReference, ReadResult, read_models
 from jausml.language.model.xmi.writer import attribute_text
-from jausml.language.text.reading.scanning import scan
 
 _HALF_DONE = ("JML108", "JML110")
 """The rules of values that are still to come: all that is there was read."""
-_COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
-
 _PLACES = re.compile(rb"(?<=[\s:]schemaLocation=[\"'])[^\"'<]*")
 
 _ID = re.compile(r"[^\s/#:?%][^\s#:?%]*")
@@ -44,90 +46,172 @@ class UnmergeableError(Exception):
 
 @dataclass(frozen=True)
 class Merged:
-    """The outcome of a merge.
-
-    `left_out`: comments of theirs that are not in the merge, since they are of no element.
-    """
+    """The outcome of a merge."""
 
     data: bytes
     findings: tuple[Diagnostic, ...]
-    left_out: tuple[str, ...] = ()
 
 
-def merged(file: str, root: Path, base: bytes, ours: bytes, theirs: bytes) -> Merged:
+@dataclass(frozen=True)
+class States:
+    """What a file holds in the three states of a merge; None where it is not there."""
+
+    base: bytes | None
+    ours: bytes | None
+    theirs: bytes | None
+
+
+def merged(
+    file: str,
+    root: Path,
+    base: bytes,
+    ours: bytes,
+    theirs: bytes,
+    around: Mapping[str, States] = MappingProxyType({}),
+) -> Merged:
     """Merges three states of a file.
 
     Args:
         file: The file, relative to the root with forward slashes; its references are followed from
             there, whether it is there or not.
         root: The folder that references may not leave, symbolic links followed.
-        ours: Our side, whose comments and layout stay.
+        ours: Our side, whose layout stays.
+        around: Other files that a side has changed. They are merged first, so that references
+            by position lead to the same elements behind the merge.
 
     Raises:
         UnmergeableError: A state cannot be read whole, or is a model of another root.
     """
-    reader = Reader(root)
-    files = _files(root, file, ours)
-    results = [_read(root, file, each, {}) for each in (base, ours, theirs)]
-    absent = [
-        each
-        for one in results
-        for each in one.lost
-        if each.path is not None and each.path != root / file and each.path.is_relative_to(root)
+    known = {each: states.ours for each, states in around.items()}
+    files = _files(root, {**known, file: ours})
+    for name, states in sorted(around.items()):
+        if states.theirs is None or states.theirs in (states.base, states.ours):
+            continue
+        if states.base is None or states.ours is None:
+            files.setdefault(name, stored(name, states.theirs, 0))
+            continue
+        with suppress(UnmergeableError):  # its own merge tells why
+            files = _Merge(name, root, states, around, files).files
+    one = _Merge(file, root, States(base, files[file].data, theirs), around, files)
+    merged_too = {name for name, e in around.items() if e.base not in (e.ours, e.theirs)}
+    conflicts = [*one.conflicts, *_elsewhere(one, file, merged_too)]
+    data, left_out = one.with_comments()
+    conflicts += [
+        Conflict(LEFT_OUT, one.mine.documents[0].roots[0], f"a comment of theirs is lost: {each}")
+        for each in left_out
     ]
-    others = placeholders(absent, results[0].model.metamodels)
-    if others:
-        results = [_read(root, file, each, others) for each in (base, ours, theirs)]
-        names = {path.relative_to(root).as_posix(): data for path, data in others.items()}
-        files |= {name: stored(name, data, 0) for name, data in names.items()}
-    names_of = ("the base", "our side", "their side")
-    was, _, other = (
-        _whole(name, each, root, others) for name, each in zip(names_of, results, strict=True)
-    )
-    mine = reader.read(file, files).model
-    kinds = [[each.eClass for each in m.documents[0].roots] for m in (was, mine, other)]
-    if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
-        raise UnmergeableError("the roots of the three states are not of the same classes")
-    sides = Sides(was, mine, other, root)
-    plan = planned(sides)
-    execution = Execution(file, root, files, reader, sides)
-    try:
-        execution.run(plan)
-    except EditError as error:
-        raise UnmergeableError(str(error)) from error
-    conflicts = [*plan.conflicts, *execution.conflicts]
-    conflicts += _elsewhere(files, execution.files, file, mine)
-    data = execution.files[file].data
-    is_xmi = file.endswith(XMI)
-    comments = _comments if is_xmi else _text_comments
-    known = {*comments(base), *comments(data)}
-    left_out = tuple(each for each in comments(theirs) if each not in known)
-    if is_xmi:
+    if file.endswith(XMI):
         data = with_places(data, base, ours, theirs)
-    return Merged(data, _findings(conflicts, execution, file), left_out)
+    return Merged(data, _findings(conflicts, one.execution, file))
 
 
-def _comments(data: bytes) -> list[str]:
-    found = _COMMENT.findall(data.replace(b"\0", b""))
-    return [" ".join(each.decode("utf-8", "replace").split()) for each in found]
+class _Merge:
+    """The merge of one file among others."""
+
+    def __init__(
+        self,
+        file: str,
+        root: Path,
+        states: States,
+        around: Mapping[str, States],
+        files: Mapping[str, Stored],
+    ) -> None:
+        self._file = file
+        self._root = root
+        self._reader = Reader(root)
+        sides = (states.base or b"", states.ours or b"", states.theirs or b"")
+        self._data = sides
+        beside: list[dict[Path, bytes]] = [
+            {root / name: data for name, each in around.items() if (data := each.base)},
+            {root / name: files[name].data for name in around if name in files},
+            {root / name: data for name, each in around.items() if (data := each.theirs)},
+        ]
+        results = [self._read(*each) for each in zip(sides, beside, strict=True)]
+        absent = [
+            each
+            for one in results
+            for each in one.lost
+            if each.path is not None and each.path != root / file
+            if each.path.is_relative_to(root)
+        ]
+        others = placeholders(absent, results[0].model.metamodels)
+        if others:
+            beside = [{**each, **others} for each in beside]
+            results = [self._read(*each) for each in zip(sides, beside, strict=True)]
+            names = {path.relative_to(root).as_posix(): data for path, data in others.items()}
+            files = {**files, **{name: stored(name, data, 0) for name, data in names.items()}}
+        names_of = ("the base", "our side", "their side")
+        was, _, other = (
+            _whole(name, each, root, others) for name, each in zip(names_of, results, strict=True)
+        )
+        self.before = files
+        self.mine = self._reader.read(file, files).model
+        kinds = [[each.eClass for each in m.documents[0].roots] for m in (was, self.mine, other)]
+        if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
+            raise UnmergeableError("the roots of the three states are not of the same classes")
+        self._sides = Sides(was, self.mine, other, root, {root / name for name in around})
+        plan = planned(self._sides)
+        self.execution = Execution(file, root, files, self._reader, self._sides)
+        try:
+            self.execution.run(plan)
+        except EditError as error:
+            raise UnmergeableError(str(error)) from error
+        self.files = self.execution.files
+        self.conflicts = [*plan.conflicts, *self.execution.conflicts]
+
+    def _read(self, data: bytes, others: Mapping[Path, bytes]) -> ReadResult:
+        path = self._root / self._file
+        contents = {**others, path: data}
+        return read_models([path], project_root=self._root, notations=NOTATIONS, contents=contents)
+
+    def with_comments(self) -> tuple[bytes, list[str]]:
+        """Returns the merge with the comments of both sides, and those that have no place in it."""
+        is_xmi = self._file.endswith(XMI)
+        data = self.files[self._file].data
+        model = self.execution.model()
+        states = (self._sides.base, model, self._sides.theirs.model)
+        encodings = [each.documents[0].encoding for each in states]
+        parts = zip((self._data[0], data, self._data[2]), encodings, strict=True)
+        base, now, theirs = (each.decode(encoding, "replace") for each, encoding in parts)
+        made = with_comments(now, base, theirs, self._lines(model), is_xmi=is_xmi)
+        if made == now:
+            return data, []
+        written = made.encode(encodings[1], "xmlcharrefreplace")
+        files = {**self.files, self._file: stored(self._file, written, 0)}
+        again = self._reader.read(self._file, files).model
+        before, after = (list(each.documents[0].roots) for each in (model, again))
+        pairs = zip(before, after, strict=False)
+        if len(before) == len(after) and not any(compare(*e, model.metamodels) for e in pairs):
+            return written, []
+        known = {each.said for text in (base, now) for each in comments_of(text, is_xmi=is_xmi)}
+        found = [each.said for each in comments_of(theirs, is_xmi=is_xmi)]
+        return data, [each for each in found if each not in known]
+
+    def _lines(self, model: Model) -> LineOf:
+        """Returns what finds lines of the merge by places of theirs."""
+        sides, where = self._sides, self.execution.where
+        placed = sorted(
+            (place.line, place.column, where[ours])
+            for obj, ours in sides.counterparts()
+            if where.get(ours) and (place := sides.theirs.model.location(obj)).line
+        )
+
+        def line_of(line: int, column: int, is_behind: bool) -> int | None:  # noqa: FBT001
+            at = bisect(placed, (line, column)) - is_behind
+            if not 0 <= at < len(placed):
+                return None
+            obj = refs.find(placed[at][2], model, self._root)
+            return model.location(obj).line if obj is not None else None
+
+        return line_of
 
 
-def _text_comments(data: bytes) -> list[str]:
-    comments = scan(data.decode("utf-8-sig", "replace")).comments
-    return [" ".join(str(each).removeprefix("//").split()) for each in comments]
-
-
-def _files(root: Path, file: str, ours: bytes) -> dict[str, Stored]:
-    """Returns the model files around a file, and our side of it."""
+def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
+    """Returns the model files of a folder, of some of them what is known to be our side."""
     paths = {each: root / each for each in model_files(root)}
     found = {n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()}
-    return {**found, file: stored(file, ours, 0)}
-
-
-def _read(root: Path, file: str, data: bytes, others: Mapping[Path, bytes]) -> ReadResult:
-    path = root / file
-    contents = {**others, path: data}
-    return read_models([path], project_root=root, notations=NOTATIONS, contents=contents)
+    ours = {n: stored(n, data, 0) for n, data in known.items() if data is not None}
+    return {**found, **ours}
 
 
 def _whole(name: str, result: ReadResult, root: Path, others: Container[Path]) -> Model:
@@ -143,16 +227,17 @@ def _whole(name: str, result: ReadResult, root: Path, others: Container[Path]) -
     return result.model
 
 
-def _elsewhere(
-    before: Mapping[str, Stored], after: Mapping[str, Stored], file: str, ours: Model
-) -> list[Conflict]:
-    """Returns the other files whose references would have to follow."""
-    root = ours.documents[0].roots[0]
-    message = "it refers to elements of {} by positions that the merge shifts".format
+def _elsewhere(one: _Merge, file: str, merged_too: Iterable[str]) -> list[Conflict]:
+    """Returns the other files whose references would have to follow, and have no merge of theirs.
+
+    That of a file that both sides changed does to its references what this merge would.
+    """
+    root = one.mine.documents[0].roots[0]
+    message = f"it refers to elements of {file} by positions that the merge shifts"
     return [
-        Conflict(ELSEWHERE, root, message(file), file=name)
-        for name, held in before.items()
-        if name != file and after[name].data != held.data
+        Conflict(ELSEWHERE, root, message, file=name)
+        for name, held in one.before.items()
+        if name not in (file, *merged_too) and one.files[name].data != held.data
     ]
 
 

@@ -18,12 +18,13 @@ if TYPE_CHECKING:
     from jausml.authoring.merging.sides import Sides, Value
     from jausml.language.metamodel.classes.ecore import EObject
 
-CHANGED_TWICE, GONE_HERE, LOST_TARGET, ELSEWHERE, AS_LINES = (
+CHANGED_TWICE, GONE_HERE, LOST_TARGET, ELSEWHERE, AS_LINES, LEFT_OUT = (
     "JML811",
     "JML812",
     "JML813",
     "JML814",
     "JML815",
+    "JML816",
 )
 
 _RULES = {
@@ -54,6 +55,11 @@ _RULES = {
         "One of the three states cannot be read as a model, or has references that lead nowhere "
         "and do not name an id in another file, so the file was merged as git merges lines. Good: "
         "look at the result, and validate it.",
+    ),
+    LEFT_OUT: RuleInfo(
+        "merge: comment left out",
+        "The other side wrote a comment for which the merged file has no place where it would be "
+        "a comment. Good: write it where it belongs, and commit.",
     ),
 }
 
@@ -115,7 +121,8 @@ class Order:
 class Plan:
     """What is to be done to our side.
 
-    `replaced`: elements that make room for others, before anything else.
+    `replaced`: elements that make room for others, before anything else. `moved`: elements that
+    are new in one place of theirs, and stay where our side changed them.
     """
 
     replaced: list[EObject] = field(default_factory=list)
@@ -123,6 +130,7 @@ class Plan:
     settings: list[Setting] = field(default_factory=list)
     orders: list[Order] = field(default_factory=list)
     removed: list[EObject] = field(default_factory=list)
+    moved: set[EObject] = field(default_factory=set)
     conflicts: list[Conflict] = field(default_factory=list)
 
 
@@ -131,6 +139,7 @@ def planned(sides: Sides) -> Plan:
     planner = _Planner(sides)
     for root in sides.base.documents[0].roots:
         planner.pair(root, sides.ours.matching.news[root], sides.theirs.matching.news[root])
+    planner.gone()
     return planner.plan
 
 
@@ -139,6 +148,7 @@ class _Planner:
         self._sides = sides
         self._ours, self._theirs = sides.ours.matching, sides.theirs.matching
         self.plan = Plan()
+        self._gone: list[tuple[EObject, EObject]] = []
 
     def pair(self, base: EObject, ours: EObject, theirs: EObject) -> None:
         """Looks at an element that all three have."""
@@ -199,9 +209,32 @@ class _Planner:
         if self._sides.is_same(base, ours, self._sides.ours):
             (self.plan.replaced if is_one else self.plan.removed).append(ours)
         else:
+            self._gone.append((base, ours))
+
+    def gone(self) -> None:
+        """Looks at what our side changed and theirs has no more, or has in another place."""
+        sides = self._sides
+        new = [e for addition in self.plan.additions for e in sides.all_of(addition.element)]
+        for base, ours in self._gone:
+            found = next((each for each in new if self._is_moved(base, each)), None)
+            if found is not None:
+                self.plan.moved.add(found)
+            owner = found.eContainer() if found is not None else None
+            did = "removed" if owner is None else f"moved to {self._label(owner)}"
             difference = self._difference(base, ours)
-            what = f"{self._label(ours)} was removed by them and changed by us: {difference}"
+            what = f"{self._label(ours)} was {did} by them and changed by us: {difference}"
             self.plan.conflicts.append(Conflict(GONE_HERE, ours, what))
+
+    def _is_moved(self, base: EObject, theirs: EObject) -> bool:
+        """Tells whether theirs has an element of the base in another place, by id or name."""
+        if base.eClass is not theirs.eClass or theirs in self.plan.moved:
+            return False
+        identifiers = (e.identifier for e in (self._sides.base, self._sides.theirs.model))
+        one, other = (of(obj) for of, obj in zip(identifiers, (base, theirs), strict=True))
+        if one or other:
+            return one == other
+        names = [getattr(each, "name", None) for each in (base, theirs)]
+        return names[0] == names[1] and any(names)
 
     def _added(self, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
         new = [each for each in contents(ours, feature) if each not in self._ours.olds]

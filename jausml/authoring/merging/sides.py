@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -39,15 +39,23 @@ class Side:
 class Sides:
     """The states of one file: what both sides began with, our side, and theirs.
 
-    `twins`: elements that our side added too, by those that theirs added.
+    `twins`: elements that our side added too, by those that theirs added. `around`: other files
+    that differ between the states; what they have is known by what our side has of them.
     """
 
-    def __init__(self, base: Model, ours: Model, theirs: Model, root: Path) -> None:
+    def __init__(
+        self, base: Model, ours: Model, theirs: Model, root: Path, around: Container[Path] = ()
+    ) -> None:
         self._root = root
         self.base = base
         self.ours = Side(ours, Matching(base, ours, _roots(base, ours)))
         self.theirs = Side(theirs, Matching(base, theirs, _roots(base, theirs)))
         self.twins: dict[EObject, EObject] = {}
+        self._around = {
+            obj: now
+            for model in (base, theirs)
+            for obj, now in Matching(model, ours, _roots_of(model, ours, around)).news.items()
+        }
 
     def table(self, obj: EObject) -> ClassTable:
         """Returns the class of an element."""
@@ -66,6 +74,8 @@ class Sides:
         """
         model = self.base if side is None else side.model
         if model.document_of(obj) is not model.documents[0]:
+            if obj in self._around:
+                obj, model = self._around[obj], self.ours.model
             return refs.ref_of(obj, model, self._root)
         known = None if side is None else side.matching.olds.get(obj)
         return known or self.twins.get(obj) or obj
@@ -75,6 +85,21 @@ class Sides:
         if feature.kind is FeatureKind.ATTRIBUTE:
             return attribute_values(obj, feature) if feature.name in obj.__dict__ else ()
         return tuple(self.token(each, side) for each in contents(obj, feature))
+
+    def all_of(self, obj: EObject) -> Iterator[EObject]:
+        """Yields an element and all that it owns."""
+        yield obj
+        for feature in self.table(obj).contained:
+            for each in contents(obj, feature):
+                yield from self.all_of(each)
+
+    def counterparts(self) -> Iterator[tuple[EObject, EObject]]:
+        """Yields each element of theirs with what the merge has of it, itself if it is new."""
+        for root in self.theirs.model.documents[0].roots:
+            for obj in self.all_of(root):
+                known = self.theirs.matching.olds.get(obj)
+                ours = self.ours.matching.news.get(known) if known is not None else None
+                yield obj, ours if ours is not None else self.twins.get(obj, obj)
 
     def is_same(self, base: EObject, obj: EObject, side: Side) -> bool:
         """Tells whether an element and all that it owns is as it was in the base."""
@@ -126,6 +151,13 @@ class Sides:
             return "documentation, ids or the order of parts"
         more = [f"and {len(texts) - _MOST_NAMED} more"] if len(texts) > _MOST_NAMED else []
         return ", ".join([*texts[:_MOST_NAMED], *more])
+
+
+def _roots_of(old: Model, new: Model, paths: Container[Path]) -> list[tuple[EObject, EObject]]:
+    """Returns pairs of the roots of other files."""
+    there = {each.path: each.roots for each in new.documents[1:]}
+    found = [each for each in old.documents[1:] if each.path in paths and each.path in there]
+    return [pair for each in found for pair in zip(each.roots, there[each.path], strict=False)]
 
 
 def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:

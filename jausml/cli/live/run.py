@@ -7,7 +7,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -121,7 +121,19 @@ _ROS_KINDS = frozenset({"bridge", "node"})
     metavar="SECONDS",
     help="Stop all processes after this time.",
 )
-def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: float | None) -> None:
+@click.option(
+    "--frequency",
+    type=FiniteRange(0.02, 1092),
+    metavar="HZ",
+    help="Frequency of the bridges, for connections that state no rate.",
+)
+def command(
+    out: str,
+    rest: tuple[str, ...],
+    only: tuple[str, ...],
+    duration: float | None,
+    frequency: float | None,
+) -> None:
     """Start the processes of the generated workspace OUT, and mark each line with its process.
 
     If PROCESS names one of the processes, only that one runs. ARGUMENTS are passed on as in `ros2
@@ -129,6 +141,10 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
     processes that speak JAUS, and those from --ros-args on to all ROS nodes. For example:
 
         jausml run ws rover --jaus-id 100.2.10 --ros-args -r cmd_vel:=/base -p drive.rate:=5.0
+
+    --frequency is what the paper gives a bridge when it is started, and means what it means to
+    `jausml generate`: the reports each second that are asked for by connections and joins to
+    which the model, or a parameter NAME.rate, gives no rate.
 
     Arguments after -- are never options of this command.
 
@@ -147,6 +163,8 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
     process, arguments = split_arguments(rest)
     entries = _chosen(_entries(folder), (*only, *process))
     passed = process_arguments(entries, arguments, is_named=bool(process))
+    if frequency is not None:
+        passed = _with_frequency(entries, passed, frequency)
     environment = _environment(folder)
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
         _require_rclpy()
@@ -279,6 +297,20 @@ def process_arguments(
             own if is_named or entry["name"] in jaus else (), ros if entry["name"] in nodes else ()
         )
         for entry in entries
+    ]
+
+
+def _with_frequency(
+    entries: Sequence[Mapping[str, Any]], passed: Sequence[ProcessArguments], frequency: float
+) -> list[ProcessArguments]:
+    """Returns what each process gets, bridges their frequency before what is said in detail."""
+    if not any(entry["kind"] == "bridge" for entry in entries):
+        raise click.UsageError("no process is a bridge, which --frequency is for")
+    # A number without a point is an integer to ROS, which the parameter is not.
+    said = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
+    return [
+        replace(each, ros=(*said, *each.ros)) if entry["kind"] == "bridge" else each
+        for entry, each in zip(entries, passed, strict=True)
     ]
 
 

@@ -205,12 +205,12 @@ def ros(
     output_format: str,
     quiet: bool,
 ) -> None:
-    """Import ROS 2 interfaces: installed packages by name, .msg, .srv and .action files, folders.
+    """Import ROS 2 interfaces: installed packages by name, definition files, folders.
 
-    Searches for installed packages in the prefixes of AMENT_PREFIX_PATH and in the running Python.
-    Message types of other packages come from the shipped library; packages that it lacks are
-    imported too. Comments become documentation. Reports all problems in one run; with an error,
-    writes nothing.
+    Definition files are .msg, .srv, .action and .idl files. Searches for installed packages in the
+    prefixes of AMENT_PREFIX_PATH and in the running Python. Message types of other packages come
+    from the shipped library; packages that it lacks are imported too. Comments become
+    documentation. Reports all problems in one run; with an error, writes nothing.
 
     Exit status: 0 done, 1 errors in the files, 2 a package is not installed, a path cannot be read
     or a file cannot be written, 3 internal error.
@@ -242,7 +242,6 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
             known = sources.setdefault(source.name, PackageSource(source.name))
             paths = {os.path.realpath(file.path) for file in known.files}
             known.files += [f for f in source.files if os.path.realpath(f.path) not in paths]
-            known.idl += source.idl
     return list(sources.values())
 
 

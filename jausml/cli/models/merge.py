@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, git, write_report
+
+if TYPE_CHECKING:
+    from jausml.authoring.merging.merging import States
 
 _MOST_CONFLICTS = 127
 """What git says of more; above it are faults."""
@@ -41,11 +45,12 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     from jausml.language.validation.formats.text import lines_of
 
     named = Path(file or ours)
-    states = [_read(each) for each in (base, ours, theirs)]
+    states = _read(base), _read(ours), _read(theirs)
     root = find_project_root([named]).resolve()
     path = named.parent.resolve() / named.name
     try:
-        outcome = merged(path.relative_to(root).as_posix(), root, *states)
+        around = _around(path, root, *states)
+        outcome = merged(path.relative_to(root).as_posix(), root, *states, around)
     except UnmergeableError as error:
         data, is_clean = _as_lines(ours, base, theirs)
         write_report(data, output)
@@ -55,8 +60,6 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
             return
         _fail(f"{named}:1:1: error: {AS_LINES} merged as lines: {error}")
     write_report(outcome.data, output)
-    for each in outcome.left_out:
-        click.echo(f"{named}: note: a comment of theirs is left out: {each}", err=True)
     if outcome.findings:
         _fail(*(line for each in outcome.findings for line in lines_of(each)))
 
@@ -69,6 +72,42 @@ def _read(file: str) -> bytes:
     except OSError as error:
         name = click.format_filename(file)
         raise EnvironmentFault(f"cannot read {name}: {error.strerror}") from error
+
+
+def _around(path: Path, root: Path, *states: bytes) -> dict[str, States]:
+    """Returns the states of the other models of a merge, where git tells its driver which one.
+
+    git names the other commit in GITHEAD_<id>, in a merge and in nothing else; the work tree is as
+    it was before until all files are merged.
+    """
+    from jausml.authoring.merging.merging import States
+    from jausml.language.model.library import SUFFIXES
+
+    prefix = "GITHEAD_"
+    heads = [each.removeprefix(prefix) for each in os.environ if each.startswith(prefix)]
+    if len(heads) != 1:
+        return {}
+    bases = git("merge-base", "--all", "HEAD", heads[0]).stdout.decode().split()
+    commits = (bases[0] if bases else "", "HEAD", heads[0])
+    top = Path(os.fsdecode(git("rev-parse", "--show-toplevel").stdout.rstrip(b"\n"))).resolve()
+    named = path.relative_to(top).as_posix() if path.is_relative_to(top) else ""
+    if len(bases) != 1 or tuple(_shown(each, named) for each in commits) != states:
+        return {}  # a merge of several bases, or a file that was moved
+    changed: set[str] = set()
+    for each in commits[1:]:
+        listed = git("diff", "--name-only", "-z", "--no-renames", commits[0], each, "--", str(root))
+        changed |= set(os.fsdecode(listed.stdout).split("\0"))
+    others = [each for each in changed - {named} if each.endswith(SUFFIXES)]
+    return {
+        (top / each).relative_to(root).as_posix(): States(*(_shown(c, each) for c in commits))
+        for each in others
+    }
+
+
+def _shown(commit: str, file: str) -> bytes | None:
+    """Returns a file of a commit, None where it is not there."""
+    done = git("cat-file", "blob", f"{commit}:{file}")
+    return done.stdout if done.returncode == 0 else None
 
 
 def _as_lines(ours: str, base: str, theirs: str) -> tuple[bytes, bool]:

@@ -124,6 +124,8 @@ _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")
 _BOUND = re.compile(r"<=(?P<size>[0-9]{1,10})")
 _BASE = re.compile(r"(?P<base>[^\[<]*)(?P<bound><[^\[]*)?(?P<array>\[.*)?")
 _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
+FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
+CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
 _PACKAGE_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
 # What C, Python and ROS 1 call types that ROS 2 has under another name.
 _OTHER_NAMES = {

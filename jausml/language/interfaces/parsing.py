@@ -15,6 +15,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from jausml.language.interfaces.definitions import (
+    CONSTANT_NAME,
+    FIELD_NAME,
     PRIMITIVES,
     ConstantDefinition,
     Definition,
@@ -39,8 +41,6 @@ PARTS = {
 """The sections of a definition by its kind, which is the ending of its file."""
 
 _SEPARATOR = "---"
-_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
-_CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
 _UNITS = re.compile(r"\[([^,\[\]]+)\]")
 _NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
@@ -169,7 +169,7 @@ class _SectionReader:
     ) -> FieldDefinition | None:
         name, _, default_text = rest.partition(" ")
         hint = "lower case, words joined by one underscore"
-        if not self._is_name(number, name_column, name, _FIELD_NAME, "field", hint) or not kind:
+        if not self._is_name(number, name_column, name, FIELD_NAME, "field", hint) or not kind:
             return None
         default = default_text.strip()
         if not default:
@@ -192,7 +192,7 @@ class _SectionReader:
         hint = "UPPER_CASE, words joined by one underscore"
         if '"' in name or "'" in name:
             hint = "a = makes a constant of the line; a default cannot hold one"
-        is_named = self._is_name(number, name_column, name, _CONSTANT_NAME, "constant", hint)
+        is_named = self._is_name(number, name_column, name, CONSTANT_NAME, "constant", hint)
         if kind is not None and type_text not in PRIMITIVES:
             message = f"a constant cannot be of type {type_text!a}"
             self._report("JML644", number, column, message, "use a primitive type without bounds")
@@ -277,5 +277,14 @@ class Installation:
 
 
 def definition_files(folder: Path) -> list[Path]:
-    """Returns the definition files of a package, by kind and name."""
-    return [path for kind in PARTS for path in sorted((folder / kind).glob(f"*.{kind}"))]
+    """Returns the definition files of a package, by kind and name.
+
+    A file in IDL counts where no other file makes the interface; rosidl writes one for each.
+    """
+    found: list[Path] = []
+    for kind in PARTS:
+        own = sorted((folder / kind).glob(f"*.{kind}"))
+        stems = {path.stem for path in own}
+        idl = sorted((folder / kind).glob("*.idl"))
+        found += [*own, *(path for path in idl if path.stem not in stems)]
+    return found

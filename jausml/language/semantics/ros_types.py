@@ -11,10 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.language.interfaces import FieldDefinition, Installation, Section, parse_definition
+from jausml.language.interfaces import FieldDefinition, Installation, Section
 from jausml.language.interfaces.definitions import FieldType, is_type_name
+from jausml.language.interfaces.idl import SUFFIX as IDL
+from jausml.language.interfaces.idl import parse_interface
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
+from jausml.language.model.looking import look
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
@@ -152,14 +155,16 @@ class InstalledTypes:
         folder = self._folder(package)
         if folder is None or not is_type_name(str(element.name)):
             return
+        own, idl = (folder / kind / f"{element.name}{suffix}" for suffix in (f".{kind}", IDL))
+        path = own if look("is_file", own) or not look("is_file", idl) else idl
         try:
-            text = read_text(folder / kind / f"{element.name}.{kind}")
+            text = read_text(path)
         except FileNotFoundError:
             yield TypeDifference(element, f"the installed {package} has no {element.name}")
             return
         except (OSError, ValueError):
             return
-        definition = parse_definition(text, kind)
+        definition = parse_interface(str(path), kind, text)
         parts = parts_of(element)
         if definition.faults or None in parts:
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from dataclasses import replace
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Diagnostic, Related
 from jausml.language.model.model import without_collector
 from jausml.language.project import read_project
+from jausml.language.semantics.paths.wholes import written
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
 from jausml.language.validation.rule import Report
@@ -95,8 +97,13 @@ def found_at(
 def read_well(
     subject: Subject, found: Iterable[tuple[Rule, Finding]]
 ) -> Iterator[tuple[Rule, Finding]]:
-    """Yields what was found in features that were read; in an element as a whole, in all of it."""
-    for rule, finding in found:
+    """Yields what was found in features that were read; in an element as a whole, in all of it.
+
+    What was found in the members of an assignment of a whole stands at what is written.
+    """
+    for rule, made in found:
+        notes = tuple(replace(each, element=written(each.element)) for each in made.related)
+        finding = replace(made, element=written(made.element), related=notes)
         at = None if finding.feature is None else (finding.feature,)
         if subject.is_read(finding.element, at):
             yield rule, finding

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -113,6 +114,8 @@ class Bridge:
         self._load_core(ros.parameter(parameters.COMPILED.of(value=True)))
         frequency = parameters.DIAGNOSTICS_FREQUENCY.of(min(self.settings.frequency, 1.0))
         period = 1 / ros.parameter(frequency)
+        usual = ros.parameter(parameters.FREQUENCY.of(self.settings.frequency))
+        self.settings = replace(self.settings, frequency=usual)
         for each in self.parameters:
             self._read(each)
         with self.loop.lock:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from ..base.counters import LOGGER
 from ..clients.list_client import deletion, replacement
 from ..clients.peer_search import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
+from ..services.definitions import Status
 from ..transports.packets.packet import Priority
 from ..wire.message import Message
 from .base import ComponentBase
@@ -57,6 +59,7 @@ class JausComponent(ComponentBase):
         rate: float | None = None,
         silence_timeout: float = 0.0,
         on_silence: Callable[[], None] | None = None,
+        stands_by: bool = False,
         payloads: bool = False,
     ) -> EventSubscription:
         """Receive a report of another component over an AS5710 event.
@@ -72,9 +75,12 @@ class JausComponent(ComponentBase):
             rate: Reports each second, above 0 and up to 1092; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Called once each time the provider falls silent.
+            stands_by: Whether the component leaves Ready for Standby then, before that call.
             payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
                 came. It raises DecodeError for one that it cannot read, which is counted.
         """
+        if stands_by:
+            on_silence = partial(self._jaus_stand_by, provider, on_silence)
         with self.loop.lock:
             return self._jaus_clients.events.subscribe(
                 provider,
@@ -86,6 +92,14 @@ class JausComponent(ComponentBase):
                 on_silence,
                 payloads=payloads,
             )
+
+    def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
+        """Leave Ready for Standby, as a report that is needed there does not come."""
+        if self.status is Status.READY:
+            LOGGER.warning("%s stands by: %s is silent", self.address, provider)
+            self._jaus_core.management.stand_by()
+        if on_silence is not None:
+            on_silence()
 
     def control(
         self,
@@ -317,6 +331,7 @@ class JausComponent(ComponentBase):
         rate: float | None = None,
         silence_timeout: float = 0.0,
         on_silence: Callable[[JausAddress], None] | None = None,
+        stands_by: bool = False,
     ) -> None:
         """Receive a report of what a search finds, as ``subscribe`` does of one provider.
 
@@ -324,6 +339,8 @@ class JausComponent(ComponentBase):
             rate: Reports each second of each provider; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Told a provider each time that it falls silent.
+            stands_by: Whether the component leaves Ready for Standby then, before that call, and
+                when a provider is gone.
         """
         subscriptions: dict[JausAddress, EventSubscription] = {}
 
@@ -337,11 +354,15 @@ class JausComponent(ComponentBase):
                 rate=rate,
                 silence_timeout=silence_timeout,
                 on_silence=silent,
+                stands_by=stands_by,
             )
 
-        PeerBinding(search).follow(
-            self.find_peers, join, lambda peer: subscriptions.pop(peer).cancel()
-        )
+        def leave(peer: JausAddress) -> None:
+            subscriptions.pop(peer).cancel()
+            if stands_by:
+                self._jaus_stand_by(peer, None)
+
+        PeerBinding(search).follow(self.find_peers, join, leave)
 
     def query_found(
         self,

@@ -151,7 +151,7 @@ def test_header_of_the_package_itself_is_no_shorthand():
             "JML647",
         ),
         (PackageSource("a_msgs"), "JML651"),
-        (PackageSource("a_msgs", [], ["a_msgs/msg/A.idl"]), "JML661"),
+        (PackageSource("a_msgs", [InterfaceFile("a_msgs/msg/A.idl", b"")]), "JML652"),
     ],
 )
 def test_files_that_cannot_be_taken(source, rule):
@@ -170,12 +170,9 @@ def test_packages_are_named_by_their_manifest_or_folder(tmp_path, monkeypatch):
         found = package_sources([str(tmp_path / path) for path in paths])
         return {each.name: [file.name for file in each.files] for each in found}
 
-    assert packages("ws") == {"one": ["A"], "two_msgs": ["C", "B"]}
-    assert packages("ws/two/msg/C.msg", "ws/two") == {"two_msgs": ["C", "B"]}
-    assert packages("ws/two/msg") == {"two_msgs": ["C"]}
+    assert packages("ws") == {"one": ["A"], "two_msgs": ["C", "E", "B"]}
+    assert packages("ws/two/msg/C.msg", "ws/two") == {"two_msgs": ["C", "E", "B"]}
+    assert packages("ws/two/msg") == {"two_msgs": ["C", "E"]}
     monkeypatch.chdir(tmp_path / "ws" / "one" / "msg")
     (source,) = package_sources(["A.msg"])
     assert source.name == "one"
-    assert package_sources([str(tmp_path / "ws/two")])[0].idl == [
-        str(tmp_path / "ws/two/msg/E.idl")
-    ]

@@ -115,20 +115,44 @@ def test_rate_of_events_changes_while_the_bridge_runs(world, setting):
     assert connection.describe_peers() == [("peer 1.1.1", "confirmed")]
 
 
+def query(rate):
+    return QueryToTopics(
+        "timeout",
+        minutes_to_number,
+        message=ReportEventTimeout,
+        type=Number,
+        query=QueryEventTimeout(),
+        rate=rate,
+        peers=[PEER],
+        topics=[Topic("timeout")],
+    )
+
+
+@pytest.mark.parametrize("of", [event, query])
+@pytest.mark.parametrize(
+    ("stated", "given", "rate"),
+    [
+        (0.0, {}, 1.0),
+        (0.0, {"frequency": 20.0}, 20.0),
+        (0.0, {"frequency": 20.0, "timeout.rate": 5.0}, 5.0),
+        (1.0, {"frequency": 20.0}, 1.0),
+    ],
+)
+def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
+    world, setting, of, stated, given, rate
+):
+    """The paper gives a bridge its frequency when it is started."""
+    peer_component(world, event_timeout=4)
+    setting.ros.parameters |= given
+    connection = setting.open(of(rate=stated))
+    world.run(3.0)
+    assert connection.rate == rate
+    assert abs(len(setting.ros.numbers("timeout")) - 3 * rate) <= 2
+
+
 def test_rate_of_queries_changes_while_the_bridge_runs(world, setting):
     peer_component(world, event_timeout=4)
-    setting.open(
-        QueryToTopics(
-            "timeout",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=1.0,
-            peers=[PEER],
-            topics=[Topic("timeout")],
-        )
-    )
+    setting.open(query(1.0))
     world.run(2.0)
     before = len(setting.ros.numbers("timeout"))
     setting.ros.changed["timeout.rate"](20.0)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
-from jausml.runtime import Guard, JausComponent, ServiceIdentity, Status
+from jausml.runtime import Guard, JausComponent, PeerSearch, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
+    QueryHeartbeatPulse,
     QueryStatus,
     RejectControl,
     ReleaseControl,
+    ReportHeartbeatPulse,
     ReportStatus,
     RequestControl,
     Reset,
@@ -22,6 +26,8 @@ from jausml.runtime.messages import (
     Shutdown,
     Standby,
 )
+
+from .event_support import kill
 
 ACCEPTED = ConfirmControl(response_code=0)
 RELEASED = RejectControl(response_code=0)
@@ -93,6 +99,57 @@ def ready(standby, client):
     assert standby.status is Status.READY
     standby.take()
     return standby
+
+
+@pytest.mark.parametrize("stands_by", [False, True])
+@pytest.mark.parametrize("is_found", [False, True])
+def test_a_silent_report_leads_to_standby_where_the_model_says_so(
+    world, client, ready, stands_by, is_found
+):
+    """The paper's degraded mode: the component's own state says that a connection is inactive."""
+    provider = world.component("1.1.7")
+    provider.start()
+    told = []
+    options = {"rate": 10.0, "silence_timeout": 0.5, "stands_by": stands_by}
+    asked = (QueryHeartbeatPulse(), ReportHeartbeatPulse, lambda *_: None)
+    if is_found:
+        search = PeerSearch(("urn:jaus:jss:core:Liveness",))
+        ready.subscribe_to_found(search, *asked, on_silence=told.append, **options)
+    else:
+        silent = partial(told.append, provider.address)
+        ready.subscribe(provider.address, *asked, on_silence=silent, **options)
+    world.run(2.0)
+    client.ask(RequestControl(authority_code=100), ready)
+    assert (told, ready.status) == ([], Status.READY)
+    kill(world, provider)
+    world.run(2.0)
+    assert told == [provider.address]
+    assert ready.status is (Status.STANDBY if stands_by else Status.READY)
+    assert ready.take() == ["not ready"] * stands_by
+    client.ask(Resume(), ready)
+    assert ready.status is Status.READY
+
+
+def test_a_provider_that_was_found_and_is_gone_leads_to_standby_too(world, client, ready):
+    provider = world.component("1.1.7")
+    provider.start()
+    ready.subscribe_to_found(
+        PeerSearch(("urn:jaus:jss:core:Liveness",)),
+        QueryHeartbeatPulse(),
+        ReportHeartbeatPulse,
+        lambda *_: None,
+        rate=10.0,
+        silence_timeout=3600.0,
+        stands_by=True,
+    )
+    world.run(2.0)
+    kill(world, provider)
+    world.lost = lambda source, *_: source == provider.address
+    for _ in range(30):
+        client.ask(RequestControl(authority_code=100), ready)
+        world.run(1.0)
+    assert ready.status is Status.STANDBY
+    assert ready.controller == client.address
 
 
 def test_init_goes_to_standby_by_itself(world):

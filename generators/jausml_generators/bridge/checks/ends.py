@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.semantics.paths.scopes import source_paths, used_maps
+from jausml.language.semantics.paths.scopes import expanded, outer_scope, source_paths, used_maps
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
 from jausml_generators.bridge.ends import ReportJoinView
@@ -72,8 +72,9 @@ class Ends:
 
     @property
     def assignments(self) -> list[bridge.Assignment]:
-        """The assignments of the direction."""
-        return list(self.map.toRos if self.to_ros else self.map.toJaus)
+        """The assignments of the direction, of wholes those of their members."""
+        written = self.map.toRos if self.to_ros else self.map.toJaus
+        return list(expanded(written, outer_scope(self.map, to_ros=self.to_ros)))
 
     @functools.cached_property
     def chains(self) -> list[Chain]:

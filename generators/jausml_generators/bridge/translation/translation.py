@@ -10,7 +10,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.units import attribute_measure, result_measure
 from jausml.language.semantics.conversions import UnitEffect, conversion_of
 from jausml.language.semantics.conversions.times import TimeToTimestamp
-from jausml.language.semantics.paths.scopes import place
+from jausml.language.semantics.paths.scopes import expanded, place
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (
     BITS,
@@ -36,7 +36,7 @@ from jausml_generators.bridge.translation.values import (
 from jausml_generators.python.names import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.language.metamodel.classes import ros
     from jausml_generators.bridge.translation.places import Way
@@ -107,7 +107,7 @@ class Translation(ABC):
 
     def require(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the refusal of messages that lack what the assignments cannot do without."""
-        for assignment in assignments:
+        for assignment in self._expanded(assignments):
             if not isinstance(assignment, (bridge.FieldAssignment, bridge.ListAssignment)):
                 continue
             if assignment.whenAbsent.name != "dropMessage":
@@ -121,7 +121,7 @@ class Translation(ABC):
 
     def add(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the statements of assignments."""
-        for assignment in assignments:
+        for assignment in self._expanded(assignments):
             match assignment:
                 case bridge.FieldAssignment():
                     self._field(assignment)
@@ -133,6 +133,11 @@ class Translation(ABC):
                     self.add_list(assignment)
                 case bridge.MessageAssignment():
                     self.add_message(assignment)
+
+    def _expanded(self, assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.Assignment]:
+        for assignment in assignments:
+            placed = place(self.map, assignment, to_ros=self.to_ros)
+            yield from expanded([assignment], placed.scope) if placed is not None else ()
 
     @abstractmethod
     def add_list(self, assignment: bridge.ListAssignment) -> None:

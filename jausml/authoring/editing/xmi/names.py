@@ -99,7 +99,7 @@ class Names:
         return self.prefix(XSI, _XSI)
 
     def prefix(self, uri: str, usual: str) -> str:
-        """Returns the prefix of a namespace, which is declared if need be."""
+        """Returns the prefix of a namespace, which `declare` declares if need be."""
         known = {**self._root.prefixes, **self._declared}
         for prefix, each in known.items():
             if each == uri and prefix:
@@ -109,12 +109,16 @@ class Names:
             count += 1
             prefix = f"{usual}{count}"
         self._declared[prefix] = uri
-        element = self._edits.source.element(self._root)
-        name = f"xmlns:{prefix}"
-        later = {each.name for each in element.attributes if _rank(each.name) > _rank(name)}
-        self._edits.add_attribute(element, name, uri, later)
-        self._locate(uri, element)
         return prefix
+
+    def declare(self) -> None:
+        """Declares the new prefixes, in the order in which Eclipse has them."""
+        element = self._edits.source.element(self._root)
+        names = {f"xmlns:{prefix}": uri for prefix, uri in self._declared.items()}
+        for name in sorted(names, key=_rank):
+            later = {each.name for each in element.attributes if _rank(each.name) > _rank(name)}
+            self._edits.add_attribute(element, name, names[name], later)
+            self._locate(names[name], element)
 
     def _locate(self, uri: str, element: Element) -> None:
         """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.

@@ -72,6 +72,7 @@ class _Plan:
                 self._add(each)
             elif isinstance(each, Move):
                 self._move(each)
+        self._names.declare()
         return self._edits.splices()
 
     def _remove(self, command: Remove) -> None:

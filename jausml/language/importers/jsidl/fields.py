@@ -30,6 +30,7 @@ from jausml.language.model.values import show
 _ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
 _BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}
 _DECLARED = "declared_"
+_VALUE_SETS = ("value_set", f"{_DECLARED}value_set")
 
 
 Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
@@ -99,7 +100,10 @@ class FieldBuilder:
     def check(self, scope: Scope, place: NodePlace) -> None:
         """Looks at a declaration that nothing uses, for the sake of what is wrong with it."""
         target = self.resolve(Declaration(scope, place))
-        if target is not None and target.place.node.tag in self._kinds:
+        tag = target.place.node.tag if target is not None else ""
+        if target is not None and tag == "value_set":
+            self._value_set(target.scope, target.place)
+        elif tag in self._kinds:
             self.field(scope, place)
 
     def resolve(self, declaration: Declaration, missing: str = "JML608") -> Declaration | None:
@@ -205,13 +209,14 @@ class FieldBuilder:
     def _number(self, scope: Scope, place: NodePlace) -> dict[str, Any]:
         units = self._values.text(place, "field_units")
         scale = self._child(place, "scale_range")
-        values = self._child(place, "value_set")
+        values = self._child(place, *_VALUE_SETS)
+        said = documentation(*(each.node for each in (scale, values) if each is not None))
         return {
             "type": self._values.numeric_type(place, "field_type"),
             "units": units if units != "one" else None,
             "scale": self._scale(scope, scale) if scale else None,
-            "values": self._value_set(scope, values) if values else None,
-            "documentation": documentation(scale.node) if scale else None,
+            "values": self._values_of(scope, values),
+            "documentation": said,
         }
 
     def _scale(self, scope: Scope, place: NodePlace) -> jaus.ScaleRange:
@@ -222,6 +227,11 @@ class FieldBuilder:
             upper=self._values.real(scope, place, "real_upper_limit"),
             rounding=self._values.choice(place, "integer_function", _ROUNDINGS),
         )
+
+    def _values_of(self, scope: Scope, place: NodePlace | None) -> jaus.ValueSet | None:
+        """Makes the values of a number of their element, which may refer to a declared set."""
+        target = self.resolve(Declaration(scope, place)) if place else None
+        return self._value_set(target.scope, target.place) if target else None
 
     def _value_set(self, scope: Scope, place: NodePlace) -> jaus.ValueSet | None:
         is_offset = self._values.flag(place, "offset_to_lower_limit")
@@ -281,7 +291,7 @@ class FieldBuilder:
 
     def _sub_field(self, scope: Scope, place: NodePlace) -> jaus.SubField:
         bits = self._needed(place, "bit_range")
-        values = self._child(place, "value_set")
+        values = self._child(place, *_VALUE_SETS)
         first, last = (
             self._values.integer(scope, bits, name) if bits else None
             for name in ("from_index", "to_index")
@@ -290,10 +300,10 @@ class FieldBuilder:
             jaus.SubField,
             place,
             name=self._values.text(place, "name"),
-            documentation=documentation(place.node, bits.node if bits else None),
+            documentation=documentation(*(e.node for e in (place, bits, values) if e is not None)),
             lowBit=first,
             highBit=last,
-            values=self._value_set(scope, values) if values else None,
+            values=self._values_of(scope, values),
         )
 
     def _fixed_length_string(self, scope: Scope, place: NodePlace) -> Made:
@@ -361,10 +371,10 @@ class FieldBuilder:
     def _parts(self, place: NodePlace, kinds: Sequence[str]) -> list[NodePlace]:
         return children(place, *kinds, *(f"{_DECLARED}{kind}" for kind in kinds))
 
-    def _child(self, place: NodePlace, tag: str) -> NodePlace | None:
-        found = children(place, tag)
+    def _child(self, place: NodePlace, *tags: str) -> NodePlace | None:
+        found = children(place, *tags)
         for second in found[1:]:
-            self._findings.report("JML602", second, f"second <{tag}> of {_name(place)}")
+            self._findings.report("JML602", second, f"second <{tags[0]}> of {_name(place)}")
         return found[0] if found else None
 
     def _needed(self, place: NodePlace, tag: str) -> NodePlace | None:

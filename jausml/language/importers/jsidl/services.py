@@ -264,7 +264,7 @@ def _said(place: NodePlace) -> str | None:
         for tag in ("description", "assumptions")
         for each in children(place, tag)
     ]
-    return joined(*texts)
+    return joined(documentation(place.node), *texts)
 
 
 def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:

@@ -75,19 +75,21 @@ def _declared(*names: str) -> str:
 _CONTAINER = _declared(*CONTAINERS)
 _MEMBERS = _declared(*FIELDS, "array")
 _SETS = "declared_const_set_ref declared_type_set_ref"
-_VALUES = "scale_range value_set"
+_SET = "value_set declared_value_set"
+_VALUES = f"scale_range {_SET}"
 _STEPS = "action send_action"
 _MESSAGE = f"description {_declared(*BODY_PARTS)}"
 _UNITS = {"field_units": "one"}
 _LIMITS = {"lower_limit_type": "inclusive", "upper_limit_type": "inclusive"}
 _STATES = "state default_state"
 _TRANSITION = "parameter guard internal simple push pop action send_action"
-_DECLARABLE = (*CONTAINERS, *FIELDS, *BODY_PARTS, "array", "message_def", "event_def")
+_DECLARABLE = (*CONTAINERS, *FIELDS, *BODY_PARTS, "array", "message_def", "event_def", "value_set")
 
 _VOCABULARY = {
     "service_def": _element(
         "name id version",
-        children="description assumptions references declared_const_set declared_type_set"
+        "deprecated",
+        "description assumptions references declared_const_set declared_type_set"
         " message_set internal_events_set protocol_behavior",
     ),
     "service_set": _element(
@@ -109,8 +111,10 @@ _VOCABULARY = {
     "input_set": _element(children=_declared("message_def")),
     "output_set": _element(children=_declared("message_def")),
     "internal_events_set": _element(children=_declared("event_def")),
-    "message_def": _element("name message_id", children=_MESSAGE, assumed={"is_command": "false"}),
-    "event_def": _element("name", children=_MESSAGE),
+    "message_def": _element(
+        "name message_id", "deprecated", _MESSAGE, assumed={"is_command": "false"}
+    ),
+    "event_def": _element("name", "deprecated", _MESSAGE),
     **{part: _element(optional="name", children=_CONTAINER) for part in BODY_PARTS},
     **{f"declared_{name}": _element("name declared_type_ref", "optional") for name in _DECLARABLE},
     "record": _element("name", "optional", f"presence_vector {_MEMBERS}"),
@@ -124,7 +128,7 @@ _VOCABULARY = {
     "type_and_units_field": _element(children="type_and_units_enum"),
     "type_and_units_enum": _element("name index field_type", children=_VALUES, assumed=_UNITS),
     "bit_field": _element("name field_type_unsigned", "optional", "sub_field"),
-    "sub_field": _element("name", children="bit_range value_set"),
+    "sub_field": _element("name", children=f"bit_range {_SET}"),
     "bit_range": _element("from_index to_index"),
     "fixed_length_string": _element("name string_length", "optional"),
     "variable_length_string": _element("name", "optional", "count_field"),
@@ -138,7 +142,7 @@ _VOCABULARY = {
     "scale_range": _element(
         "real_lower_limit real_upper_limit", assumed={"integer_function": "round"}
     ),
-    "value_set": _element(optional="offset_to_lower_limit", children="value_range value_enum"),
+    "value_set": _element(optional="name offset_to_lower_limit", children="value_range value_enum"),
     "value_range": _element("lower_limit upper_limit", assumed=_LIMITS),
     "value_enum": _element("enum_index enum_const"),
     "protocol_behavior": _element(optional="is_stateless", children="start state_machine"),
@@ -278,10 +282,15 @@ def folded(text: str | None) -> str:
 
 
 def documentation(*nodes: Node | None) -> str | None:
-    """Returns what elements say about themselves, in `interpretation` or as text."""
+    """Returns what elements say about themselves, in `interpretation` or as text.
+
+    A model has no place for `deprecated` (AS5684 1.1) but what is said about an element.
+    """
     texts = []
     for node in nodes:
         if node is not None:
+            if folded(node.get("deprecated")) in ("true", "1"):
+                texts.append("Deprecated.")
             texts += [folded(node.get("interpretation")), folded(node.text)]
     return " ".join(dict.fromkeys(text for text in texts if text)) or None
 

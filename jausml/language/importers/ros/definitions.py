@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
 from jausml.language.interfaces import Definition, FieldDefinition, Section
+from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.filling import assign, new_object
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.ros_types import InterfaceType
 
-SUFFIXES = tuple(f".{kind}" for kind in PARTS)
+SUFFIXES = (*(f".{kind}" for kind in PARTS), IDL)
 """Endings of the names of definition files."""
 
 
@@ -43,21 +44,19 @@ class InterfaceFile:
 
     @property
     def kind(self) -> str:
-        """`msg`, `srv` or `action`."""
-        return Path(self.path).suffix[1:]
+        """`msg`, `srv` or `action`; of a file in IDL its folder says it."""
+        path = Path(self.path)
+        if path.suffix != IDL:
+            return path.suffix[1:]
+        return path.parent.name if path.parent.name in PARTS else "msg"
 
 
 @dataclass(slots=True)
 class PackageSource:
-    """A package whose interfaces are imported.
-
-    Attributes:
-        idl: Interfaces that it defines in IDL alone, as the paths of their files.
-    """
+    """A package whose interfaces are imported."""
 
     name: str
     files: list[InterfaceFile] = field(default_factory=list)
-    idl: list[str] = field(default_factory=list)
 
 
 def package_sources(paths: Iterable[str]) -> list[PackageSource]:
@@ -75,15 +74,12 @@ def package_sources(paths: Iterable[str]) -> list[PackageSource]:
         name = _package_name(folder)
         package = packages.setdefault(name, PackageSource(name))
         package.files += [load(each) for each in files if not _is_known(each, seen)]
-        package.idl += [each for each in _idl_alone(folder) if each not in package.idl]
     return list(packages.values())
 
 
 def installed_source(name: str, folder: Path) -> PackageSource:
     """Returns an installed package."""
-    return PackageSource(
-        name, [load(each) for each in definition_files(folder)], _idl_alone(folder)
-    )
+    return PackageSource(name, [load(each) for each in definition_files(folder)])
 
 
 def load(path: Path) -> InterfaceFile:
@@ -99,7 +95,9 @@ def _found(path: Path) -> Iterator[tuple[Path, list[Path]]]:
     if not path.is_dir():
         yield _package_folder(path), [path]
         return
-    direct = sorted(each for each in path.iterdir() if each.suffix in SUFFIXES and each.is_file())
+    files = sorted(each for each in path.iterdir() if each.suffix in SUFFIXES and each.is_file())
+    stems = {each.stem for each in files if each.suffix != IDL}
+    direct = [each for each in files if each.suffix != IDL or each.stem not in stems]
     if direct:
         yield _package_folder(direct[0]), direct
     for folder in _package_folders(path):
@@ -137,13 +135,6 @@ def _is_known(path: Path, seen: set[str]) -> bool:
     is_known = real in seen
     seen.add(real)
     return is_known
-
-
-def _idl_alone(folder: Path) -> list[str]:
-    """Returns the IDL files of a package from which no definition file makes the interface."""
-    made = {(path.parent.name, path.stem) for path in definition_files(folder)}
-    found = (path for kind in PARTS for path in sorted((folder / kind).glob("*.idl")))
-    return [str(path) for path in found if (path.parent.name, path.stem) not in made]
 
 
 _FEATURES = {"msg": "messages", "srv": "services", "action": "actions"}
@@ -236,9 +227,13 @@ class Builder:
                 self.set(element, "defaultValue", field.default)
         else:
             element = self._new(ros.MessageField, **common)
-        self._document(element, field.comment)
-        if self._with_comments and _is_unit(field.units):
-            self.set(element, "units", field.units)
+        comment = field.comment
+        if _is_unit(field.units):
+            if self._with_comments:
+                self.set(element, "units", field.units)
+        elif field.units and f"[{field.units}]" not in comment:
+            comment = f"{comment} [{field.units}]".strip()
+        self._document(element, comment)
         return element
 
     def _document(self, element: EObject, comment: str) -> None:
@@ -322,14 +317,16 @@ _RULES = {
         "ROS 2.",
     ),
     "JML651": RuleInfo("no interface", "The packages define no interfaces."),
+    "JML652": RuleInfo(
+        "no IDL of a ROS interface",
+        "A file in IDL has what rosidl reads: modules of the package and its kind, in them a "
+        "structure of the name of the file (two of a service, three of an action: "
+        "Pull_Request), modules of constants and typedefs. ROS has no unions, enumerations and "
+        "structures that inherit.",
+    ),
     "JML660": RuleInfo(
         "Header without its package",
         "ROS 1 wrote `Header` for std_msgs/Header, which was used. ROS 2 requires the package.",
-        Severity.WARNING,
-    ),
-    "JML661": RuleInfo(
-        "IDL left out",
-        "A package defines an interface only in IDL, which the importer does not read.",
         Severity.WARNING,
     ),
     "JML662": RuleInfo(

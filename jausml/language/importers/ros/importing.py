@@ -17,7 +17,8 @@ from jausml.language.importers.ros.definitions import (
     installed_source,
 )
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
-from jausml.language.interfaces.parsing import PARTS, Installation, parse_definition
+from jausml.language.interfaces.idl import parse_interface
+from jausml.language.interfaces.parsing import PARTS, Installation
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
@@ -109,10 +110,8 @@ class _Import:
         if not is_package_name(source.name):
             hint = "put the file into <package>/msg, or write a package.xml"
             self._report("JML641", first, f"{source.name!a} is no name of a package", hint)
-        if not source.files and not source.idl:
+        if not source.files:
             self._report("JML651", first, f"package {source.name!a} defines no interface")
-        for path in source.idl:
-            self._report("JML661", Location(path), "interfaces in IDL are not read")
         package = None
         taken: set[tuple[str, str]] = set()
         for file in source.files:
@@ -149,7 +148,7 @@ class _Import:
             message = f"byte 0x{file.data[error.start]:02X} is no UTF-8"
             self._report("JML642", Location(file.path, line, column), message)
             return
-        definition = parse_definition(text, file.kind)
+        definition = parse_interface(file.path, file.kind, text)
         for fault in definition.faults:
             at = Location(file.path, fault.line, fault.column)
             self._report(fault.rule, at, fault.message, fault.hint)

@@ -93,6 +93,14 @@ class EventType(EEnumLiteral):
         "oneTime",
     ]
 
+class SilentPolicy(EEnumLiteral):
+    """What a component does when a report that it receives has fallen silent."""
+
+    name: Literal[
+        "stay",
+        "standby",
+    ]
+
 class CoreServices(EEnumLiteral):
     """Whether a component provides the core services of AS5710 that its model does not name."""
 
@@ -723,6 +731,10 @@ class ServiceConnection(NamedElement):
     silenceTimeout: float
     """Seconds without a report after which the component is told that the provider has fallen
     silent; 0 means never."""
+
+    whenSilent: SilentPolicy
+    """What the component does besides when the provider has fallen silent: which of its states
+    is the degraded one, a person decides."""
 
     def eContainer(self) -> Component | None:
         """Returns the element that owns this one, None for a root."""

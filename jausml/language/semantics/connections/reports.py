@@ -45,10 +45,14 @@ class JoinedReport:
         """Reports each second that are asked for; 0 when nothing is, or every change."""
         if self.exchange not in {"periodicEvent", "query"}:
             return 0.0
-        own = self.source.rate if self.source is not None else 0.0
         owner = self.connection.eContainer()
-        frequency = owner.frequency if owner is not None else 0.0
-        return float(own or self.connection.rate or frequency)
+        return self.stated_rate or float(owner.frequency if owner is not None else 0.0)
+
+    @property
+    def stated_rate(self) -> float:
+        """The rate that is stated for it or its connection; 0 for that of the bridge."""
+        own = self.source.rate if self.source is not None else 0.0
+        return float(own or self.connection.rate)
 
     @property
     def stated_query(self) -> jaus.MessageDef | None:

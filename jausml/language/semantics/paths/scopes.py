@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
@@ -12,6 +13,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.wholes import ShapeError, parts_of
 from jausml.language.semantics.subject import RememberedProperty, Subject, remembered
 
 if TYPE_CHECKING:
@@ -158,13 +160,41 @@ def place(
 def flattened(
     assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[Placed[bridge.Assignment]]:
-    """Yields assignments with those that they nest, each before what it nests."""
-    for each in assignments:
+    """Yields assignments with those that they nest, each before what it nests.
+
+    In the place of one of a whole are those of its members, if source and target correspond.
+    """
+    for each in expanded(assignments, scope):
         yield Placed(each, scope)
         if isinstance(each, bridge.ListAssignment) and each.source and each.target:
             inner = scope.inner(each)
             if inner is not None:
                 yield from flattened(each.assignments, inner)
+
+
+def expanded(
+    assignments: Iterable[bridge.Assignment], scope: PathScope
+) -> Iterator[bridge.Assignment]:
+    """Yields assignments, in the place of those of wholes those of their members."""
+    for each in assignments:
+        parts = None
+        with suppress(ShapeError):  # which a rule tells
+            parts = parts_in(each, scope)
+        if parts is None:
+            yield each
+        else:
+            yield from expanded(parts, scope)
+
+
+def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Assignment] | None:
+    """Returns what `parts_of` does, for an assignment in a scope."""
+    if not isinstance(assignment, bridge.FieldAssignment):
+        return None
+    sources, targets = source_paths(assignment), target_paths(assignment)
+    if len(sources) != 1 or len(targets) != 1:
+        return None
+    source, target = scope.find_source(sources[0]), scope.find_target(targets[0])
+    return parts_of(assignment, source, target)
 
 
 def is_many(found: FoundPlace) -> TypeGuard[PathPlace]:

@@ -28,7 +28,8 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     """Receives a report as an AS5710 event and publishes it.
 
     Attributes:
-        rate: Reports each second; None means one on every change.
+        rate: Reports each second, 0 for the frequency of the bridge; None means one on every
+            change.
     """
 
     def __init__(
@@ -59,7 +60,8 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
-            self.rate = ends.ros.parameter(parameters.RATE.of(self.rate, self.name), self._set_rate)
+            rate = self.rate or ends.settings.frequency
+            self.rate = ends.ros.parameter(parameters.RATE.of(rate, self.name), self._set_rate)
         super().open(ends)
 
     def begin(self, ends: Ends) -> None:
@@ -138,8 +140,9 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
         super().open(ends)
-        self._queries = QueryRequests(ends, self._query, self._message, self._take, self.rate)
-        rate = ends.ros.parameter(parameters.RATE.of(self.rate, self.name), self._set_rate)
+        rate = self.rate or ends.settings.frequency
+        self._queries = QueryRequests(ends, self._query, self._message, self._take, rate)
+        rate = ends.ros.parameter(parameters.RATE.of(rate, self.name), self._set_rate)
         self.rate = self._queries.rate = rate
         self._queries.start(self._peers)
 

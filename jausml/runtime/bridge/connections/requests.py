@@ -221,7 +221,8 @@ class ReportJoin:
 
     Attributes:
         query: The query whose answer is the report; None takes reports that are sent unasked.
-        rate: Reports each second that are asked for; None means one on every change.
+        rate: Reports each second that are asked for, 0 for the frequency of the bridge; None means
+            one on every change.
         is_asked: Whether a query asks for each report, instead of an event.
         peers: JAUS components that send it; none means those of the connection.
         freshness: Seconds after which the latest report is stale.
@@ -256,6 +257,7 @@ class JoinedReport(Joined):
     ) -> None:
         """Asks for the reports, or listens."""
         join, owner = self.join, f"{connection}.{self.name}"
+        usual = join.rate or (None if join.rate is None else ends.settings.frequency)
         self.begin(ends, owner, join.message.decode)
         if join.peers:
             self._peers = parameters.peers(ends.ros, owner, self._peers)
@@ -265,15 +267,15 @@ class JoinedReport(Joined):
             senders = None if self._peers.is_anybody else self._peers
             ends.shared_messages.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
-        elif join.is_asked and join.rate is not None:
-            asked = QueryRequests(ends, join.query, join.message, self.keep, join.rate)
-            asked.rate = ends.ros.parameter(parameters.RATE.of(join.rate, owner), asked.set_rate)
+        elif join.is_asked and usual is not None:
+            asked = QueryRequests(ends, join.query, join.message, self.keep, usual)
+            asked.rate = ends.ros.parameter(parameters.RATE.of(usual, owner), asked.set_rate)
             self._peers.follow(ends.component.find_peers, _nothing, _nothing)
             asked.start(self._peers)
         else:
-            events = EventRequests(ends, join.query, join.message, self.keep, join.rate)
-            if join.rate is not None:
-                rate = parameters.RATE.of(join.rate, owner)
+            events = EventRequests(ends, join.query, join.message, self.keep, usual)
+            if usual is not None:
+                rate = parameters.RATE.of(usual, owner)
                 events.rate = ends.ros.parameter(rate, events.set_rate)
             self._peers.follow(ends.component.find_peers, events.begin, events.end)
 

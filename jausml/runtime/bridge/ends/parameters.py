@@ -182,6 +182,11 @@ AUTHORITY = Known(
 DIAGNOSTICS_FREQUENCY = Known(
     "diagnostics_frequency", "Diagnostics published each second (Hz).", (0.01, 100.0)
 )
+FREQUENCY = Known(
+    "frequency",
+    "Messages each second of the connections that state no rate (Hz).",
+    (0.0, MAX_EVENT_RATE),
+)
 AUTOSTART = Known(
     "autostart", "Whether the node becomes active by itself; if not, it waits unconfigured."
 )

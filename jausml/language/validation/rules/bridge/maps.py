@@ -20,7 +20,14 @@ from jausml.language.semantics.paths.attributes import (
     constant_fault,
     octets_of,
 )
-from jausml.language.semantics.paths.scopes import DIRECTED, PathScope, directions_of, outer_scope
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    PathScope,
+    directions_of,
+    outer_scope,
+    parts_in,
+)
+from jausml.language.semantics.paths.wholes import ShapeError
 from jausml.language.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -66,8 +73,11 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
     a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
     builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields
-    several values has as many targets. Lists and arrays are translated by a ListAssignment, and
-    whole records in the skeleton of the bridge.
+    several values has as many targets.
+
+    A record goes to a message, and an array to an array, member by member: the members have the
+    same names (`SpeedLimit` is `speed_limit`), fixed arrays as many elements. Other lists and
+    arrays are translated by a ListAssignment, and other wholes in the skeleton of the bridge.
 
     Bad: `target="header.stamp" source="TimeStamp"` without a conversion
 
@@ -161,6 +171,12 @@ def _type_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
 
 def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     """A finding for an end that no FieldAssignment reads or fills."""
+    try:
+        parts_in(placed.assignment, placed.scope)
+    except ShapeError as error:
+        arrow = f"'{placed.assignment.source}' -> '{placed.assignment.target}'"
+        message = f"{arrow} is of wholes that do not correspond: {error}"
+        return Finding(placed.assignment, message, "target", "assign their members")
     ends = [("source", *each) for each in placed.sources]
     ends += [("target", *each) for each in placed.targets]
     for feature, path, found in ends:

@@ -135,6 +135,38 @@ def _component_numbers_service_connection(
 
 
 @rule(
+    "JML369",
+    "state that a silent report does not lead to",
+    each=jaus.Component,
+    needs=("name", "external", "provides", "coreServices", "connections"),
+)
+def degraded_state(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
+    """A connection that leads to Standby can fall silent, and its component has this state.
+
+    A report falls silent after a `silenceTimeout` above 0, if it is asked for more than once.
+    Standby is a state of Management (AS5710).
+
+    Bad: `<connections name="pose" whenSilent="standby" .../>` without a `silenceTimeout`
+
+    Good: the same with `silenceTimeout="2.0"`
+    """
+    if component.external or not is_known(subject, component):
+        return
+    has_state = any(each.name == "Management" for each in provided_services(component))
+    for each in component.connections:
+        if each.whenSilent.name == "stay":
+            continue
+        if not has_state:
+            message = f"'{component.name}' has no Standby: it provides no Management"
+            yield Finding(each, message, "whenSilent", "let it provide Management")
+        if each.exchange.name == "oneTime":
+            yield Finding(each, f"'{each.name}' brings one report, and is never silent", "exchange")
+        elif each.silenceTimeout == 0:
+            message = f"'{each.name}' never counts as silent"
+            yield Finding(each, message, "whenSilent", "state its silenceTimeout")
+
+
+@rule(
     "JML353",
     "command that nobody can give",
     each=jaus.Component,

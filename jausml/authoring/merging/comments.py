@@ -1,0 +1,80 @@
+"""Comments in a merge: those of theirs go where they stand there, before the same element.
+
+Comments belong to no element, so that no plan has them. What theirs took away goes, if our side
+has it as it was; what theirs wrote comes, and so both sides keep what they said.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from jausml.language.text.reading.scanning import scan
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+
+LineOf = Callable[[int, int, bool], "int | None"]
+"""Returns the line, from 1, of an element in the merge: that behind (or before, if the last
+argument says so) a line and column of theirs. None where there is none."""
+
+
+@dataclass(frozen=True)
+class Comment:
+    """A comment, and where it stands among the characters of a text."""
+
+    written: str
+    start: int
+    end: int
+
+    @property
+    def said(self) -> str:
+        """What it says, whatever its layout."""
+        return " ".join(self.written.strip("<!-/*> \n").split())
+
+
+def comments_of(text: str, *, is_xmi: bool) -> list[Comment]:
+    """Returns the comments of a text."""
+    if is_xmi:
+        return [Comment(each.group(), *each.span()) for each in _COMMENT.finditer(text)]
+    found = scan(text).comments
+    return [Comment(str(e), e.start_pos or 0, e.end_pos or 0) for e in found]
+
+
+def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xmi: bool) -> str:
+    """Returns a merge with what theirs did to the comments of the base."""
+    was, here, there = (comments_of(each, is_xmi=is_xmi) for each in (base, merged, theirs))
+    counts = [Counter(each.said for each in one) for one in (was, here, there)]
+    ends = [match.end() for match in re.finditer(r"\n|\Z", merged)]
+    starts = [0, *ends[:-1]]
+    edits: list[tuple[int, int, str]] = []
+    for each in here:
+        if counts[0][each.said] == counts[1][each.said] == 1 and not counts[2][each.said]:
+            edits.append(_removal(merged, each))
+    known = counts[0] | counts[1]
+    for each in there:
+        known[each.said] -= 1
+        if known[each.said] >= 0:
+            continue
+        begin = theirs.rfind("\n", 0, each.start) + 1
+        line, column = theirs.count("\n", 0, each.start) + 1, each.start - begin + 1
+        is_behind = bool(theirs[begin : each.start].strip())
+        found = line_of(line, column, is_behind)
+        at = starts[found - 1] if found is not None else len(merged)
+        indentation = re.match(r"[ \t]*", merged[at:])
+        margin = indentation.group() if indentation is not None else ""
+        edits.append((at, at, f"{margin}{each.written}\n"))
+    newline = "\r\n" if "\r\n" in merged else "\n"
+    for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
+        written = new.replace("\r\n", "\n").replace("\n", newline)
+        merged = merged[:start] + written + merged[end:]
+    return merged
+
+
+def _removal(text: str, comment: Comment) -> tuple[int, int, str]:
+    """Returns the edit that takes a comment away, and its line if nothing else stands there."""
+    start = text.rfind("\n", 0, comment.start) + 1
+    end = text.find("\n", comment.end) + 1 or len(text)
+    is_alone = not (text[start : comment.start] + text[comment.end : end]).strip()
+    return (start, end, "") if is_alone else (comment.start, comment.end, "")

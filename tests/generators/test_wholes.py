@@ -1,0 +1,139 @@
+"""A record goes onto a message, an array onto an array: members of one type in Figure 5."""
+
+from __future__ import annotations
+
+import importlib
+
+import needs
+import pytest
+
+from jausml.generation.native import SOURCE, State, build, compiler
+from jausml.language.validation.engine import check_project
+from tests.generators.assignment_support import generated
+
+MODEL = """
+struct [ float64 x  float64 top_speed  uint8[4] flags ] vel
+struct [ vel inner  string<=20 note ] outer
+float64 [3] triple
+int16 [<=5] few
+
+whole {
+  JAUS SetWhole (
+    outer membername  triple second  few third  struct [ uint8 A ] [2] last
+    float32 [] free
+  ) { code: 0xD201 }
+  ROS Whole (
+    outer membername2  triple second2  few third2  struct [ uint8 a ] [2] last2
+    float32 [] free2
+  )
+  JAUS->ROS (
+    membername -> membername2
+    second -> second2  third -> third2  last -> last2  free -> free2
+  )
+  ROS->JAUS (
+    membername2 -> membername { outOfRange: dropMessage }
+    second2 -> second  third2 -> third  last2 -> last  free2 -> free
+  )
+}
+bridge wholes {
+  address: 1.1.2
+  connection up { map: whole topic a {} }
+  connection down { map: whole direction: rosToJaus topic a {} }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return generated(MODEL, tmp_path_factory.mktemp("wholes"), "wholes")
+
+
+def filled():
+    """A ROS message with values that all differ."""
+    types = importlib.import_module("wholes.ros_types")
+    message = types.Whole()
+    inner = message.membername2.inner
+    inner.x, inner.top_speed, inner.flags = 1.5, -2.5, [1, 2, 3, 255]
+    message.membername2.note = "note"
+    message.second2, message.third2 = [0.5, 1.0, -1.0], [-7, 8]
+    message.free2 = [0.25, 0.5]
+    for number, each in enumerate(message.last2, 3):
+        each.a = number
+    return message
+
+
+def test_members_go_over_by_names_and_elements_by_positions(made):
+    message = filled()
+    sent = made.bridge.translate_down(message)
+    inner = sent.membername.inner
+    assert (inner.x, inner.top_speed, list(inner.flags)) == (1.5, -2.5, [1, 2, 3, 255])
+    assert sent.membername.note == "note"
+    assert list(sent.second) == [0.5, 1.0, -1.0]
+    again = made.bridge.translate_up(type(sent).decode(sent.encode()))
+    assert again.to_cdr() == message.to_cdr()
+
+
+def test_policies_hold_for_each_member(made):
+    message = filled()
+    message.membername2.inner.x = float("nan")
+    with pytest.raises(made.error("OutOfRangeError"), match=r"membername2\.inner\.x|membername"):
+        made.bridge.translate_down(message)
+
+
+def test_the_compiled_core_makes_the_same(made):
+    needs.ask("compiler")
+    (built,) = build([made.folder / made.package / SOURCE], str(compiler()))
+    assert built.state is State.BUILT, built.reason
+    message = filled()
+    command = made.bridge.translate_down(message).encode()
+    for name, data, wanted in (
+        ("down", message.to_cdr(), command),
+        ("up", command, message.to_cdr()),
+    ):
+        compiled = getattr(made.bridge, f"translate_{name}").compiled
+        policy = getattr(made.bridge, name).drop_field.unknown
+        found = compiled.of(made.bridge, made.bridge.core.load(), policy)
+        assert found(data) == wanted
+
+
+def findings(text, tmp_path, name="model.ros2jaus"):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    found = check_project([tmp_path / name]).diagnostics
+    return [each for each in found if each.severity.name != "INFO"]
+
+
+@pytest.mark.parametrize(
+    ("jaus", "ros", "said"),
+    [
+        (
+            "struct [ float64 x  float64 y ] m",
+            "struct [ float64 x ] m",
+            "'y' of 'm' has no counterpart in",
+        ),
+        ("struct [ float64 x ] m", "struct [ float64 x  float64 y ] m", "'y' of "),
+        ("struct [ float64 x ] m", "struct [ string x ] m", "'m.x' is a number, but 'm.x' is text"),
+        ("float64[3] m", "float64[4] m", "'m' has 3 elements, 'm' has 4"),
+        ("float64[3] m", "float64[] m", "'m' has 3 elements, 'm' has any number of"),
+        ("struct [ uint8[2] a ] m", "struct [ uint8[3] a ] m", "'m.a' -> 'm.a' is of wholes"),
+        ("float64[3] m", "string[3] m", "'.' is a number, but '.' is text"),
+        ("float64[3] m", "float64 m", "'m' is an array"),
+    ],
+)
+def test_what_does_not_correspond_is_told_where_it_is_written(jaus, ros, said, tmp_path):
+    ends = f"JAUS SetA ( {jaus} ) {{ code: 0xD201 }}\n  ROS A ( {ros} )"
+    text = f"a {{\n  {ends}\n  JAUS->ROS (\n    m -> m\n  )\n}}\n"
+    found = [each for each in findings(text, tmp_path) if each.rule == "JML412"]
+    assert [each.location.line for each in found] == [5], found
+    assert said in found[0].message
+
+
+def test_all_of_a_whole_is_assigned_and_part_of_it_not_again(tmp_path):
+    text = MODEL[: MODEL.index("bridge wholes")]
+    assert findings(text, tmp_path) == []
+    again = text.replace(
+        "second2 -> second ", "second2 -> second  membername2.inner.x -> membername.inner.x "
+    )
+    (found,) = findings(again, tmp_path)
+    assert found.message == "'membername.inner.x' is assigned already"
+    missing = text.replace("    membername2 -> membername { outOfRange: dropMessage }\n", "")
+    assert {each.rule for each in findings(missing, tmp_path)} == {"JML416"}
