@@ -17,7 +17,7 @@ from ports import free_port
 from recordings import by_mcap, datagram, event, pose, velocity
 
 from jausml.cli.live import record
-from jausml.live.recording.mcap_files import McapRecording
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
 

@@ -17,7 +17,7 @@ from jausml.live.recording.mcap_files import RecordingError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.language.interfaces.definitions import FieldType
+    from jausml.language.interfaces.definitions import FieldDefinition, FieldType
 
     Read = Callable[["_Bytes"], Any]
 
@@ -99,13 +99,9 @@ class RosReader:
         Raises:
             RecordingError: It is none, or lacks a type.
         """
-        first, *rest = _PART.split(
-            _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
-        )
-        own = _in_camel_case(_short(name))
-        parts = {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+        parts = defined_parts(name, definition)
         self._name = name
-        self._read = _record(own, parts, 0)
+        self._read = _record(next(iter(parts)), parts, 0)
 
     def read(self, data: bytes) -> dict[str, Any]:
         """Returns the fields of a message.
@@ -118,6 +114,29 @@ class RosReader:
         except (RecordingError, struct.error) as error:
             raise RecordingError(f"a message of {self._name} cannot be read: {error}") from error
         return found
+
+
+def defined_parts(name: str, definition: str) -> dict[str, str]:
+    """Returns the definitions in one of `ros2msg` by their short names, that of the type first."""
+    first, *rest = _PART.split(
+        _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
+    )
+    own = _in_camel_case(_short(name))
+    return {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+
+
+def defined_fields(name: str, parts: Mapping[str, str]) -> list[FieldDefinition]:
+    """Returns the fields of a type.
+
+    Raises:
+        RecordingError: It is not defined, or its definition is none.
+    """
+    if name not in parts:
+        raise RecordingError(f"the recording does not define {name}")
+    definition = parse_definition(parts[name], "msg")
+    if definition.faults:  # a field that is left out would shift all that follow
+        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
+    return definition.sections[0].fields
 
 
 def _in_camel_case(name: str) -> str:
@@ -133,14 +152,11 @@ def _short(name: str) -> str:
 
 
 def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
-    if name not in parts or depth > _DEEPEST:
-        raise RecordingError(f"the recording does not define {name}")
-    definition = parse_definition(parts[name], "msg")
-    if definition.faults:  # a field that is left out would shift all that follow
-        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
-    section = definition.sections[0]
+    if depth > _DEEPEST:
+        raise RecordingError(f"its definition of {name} holds itself")
+    fields = defined_fields(name, parts)
     package = name.partition("/")[0]
-    members = [(each.name, _field(each.type, package, parts, depth)) for each in section.fields]
+    members = [(each.name, _field(each.type, package, parts, depth)) for each in fields]
     if [name for name, _ in members] in ([], [_NO_MEMBER]):
         return _nothing
 

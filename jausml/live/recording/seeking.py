@@ -11,7 +11,8 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.model.inputs import open_input
-from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied, need_library
+from jausml.live.recording.mcap_files import RecordingError, copied, need_library
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.ros_values import RosReader
 
 if TYPE_CHECKING:
