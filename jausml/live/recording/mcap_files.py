@@ -12,7 +12,7 @@ from jausml.live.recording.schemas import schema_of
 from jausml.live.traffic.observing import ends_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from mcap.records import Channel, Message, Schema
     from mcap.writer import Writer
@@ -152,10 +152,16 @@ class McapFile:
         """Ends a chunk, so that all that was written can be read whatever happens next."""
         self._writer.flush()  # type: ignore[no-untyped-call]
 
-    def ros_channel(self, topic: str, type_name: str, definition: str) -> int:
-        """Returns the channel of a topic."""
+    def ros_channel(
+        self, topic: str, type_name: str, definition: str, offer: Mapping[str, str] | None = None
+    ) -> int:
+        """Returns the channel of a topic.
+
+        Args:
+            offer: What rosbag2 notes of the publishers of a topic: their quality of service.
+        """
         schema = self._schema(type_name, "ros2msg", definition)
-        return self._channel(topic, schema, "cdr")
+        return self._channel(topic, schema, CDR, offer or {})
 
     def jaus_channel(self, source: str, entry: MessageEntry) -> int:
         """Returns the channel of a JAUS message of one component."""
@@ -163,7 +169,7 @@ class McapFile:
         if key not in self._of_jaus:
             text = json.dumps(schema_of(entry))
             schema = self._schema(f"jaus.{entry.name}.{entry.code_text}", "jsonschema", text)
-            self._of_jaus[key] = self._channel(f"/jaus/{source}/{entry.name}", schema, "json")
+            self._of_jaus[key] = self._channel(f"/jaus/{source}/{entry.name}", schema, "json", {})
         return self._of_jaus[key]
 
     def write(self, channel: int, time: int, data: bytes, published: int | None = None) -> None:
@@ -185,10 +191,11 @@ class McapFile:
             self._schemas[key] = self._writer.register_schema(name, encoding, text.encode())
         return self._schemas[key]
 
-    def _channel(self, topic: str, schema: int, encoding: str) -> int:
+    def _channel(self, topic: str, schema: int, encoding: str, metadata: Mapping[str, str]) -> int:
         key = (topic, schema)
         if key not in self._channels:
-            self._channels[key] = self._writer.register_channel(topic, encoding, schema)
+            made = self._writer.register_channel(topic, encoding, schema, dict(metadata))
+            self._channels[key] = made
         return self._channels[key]
 
 

@@ -240,8 +240,13 @@ class Recorder:
         catalogue: Catalogue,
         types: Mapping[str, ros.MessageType | None],
         selection: TrafficFilter,
+        offers: Mapping[str, Mapping[str, str]] | None = None,
     ) -> None:
-        """Has recorded nothing yet."""
+        """Has recorded nothing yet.
+
+        Args:
+            offers: What is noted of the publishers of topics, as far as they are known by then.
+        """
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.jaus = JausWriter(catalogue)
@@ -252,6 +257,7 @@ class Recorder:
         self._parts = parts
         self._selection = selection
         self._types = types
+        self._offers = {} if offers is None else offers
         self._installation = Installation()
         self._known: dict[tuple[str, str], str] = {}
         self._lock = Lock()
@@ -295,7 +301,8 @@ class Recorder:
         definition = self._definition(topic, kind)
         if definition:
             file = self._parts.current.file
-            file.write(file.ros_channel(topic, kind, definition), heard, data, published)
+            channel = file.ros_channel(topic, kind, definition, self._offers.get(topic))
+            file.write(channel, heard, data, published)
             self.topics[topic] += 1
 
     def _write(self, do: Callable[..., None], *arguments: Any) -> None:
