@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from jausml import __version__
+from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import schema_of
 from jausml.live.traffic.observing import ends_of
 
@@ -94,6 +96,9 @@ WHOLE = TimeSpan()
 ROS_PROFILE = "ros2"
 """Profile of files in which all channels are of ROS (MCAP, well-known profiles)."""
 
+LIBRARY = "jausml "
+"""How the name begins of who wrote a file, before the version."""
+
 COMPRESSIONS = ("zstd", "lz4", "none")
 """How chunks may be compressed, the usual one first."""
 
@@ -116,11 +121,6 @@ def need_library() -> None:
         raise RecordingError(f"{error.name} is missing: pip install 'jausml[record]'") from error
 
 
-def library_name() -> str:
-    """Returns what stands in the header of a file for who wrote it."""
-    return f"jausml {__version__}"
-
-
 class McapFile:
     """An MCAP file that is being written; it has its index once it is closed."""
 
@@ -132,8 +132,9 @@ class McapFile:
         from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
 
         self.count = 0
+        self._stream = stream
         self._writer = Writer(stream, compression=CompressionType[compression.upper()])
-        self._writer.start("" if has_jaus else ROS_PROFILE, library_name())
+        self._writer.start("" if has_jaus else ROS_PROFILE, f"{LIBRARY}{__version__}")
         self._schemas: dict[tuple[str, str], int] = {}
         self._channels: dict[tuple[str, int], int] = {}
         self._of_jaus: dict[tuple[str, MessageEntry], int] = {}  # a schema takes long to make
@@ -149,8 +150,15 @@ class McapFile:
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def flush(self) -> None:
-        """Ends a chunk, so that all that was written can be read whatever happens next."""
+        """Ends a chunk, so that all that was written can be read whatever happens next.
+
+        An end without a summary stands behind it, until more is written: all readers open a file
+        whose recorder was killed, and there is room for it on a disk that is full.
+        """
         self._writer.flush()  # type: ignore[no-untyped-call]
+        self._stream.write(END)
+        self._stream.flush()
+        self._stream.seek(-len(END), io.SEEK_CUR)
 
     def ros_channel(
         self, topic: str, type_name: str, definition: str, offer: Mapping[str, str] | None = None
@@ -204,7 +212,7 @@ def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> in
     from mcap.writer import Writer  # noqa: PLC0415 - an extra
 
     writer = Writer(stream)
-    writer.start(ROS_PROFILE if ros_only else "", library_name())
+    writer.start(ROS_PROFILE if ros_only else "", f"{LIBRARY}{__version__}")
     channels: dict[int, int] = {}
     schemas: dict[int, int] = {}
     count = 0

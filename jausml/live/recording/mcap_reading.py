@@ -13,46 +13,38 @@ import zlib
 from array import array
 from collections import Counter
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from jausml.language.model.inputs import open_input
-from jausml.live.recording.mcap_files import NANO, WHOLE, RecordingError, TimeSpan
-from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError, unpacked
+from jausml.live.recording.mcap_files import LIBRARY, NANO, WHOLE, RecordingError, TimeSpan
+from jausml.live.recording.mcap_records import (
+    FOOTER,
+    HEAD,
+    MAGIC,
+    Opcode,
+    heads,
+    records_of_chunk,
+)
+from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from mcap.records import Channel, ChunkIndex, Schema, Statistics
 
     from jausml.live.recording.mcap_files import Found
 
-_MAGIC = b"\x89MCAP0\r\n"
-_HEAD = struct.Struct("<BQ")
-"""Opcode of a record, and the length of what follows."""
+_MESSAGE = struct.Struct("<HIQQ")
+"""Channel, number, and the times of recording and publishing."""
 
-_MESSAGE_HEAD = struct.Struct("<HIQQ")
-_CHUNK_HEAD = struct.Struct("<QQQI")
-_FOOTER = struct.Struct("<QQI")
-_TIME_OFFSET = _HEAD.size + 6
+_TIME_OFFSET = HEAD.size + 6
 """Where the time of a message stands in its record."""
 
 _STEP = 1 << 20
 _MOST_NAMED = 3
 
 
-class _Opcode(IntEnum):
-    FOOTER = 0x02
-    SCHEMA = 0x03
-    CHANNEL = 0x04
-    MESSAGE = 0x05
-    CHUNK = 0x06
-    CHUNK_INDEX = 0x08
-    STATISTICS = 0x0B
-    DATA_END = 0x0F
-
-
-_READ = frozenset({_Opcode.SCHEMA, _Opcode.CHANNEL, _Opcode.MESSAGE, _Opcode.CHUNK})
+_READ = frozenset({Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
 _Record = tuple[int, int, bytes]
 """Opcode, place in the file, and content."""
 
@@ -157,9 +149,9 @@ class _Contents:
         self._more = 0
         self._unknown: Counter[int] = Counter()
         self._count = self._held = 0
-        self._is_over = self._has_end = False
+        self._is_over = self._has_end = self._has_summary = self._is_ours = False
         stream.seek(0)
-        self._has_begin = stream.read(len(_MAGIC)) == _MAGIC
+        self._has_begin = stream.read(len(MAGIC)) == MAGIC
         try:
             for opcode, at, content in self._summary():
                 self._take(opcode, at, content)
@@ -213,7 +205,7 @@ class _Contents:
 
     def _indexed_chunk(self, at: int) -> Iterator[Found]:
         opcode, length = self._head(at)
-        if opcode != _Opcode.CHUNK:
+        if opcode != Opcode.CHUNK:
             raise DamageError(f"no chunk stands at byte {at}")
         yield from self._chunk(at, self._content(at, length))
 
@@ -232,10 +224,12 @@ class _Contents:
 
     def _found(self, record: _Record) -> Iterator[Found]:
         opcode, at, content = record
-        if opcode == _Opcode.CHUNK:
+        if opcode == Opcode.CHUNK:
             yield from self._chunk(at, content)
-        elif opcode == _Opcode.MESSAGE:
+        elif opcode == Opcode.MESSAGE:
             yield from self._message(content, at)
+        elif opcode == Opcode.HEADER:
+            self._is_ours = LIBRARY.encode() in content
         else:
             self._take(opcode, at, content)
 
@@ -254,13 +248,13 @@ class _Contents:
 
     def _head(self, at: int) -> tuple[int, int]:
         """Returns opcode and length of the record at a place."""
-        if at + _HEAD.size > self._size:
+        if at + HEAD.size > self._size:
             raise DamageError("it ends in the midst of a record")
         self._stream.seek(at)
-        opcode, length = _HEAD.unpack(self._stream.read(_HEAD.size))
+        opcode, length = HEAD.unpack(self._stream.read(HEAD.size))
         if not opcode:
             raise DamageError(f"no record begins at byte {at} of {self._size}")
-        if length > self._size - at - _HEAD.size:
+        if length > self._size - at - HEAD.size:
             raise DamageError(f"it ends in the midst of a record, which begins at byte {at}")
         return opcode, length
 
@@ -272,20 +266,22 @@ class _Contents:
 
     def _records(self) -> Iterator[_Record]:
         """Yields the records up to the summary that matter here (MCAP, Data Section)."""
-        at, checksum = len(_MAGIC), zlib.crc32(_MAGIC)
+        at, checksum = len(MAGIC), zlib.crc32(MAGIC)
         if not self._has_begin:
             raise DamageError("it does not begin as MCAP files do")
         while True:
             opcode, length = self._head(at)
-            if opcode in (_Opcode.FOOTER, _Opcode.DATA_END):
+            if opcode in (Opcode.FOOTER, Opcode.DATA_END):
                 content = self._stream.read(4)
-                expected = int.from_bytes(content, "little") if opcode == _Opcode.DATA_END else 0
+                expected = int.from_bytes(content, "little") if opcode == Opcode.DATA_END else 0
                 if expected not in (0, checksum):
                     raise DamageError("what stands before its end does not fit its checksum")
                 if not self._has_end:
                     raise DamageError("it ends in the midst of a record")
+                if self._is_ours and not self._has_summary:
+                    raise DamageError("its recorder was stopped: what came last may be missing")
                 return
-            checksum = zlib.crc32(_HEAD.pack(opcode, length), checksum)
+            checksum = zlib.crc32(HEAD.pack(opcode, length), checksum)
             if opcode in _READ and length <= MOST_UNPACKED:
                 content = self._stream.read(length)
                 checksum = zlib.crc32(content, checksum)
@@ -296,83 +292,61 @@ class _Contents:
                 for begin in range(0, length, _STEP):
                     piece = self._stream.read(min(_STEP, length - begin))
                     checksum = zlib.crc32(piece, checksum)
-            at += _HEAD.size + length
+            at += HEAD.size + length
 
     def _summary(self) -> Iterator[_Record]:
         """Yields the records of the summary, none where it is missing (MCAP, Footer)."""
-        end = self._size - _HEAD.size - _FOOTER.size - len(_MAGIC)
-        if not self._has_begin or end < len(_MAGIC):
+        end = self._size - HEAD.size - FOOTER.size - len(MAGIC)
+        if not self._has_begin or end < len(MAGIC):
             return
         self._stream.seek(end)
         tail = self._stream.read()
-        if not tail.endswith(_MAGIC) or tail[: _HEAD.size] != _HEAD.pack(
-            _Opcode.FOOTER, _FOOTER.size
-        ):
+        if not tail.endswith(MAGIC) or tail[: HEAD.size] != HEAD.pack(Opcode.FOOTER, FOOTER.size):
             return  # it was cut off
         self._has_end = True
-        start, _, checksum = _FOOTER.unpack_from(tail, _HEAD.size)
+        start, _, checksum = FOOTER.unpack_from(tail, HEAD.size)
+        self._has_summary = bool(start)
         if not start:
             return
         if not 0 <= end - start <= MOST_UNPACKED:
             raise DamageError(f"its summary does not begin at byte {start}")
         self._stream.seek(start)
         data = self._stream.read(end - start)
-        if checksum and zlib.crc32(data + tail[: _HEAD.size + 16]) != checksum:
+        if checksum and zlib.crc32(data + tail[: HEAD.size + 16]) != checksum:
             raise DamageError("its summary does not fit its checksum")
-        for opcode, at, length in _heads(data):
-            begin = at + _HEAD.size
+        for opcode, at, length in heads(data, "its summary"):
+            begin = at + HEAD.size
             yield opcode, start + at, data[begin : begin + length]
 
     def _chunk(self, at: int, content: bytes) -> Iterator[Found]:
-        """Yields the messages of a chunk in the order of their times (MCAP, Chunk)."""
+        """Yields the messages of a chunk in the order of their times."""
         where = f"the chunk at byte {at}"
+        data = records_of_chunk(content, where)
+        self._held += len(data)
         try:
-            _, _, size, checksum = _CHUNK_HEAD.unpack_from(content)
-            begin = _CHUNK_HEAD.size + 4
-            end = begin + int.from_bytes(content[begin - 4 : begin], "little")
-            compression = content[begin:end].decode("utf-8", "replace")
-            (length,) = struct.unpack_from("<Q", content, end)
-        except struct.error as error:
-            raise DamageError(f"{where} has no head") from error
-        if size > MOST_UNPACKED:
-            raise DamageError(
-                f"{where} unpacks to {size:,} bytes, and {MOST_UNPACKED:,} are read at most"
-            )
-        try:
-            data = unpacked(content[end + 8 : end + 8 + length], compression, size)
-        except DamageError as error:
-            raise DamageError(f"{where} {error}") from error
-        if len(data) != size:
-            raise DamageError(f"{where} has {len(data):,} of {size:,} bytes")
-        if checksum and zlib.crc32(data) != checksum:
-            raise DamageError(f"{where} does not fit its checksum")
-        self._held += size
-        try:
-            for place, length in self._places(data, where):
-                yield from self._message(data[place : place + length], at)
+            for place in self._places(data, where):
+                begin = place + HEAD.size
+                (length,) = struct.unpack_from("<Q", data, place + 1)
+                yield from self._message(data[begin : begin + length], at)
         finally:
-            self._held -= size
+            self._held -= len(data)
 
-    def _places(self, data: bytes, where: str) -> Iterator[tuple[int, int]]:
-        """Yields where the messages of a chunk stand and end, in the order of their times."""
+    def _places(self, data: bytes, where: str) -> Iterable[int]:
+        """Returns where the messages of a chunk stand, in the order of their times."""
         places, last, is_sorted = array("Q"), 0, True
-        try:
-            for opcode, at, length in _heads(data):
-                if opcode == _Opcode.MESSAGE:
-                    (time,) = struct.unpack_from("<Q", data, at + _TIME_OFFSET)
-                    is_sorted, last = is_sorted and time >= last, time
-                    places.append(at)
-                else:
-                    begin = at + _HEAD.size
-                    self._take(opcode, at, data[begin : begin + length])
-        except (DamageError, struct.error) as error:
-            raise DamageError(f"{where} holds what is no record") from error
 
         def time_at(place: int) -> int:
             return int.from_bytes(data[place + _TIME_OFFSET : place + _TIME_OFFSET + 8], "little")
 
-        for at in places if is_sorted else sorted(places, key=time_at):
-            yield at + _HEAD.size, _HEAD.unpack_from(data, at)[1]
+        for opcode, at, length in heads(data, where):
+            if opcode == Opcode.MESSAGE:
+                time = time_at(at)
+                is_sorted, last = is_sorted and time >= last, time
+                places.append(at)
+            else:
+                begin = at + HEAD.size
+                self._take(opcode, at, data[begin : begin + length])
+        return places if is_sorted else sorted(places, key=time_at)
 
     def _take(self, opcode: int, at: int, content: bytes) -> None:
         """Takes a record that describes others."""
@@ -385,44 +359,31 @@ class _Contents:
             except Exception as error:  # the library raises anything on such bytes
                 raise DamageError(f"the record at byte {at} makes no sense") from error
 
-        if opcode == _Opcode.SCHEMA:
+        if opcode == Opcode.SCHEMA:
             schema = read(records.Schema)
             self._schemas[schema.id] = schema
-        elif opcode == _Opcode.CHANNEL:
+        elif opcode == Opcode.CHANNEL:
             channel = read(records.Channel)
             self._channels[channel.id] = channel
-        elif opcode == _Opcode.CHUNK_INDEX:
+        elif opcode == Opcode.CHUNK_INDEX:
             self._chunks.append(read(records.ChunkIndex))
-        elif opcode == _Opcode.STATISTICS:
+        elif opcode == Opcode.STATISTICS:
             self.statistics = read(records.Statistics)
 
     def _message(self, content: bytes, at: int) -> Iterator[Found]:
         """Yields a message, none where nothing describes its channel."""
         from mcap.records import Message  # noqa: PLC0415 - an extra
 
-        if len(content) < _MESSAGE_HEAD.size:
+        if len(content) < _MESSAGE.size:
             raise DamageError(f"a message at byte {at} has no head")
-        number, sequence, time, published = _MESSAGE_HEAD.unpack_from(content)
+        number, sequence, time, published = _MESSAGE.unpack_from(content)
         channel = self._channels.get(number)
         schema = self._schemas.get(channel.schema_id) if channel is not None else None
         if channel is None or (channel.schema_id and schema is None):
             self._unknown[number] += 1
             return
-        data = content[_MESSAGE_HEAD.size :]
+        data = content[_MESSAGE.size :]
         yield schema, channel, Message(number, time, data, published, sequence)
-
-
-def _heads(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yields opcode, place and length of the records in a part of a file."""
-    at = 0
-    while at < len(data):
-        if at + _HEAD.size > len(data):
-            raise DamageError("it ends in the midst of a record")
-        opcode, length = _HEAD.unpack_from(data, at)
-        if not opcode or length > len(data) - at - _HEAD.size:
-            raise DamageError(f"no record begins at byte {at} of its summary")
-        yield opcode, at, length
-        at += _HEAD.size + length
 
 
 def _push(

@@ -16,6 +16,7 @@ from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.captured import CapturedMessages, JausWriter
 from jausml.live.recording.mcap_files import McapFile, need_library
+from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import installed_definition, modelled_definition
 from jausml.live.traffic.frames import PcapWriter
 
@@ -98,9 +99,12 @@ class FilePair:
         """Leaves both files, of which the disk did not take all, as they were when it did."""
         with suppress(OSError):
             self._written.close()
-        for path, size in zip(self._paths, self._whole, strict=True):
+        for path, size, end in zip(self._paths, self._whole, (END, b""), strict=True):
             with suppress(OSError):
-                os.truncate(path, size)
+                os.truncate(path, size + len(end))  # a full disk takes no more than it has
+                with path.open("r+b") as stream:
+                    stream.seek(size)
+                    stream.write(end)
 
 
 class RecordingFiles:
