@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 import struct
+import sys
+from array import array
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.interfaces import parse_definition
@@ -85,6 +87,17 @@ class _Bytes:
         found = self.data[self.at : max(self.at, end - 1)]
         self.at = end
         return found.decode("utf-8", "replace")
+
+    def wide_text(self) -> str:
+        """Returns the next text of wide characters: units of UTF-16, each in four bytes."""
+        units = self.numbers("I", 4, self.number("I", 4))
+        try:
+            return array("H", units).tobytes().decode(_UTF_16, "replace")
+        except OverflowError as error:
+            raise RecordingError("a text of wide characters has others") from error
+
+
+_UTF_16 = f"utf-16-{sys.byteorder[0]}e"
 
 
 class RosReader:
@@ -177,9 +190,7 @@ def _field(kind: FieldType, package: str, parts: Mapping[str, str], depth: int) 
     if code is not None:
         return _numeric(kind, code)
     if kind.is_primitive:
-        if kind.name != "string":
-            raise RecordingError(f"{kind.name} is not read")
-        one: Read = _Bytes.text
+        one: Read = _Bytes.text if kind.name == "string" else _Bytes.wide_text
     else:
         one = _record(f"{kind.package or package}/{kind.name}", parts, depth + 1)
     if kind.array == SINGLE:
