@@ -160,3 +160,16 @@ def test_who_wants_a_capture_is_told_where_it_is(cut):
     result = CliRunner().invoke(main, ["decode", "--pcap", str(cut)])
     assert "an MCAP recording, not a capture" in result.stderr
     assert result.exit_code == 1
+
+
+def test_a_file_that_is_missing_is_told_before_the_model(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["replay", "none.mcap"])
+    assert (result.exit_code, result.stderr) == (2, "Error: none.mcap: No such file or directory\n")
+
+
+def test_a_folder_without_a_model_is_told_to_hold_files(tmp_path):
+    line = ["replay", str(tmp_path), "--ros-only", "--output", str(tmp_path / "whole.mcap")]
+    result = CliRunner().invoke(main, line)
+    assert result.exit_code == 2
+    assert "is no MCAP file: name one that is in a bag, or make one by `ros2 bag" in result.stderr

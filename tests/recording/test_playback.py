@@ -502,6 +502,17 @@ def test_a_definition_that_cannot_be_followed_is_refused(text):
         RosReader("own_msgs/msg/Outer", text)
 
 
+def test_a_definition_whose_types_hold_each_the_next_one_twice_is_read_at_once():
+    depth = 30
+    parts = [f"T{number + 1} a\nT{number + 1} b\n" for number in range(depth)]
+    text = "".join(
+        f"{'=' * 80}\nMSG: own_msgs/T{number}\n{part}"
+        for number, part in enumerate([*parts, "uint8 x\n"])
+    )
+    with pytest.raises(RecordingError, match="own_msgs/msg/Outer"):
+        RosReader("own_msgs/msg/Outer", f"T0 whole\n{text}").read(b"\0\1\0\0")
+
+
 def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():
     guide = (MODEL.parents[3] / "docs" / "how-to" / "deploy.md").read_text(encoding="utf-8")
     for counter, why in MEANINGS.items():

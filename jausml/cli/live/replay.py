@@ -187,8 +187,8 @@ def _check_ends(
 ) -> None:
     """Checks that a recording can go where it shall."""
     if is_bag and model is None and output is not None:
-        what = f"{shown_path(recording)} is none; `ros2 bag convert` makes one of a bag"
-        raise click.UsageError(f"--output without MODEL takes an MCAP file, and {what}")
+        what = "name one that is in a bag, or make one by `ros2 bag convert`"
+        raise click.UsageError(f"{shown_path(recording)} is no MCAP file: {what}")
     if is_bag and (output is not None or with_jaus):
         raise click.UsageError(f"{shown_path(recording)} goes to JAUS, not to a file")
     if ros_only:

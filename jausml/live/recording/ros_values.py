@@ -114,7 +114,7 @@ class RosReader:
         """
         parts = defined_parts(name, definition)
         self._name = name
-        self._read = _record(next(iter(parts)), parts, 0)
+        self._read = _record(next(iter(parts)), parts, {}, 0)
 
     def read(self, data: bytes) -> dict[str, Any]:
         """Returns the fields of a message.
@@ -164,18 +164,22 @@ def _short(name: str) -> str:
     return f"{package}/{rest.rpartition('/')[2]}"
 
 
-def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
+def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: int) -> Read:
+    """Returns what reads a type; `known` has those of types that were met before."""
+    if name in known:
+        return known[name]
     if depth > _DEEPEST:
         raise RecordingError(f"its definition of {name} holds itself")
     fields = defined_fields(name, parts)
     package = name.partition("/")[0]
-    members = [(each.name, _field(each.type, package, parts, depth)) for each in fields]
+    members = [(each.name, _field(each.type, package, parts, known, depth)) for each in fields]
     if [name for name, _ in members] in ([], [_NO_MEMBER]):
         return _nothing
 
     def read(source: _Bytes) -> dict[str, Any]:
         return {name: member(source) for name, member in members}
 
+    known[name] = read
     return read
 
 
@@ -185,14 +189,16 @@ def _nothing(source: _Bytes) -> dict[str, Any]:
     return {}
 
 
-def _field(kind: FieldType, package: str, parts: Mapping[str, str], depth: int) -> Read:
+def _field(
+    kind: FieldType, package: str, parts: Mapping[str, str], known: dict[str, Read], depth: int
+) -> Read:
     code = _CODES.get(kind.name) if not kind.package else None
     if code is not None:
         return _numeric(kind, code)
     if kind.is_primitive:
         one: Read = _Bytes.text if kind.name == "string" else _Bytes.wide_text
     else:
-        one = _record(f"{kind.package or package}/{kind.name}", parts, depth + 1)
+        one = _record(f"{kind.package or package}/{kind.name}", parts, known, depth + 1)
     if kind.array == SINGLE:
         return one
     size = kind.array_size if kind.array == FIXED else None

@@ -164,7 +164,7 @@ class SeekableRecording:
                 try:
                     each = next(found, None)
                 except Exception as error:  # the libraries raise anything on such bytes
-                    raise RecordingError(f"{self._path} cannot be read: {error}") from error
+                    raise RecordingError(f"{self._path} has changed since it was read") from error
                 if each is None:
                     return
                 yield (each[2].log_time - self._begin) / _NANO, each
