@@ -164,7 +164,7 @@ class Bag:
                 database.text_factory = lambda text: text.decode("utf-8", "replace")
                 for found in _messages_in(database):
                     yield found
-        except sqlite3.Error as error:
+        except (sqlite3.Error, ValueError) as error:  # also texts of errors that are no UTF-8
             if found is None:
                 what = "cannot be read: it is no database of rosbag2, or damaged"
                 raise RecordingError(f"{path} {what}") from error
@@ -177,7 +177,7 @@ class Bag:
 
 def _messages_in(database: sqlite3.Connection) -> Iterator[_Encoded]:
     tables = {
-        name for (name,) in database.execute("SELECT name FROM sqlite_schema WHERE rootpage > 0")
+        name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE rootpage > 0")
     }
     if not {"topics", "messages"} <= tables:
         raise sqlite3.DatabaseError
