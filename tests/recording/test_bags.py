@@ -138,6 +138,15 @@ def test_messages_that_metadata_counts_and_no_file_has_are_told(tmp_path, storag
 
 
 @STORAGES
+def test_files_that_metadata_names_and_that_are_missing_are_told(tmp_path, storage):
+    path = bag(tmp_path / "run", storage)
+    change(path, lambda stated: stated["relative_file_paths"].insert(0, "run_0.db3"))
+    found, fault = times(path)
+    assert found == list(range(COUNT))
+    assert "run_0.db3: No such file or directory" in fault
+
+
+@STORAGES
 def test_a_bag_whose_recorder_was_killed_is_read_without_metadata(tmp_path, storage):
     path = bag(tmp_path / "run", storage)
     (path / "metadata.yaml").unlink()

@@ -7,7 +7,7 @@ import sqlite3
 import tempfile
 from collections import Counter
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
@@ -90,7 +90,7 @@ class Bag:
             RecordingError: It cannot be opened, is no recording, or nothing of it can be read.
         """
         self.others.clear()
-        self.fault = ""
+        self.fault, self.reached = "", None
         try:
             for encoding, each in self._span.of(self._all(), lambda each: each[1].time):
                 if encoding == CDR:
@@ -130,10 +130,8 @@ class Bag:
             read = self._rows if path.suffix == SQLITE else self._records
             for encoding, each in read(path):
                 self.reached = max(self.reached or each.time, each.time)
-                if compression == "message":
-                    yield encoding, _unpacked_message(each, path)
-                else:
-                    yield encoding, each
+                whole = _unpacked_message(each, path) if compression == "message" else each
+                yield encoding, whole
 
     def _records(self, path: Path) -> Iterator[_Encoded]:
         """Yields what stands in an MCAP file."""
@@ -156,14 +154,16 @@ class Bag:
 
     def _rows(self, path: Path) -> Iterator[_Encoded]:
         """Yields what stands in a database (rosbag2, sqlite3 storage)."""
-        open_input(path).close()  # a database is opened without a look at what it is
         found = None
         try:
+            open_input(path).close()  # a database is opened without a look at what it is
             uri = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
             with closing(sqlite3.connect(uri, uri=True)) as database:
                 database.text_factory = lambda text: text.decode("utf-8", "replace")
                 for found in _messages_in(database):
                     yield found
+        except OSError as error:
+            raise RecordingError(f"{path}: {error.strerror or error}") from error
         except (sqlite3.Error, ValueError) as error:  # also texts of errors that are no UTF-8
             if found is None:
                 what = "cannot be read: it is no database of rosbag2, or damaged"
@@ -263,4 +263,4 @@ def _unpacked_message(message: RosMessage, path: Path) -> RosMessage:
         data = unpacked(message.data, "zstd")
     except DamageError as error:
         raise RecordingError(f"{path}: a message of {message.topic} {error}") from error
-    return RosMessage(message.topic, message.type, message.time, data, message.definition)
+    return replace(message, data=data)
