@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from mcap.writer import CompressionType, IndexType, Writer
 
 from jausml.cli import main
+from jausml.live.recording import mcap_reading
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.mcap_reading import McapRecording
 
@@ -93,6 +94,23 @@ def test_a_file_without_chunks_is_held_against_its_checksum(tmp_path):
     data = recording(use_chunking=False, enable_data_crcs=True)
     assert read(tmp_path, data)[1] == ""
     assert "before its end does not fit its checksum" in read(tmp_path, flipped(data))[1]
+
+
+@pytest.mark.parametrize("held", [1 << 28, 0])
+def test_messages_come_in_the_order_of_their_times_wherever_they_stand(tmp_path, monkeypatch, held):
+    stream = io.BytesIO()
+    writer = Writer(stream, chunk_size=300)
+    writer.start("ros2")
+    schema = writer.register_schema("std_msgs/msg/Bool", "ros2msg", b"bool data\n")
+    channel = writer.register_channel("/on", "cdr", schema)
+    for number in range(COUNT):
+        writer.add_message(channel, number * 7 % COUNT, b"\0\1\0\0\1" * 9, number)
+    writer.finish()
+    # Where chunks would fill the memory, what is at hand comes before others are unpacked.
+    monkeypatch.setattr(mcap_reading, "MOST_UNPACKED", max(held, 1 << 11))
+    found, fault = read(tmp_path, stream.getvalue())
+    assert (sorted(found), fault) == (list(range(COUNT)), "")
+    assert (found == sorted(found)) is bool(held)
 
 
 def test_a_damaged_summary_is_not_used(tmp_path):

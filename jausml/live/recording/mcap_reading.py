@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 
     from jausml.live.recording.mcap_files import Found
 
+    _Begun = list[tuple[int, int, Found, Iterator[Found]]]
+    """Of chunks that are being read: time of the next message, place, the message, and the rest."""
+
 _MESSAGE = struct.Struct("<HIQQ")
 """Channel, number, and the times of recording and publishing."""
 
@@ -194,7 +197,7 @@ class _Contents:
 
     def _by_index(self) -> Iterator[Found]:
         """Yields messages in the order of their times; no more chunks are unpacked than needed."""
-        begun: list[tuple[int, int, Found, Iterator[Found]]] = []
+        begun: _Begun = []
         chunks = {each.chunk_start_offset: each.message_start_time for each in self._chunks}
         for at, start in sorted(chunks.items(), key=lambda each: each[1]):
             while begun and (begun[0][0] < start or self._held > MOST_UNPACKED):
@@ -205,9 +208,9 @@ class _Contents:
 
     def _indexed_chunk(self, at: int) -> Iterator[Found]:
         opcode, length = self._head(at)
-        if opcode != Opcode.CHUNK:
-            raise DamageError(f"no chunk stands at byte {at}")
-        yield from self._chunk(at, self._content(at, length))
+        if opcode != Opcode.CHUNK or length > MOST_UNPACKED:
+            raise DamageError(f"no chunk that can be read stands at byte {at}")
+        yield from self._chunk(at, self._stream.read(length))
 
     def _in_order(self) -> Iterator[Found]:
         """Yields messages as they stand in the file."""
@@ -257,12 +260,6 @@ class _Contents:
         if length > self._size - at - HEAD.size:
             raise DamageError(f"it ends in the midst of a record, which begins at byte {at}")
         return opcode, length
-
-    def _content(self, at: int, length: int) -> bytes:
-        """Returns the content of the record at a place, whose head was read."""
-        if length > MOST_UNPACKED:
-            raise DamageError(f"the record at byte {at} has {length:,} bytes")
-        return self._stream.read(length)
 
     def _records(self) -> Iterator[_Record]:
         """Yields the records up to the summary that matter here (MCAP, Data Section)."""
@@ -386,16 +383,14 @@ class _Contents:
         yield schema, channel, Message(number, time, data, published, sequence)
 
 
-def _push(
-    begun: list[tuple[int, int, Found, Iterator[Found]]], at: int, rest: Iterator[Found]
-) -> None:
+def _push(begun: _Begun, at: int, rest: Iterator[Found]) -> None:
     """Notes the next message of a chunk, if there is one."""
     found = next(rest, None)
     if found is not None:
         heapq.heappush(begun, (found[2].log_time, at, found, rest))
 
 
-def _earliest(begun: list[tuple[int, int, Found, Iterator[Found]]]) -> Found:
+def _earliest(begun: _Begun) -> Found:
     """Returns the earliest message of the chunks that were begun."""
     _, at, found, rest = heapq.heappop(begun)
     _push(begun, at, rest)
