@@ -81,10 +81,11 @@ def test_links_and_permissions_are_kept(jausml, here, file):
     assert file.stat().st_mode & 0o777 == 0o640
 
 
-def test_marks_and_line_ends_of_other_systems_are_dropped(jausml, file):
-    file.write_bytes(b"\xef\xbb\xbf" + TIGHT.replace("\n", "\r\n").encode())
+def test_byte_order_marks_are_dropped_and_line_ends_stay(jausml, file):
+    file.write_bytes(b"\xef\xbb\xbf" + LOOSE.replace("\n", "\r\n").encode())
     assert jausml("format", file.name).exit_code == 0
-    assert file.read_bytes() == TIGHT.encode()
+    assert file.read_bytes() == TIGHT.replace("\n", "\r\n").encode()
+    assert jausml("format", "--check", file.name).exit_code == 0
 
 
 @pytest.mark.parametrize(

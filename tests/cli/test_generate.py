@@ -104,7 +104,8 @@ def test_second_run_changes_nothing(jausml):
 
 
 def test_quiet_lists_nothing_but_what_a_check_finds(jausml):
-    assert jausml("generate", "good.xmi", "-o", "out", "--quiet").stdout == ""
+    result = jausml("generate", "good.xmi", "-o", "out", "--quiet")
+    assert (result.stdout, result.stderr) == ("", "")
     Path("out", "sensor_base.py").unlink()
     result = jausml("generate", "good.xmi", "-o", "out", "--quiet", "--check")
     assert result.exit_code == 1
@@ -184,6 +185,15 @@ def test_drift_is_reported_with_a_place_and_a_stub(jausml):
     assert "out/sensor.py:5:1: warning: JML908 on_nothing_like_it" in result.stderr
     assert "out/sensor.py:4:1: info: JML910 Sensor does not define" in result.stderr
     assert "\nstub\n" in result.stderr
+
+
+def test_an_error_in_code_of_the_user_fails(jausml):
+    jausml("generate", "good.xmi", "-o", "out")
+    Path("out/sensor.py").write_text("class Sensor(\n")
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert "out/sensor.py:1:" in result.stderr
+    assert ": error: JML9" in result.stderr
+    assert result.exit_code == 1
 
 
 @pytest.mark.parametrize("option", ["--check", "--strict"])
@@ -385,7 +395,7 @@ def contents(folder):
 @pytest.mark.usefixtures("folder")
 def test_runs_at_once_wait_for_each_other():
     """All end well, and the tree is that of one run."""
-    command = [sys.executable, "-m", "jausml", "generate", "good.xmi", "-o", "out", "-q"]
+    command = [sys.executable, "-m", "jausml", "generate", "good.xmi", "-o", "out"]
     runs = [
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for _ in range(3)

@@ -229,3 +229,20 @@ def test_a_model_with_errors_shows_none(jausml, tmp_path):
         result = jausml(*words, "--model", "bad.ros2jaus")
         assert result.exit_code == 1
         assert "bad.ros2jaus:1:" in result.stderr
+
+
+def test_maps_are_listed_beside_a_broken_model_of_the_project(jausml, tmp_path, monkeypatch):
+    folder = tmp_path / "lot"
+    made = jausml("init", str(folder), "--from", "empty", "--notation", "text", "-q")
+    assert made.output == ""
+    monkeypatch.chdir(folder)
+    Path("models/bad.ros2jaus").write_text("bridge b { adress: 1.1.1 }")
+    for words, shown in (
+        (("list", "maps"), "mappings.odometry"),
+        (("show", "map", "odometry"), "odometry"),
+    ):
+        result = jausml(*words)
+        assert result.exit_code == 0, result.stderr
+        assert "the maps of models/bad.ros2jaus are left out: " in result.stderr
+        assert "models/bad.ros2jaus:1:12: " in result.stderr
+        assert shown in result.stdout

@@ -484,7 +484,7 @@ def test_a_component_whose_service_is_gone_fails_the_check(tmp_path):
     assert path.read_text() == written
     written = re.sub(r"    def on_set_local_pose.*?(?=    def )", "", written, flags=re.DOTALL)
     path.write_text(re.sub(r"\n    def report_local_pose.*", "", written, flags=re.DOTALL))
-    assert jausml("generate", model, "-o", out).exit_code == 0
+    assert jausml("generate", model, "-o", out).exit_code == 1
     checked = jausml("generate", model, "-o", out, "--check", "--strict")
     assert checked.exit_code == 1
     line = written.splitlines().index("    QueryLocalPose,") + 1
@@ -521,7 +521,7 @@ def test_a_difference_names_the_lines_that_break(tmp_path):
     assert [each["line"] for each in told["code"]] == [line, line + 2]
     assert path.read_text().endswith("GoneBefore\n")
     # The same where the workspace is of the new state.
-    assert jausml("generate", new, "-o", out, "-q").exit_code == 0
+    assert jausml("generate", new, "-o", out, "-q").exit_code == 1
     assert lost in jausml("diff", old, new, "--code", out).stdout
     none = jausml("diff", old, old, "--code", out)
     assert none.stdout == "no differences\n"

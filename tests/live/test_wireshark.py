@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import struct
+import subprocess
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -129,6 +130,20 @@ def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> 
     assert shown(fields, "jaus.sequence") == ["7", "8"]
     text = run_tshark(example, tmp_path / "packets.pcap")
     assert "SetWrenchEffort, 126.1.20 -> 200.1.2; QueryTimeout, 126.1.20 -> 200.1.2" in text
+
+
+def test_a_second_dissector_says_that_it_is_not_loaded(example: Path, tmp_path: Path) -> None:
+    capture = write_capture(tmp_path / "one.pcap", [udp(datagram(WRENCH))])
+    scripts = [f"-Xlua_script:{each}" for each in (example, example)]
+    done = subprocess.run(
+        ["tshark", *scripts, "-r", capture, "-T", "fields", "-e", "jaus.message"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout == "SetWrenchEffort\n"
+    assert "is not loaded, since another script shows JAUS already: " in done.stderr
+    assert "Error" not in done.stderr
 
 
 def test_scaled_values_stand_beside_the_raw_integer(example: Path, tmp_path: Path) -> None:

@@ -96,3 +96,11 @@ def test_the_name_of_a_new_message_has_ascii_letters(tmp_path):
     found = [e for e in check_project([path]).diagnostics if e.rule == "JML215"]
     assert [each.location.line for each in found] == [2]
     assert "letters from A to z, digits and underscores" in found[0].hint
+
+
+def test_an_id_that_reads_like_a_path_is_told_to_be_another_one(tmp_path):
+    path = tmp_path / "model.xmi"
+    head = '<components xmlns:xmi="http://www.omg.org/XMI" xmi:id="/x" name="a" address="1.1.1"/>'
+    path.write_text(SYSTEM.format(f'{head}<hosts name="h"/><placements components="/x"/>'))
+    (found,) = [each for each in check_project([path]).diagnostics if each.rule == "JML202"]
+    assert found.hint == "the xmi:id '/x' is no path: use another id, without '/' at its beginning"

@@ -170,14 +170,13 @@ ROWS = {
         files={"x.ros2jaus": f"{DRIVE}<<<<<<< a\n=======\n>>>>>>> b\n"},
     ),
     "a skeleton imports what is gone": Row(
-        "jausml generate v.ros2jaus -o ws --check --strict",
+        "jausml generate v.ros2jaus -o ws",
         (
             "own.py:1:23: error: JML905 v.messages has no Gone any more",
             "take it out",
             "--fix changes",
         ),
         1,
-        before=("jausml generate v.ros2jaus -o ws",),
         files={
             "v.ros2jaus": "component v { address: 100.1.1  provides: LocalPoseSensor }\n",
             "ws/v/v/own.py": "from .messages import Gone\n",

@@ -14,7 +14,8 @@ from jausml.language.interfaces import Installation
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import Catalogue
-from jausml.live.recording.mcap_files import McapRecording, TrafficFilter, copied
+from jausml.live.recording.mcap_files import TrafficFilter, copied
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits, topics_of
 from jausml.live.recording.ros_topics import RosTopics
 from jausml.live.recording.schemas import installed_definition

@@ -16,10 +16,10 @@ from jausml.live.recording.bags import Bag
 from jausml.live.recording.mcap_files import (
     COMPRESSIONS,
     McapFile,
-    McapRecording,
     RecordingError,
     TimeSpan,
 )
+from jausml.live.recording.mcap_reading import McapRecording
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9
@@ -71,15 +71,17 @@ def test_zeros_at_the_end_are_not_read_as_messages(tmp_path):
     assert cut.fault
 
 
-def test_a_damaged_chunk_ends_it(tmp_path):
+def test_a_damaged_chunk_is_left_out(tmp_path):
     data, sizes = recording("none")
     path = tmp_path / "cut.mcap"
     damaged = bytearray(data)
     damaged[sizes[0] + 100] ^= 0xFF
     path.write_bytes(damaged[:-100])
     cut = McapRecording(str(path))
-    assert len(list(cut.messages())) == EACH
-    assert "crc" in cut.fault
+    # The chunk that describes the second channel is damaged, and the summary is cut off.
+    assert len(list(cut.messages())) == 2 * EACH
+    assert f"the chunk at byte {sizes[0]} does not fit its checksum" in cut.fault
+    assert f"{EACH} messages are of channel 2, which nothing describes" in cut.fault
 
 
 @pytest.fixture
@@ -118,7 +120,7 @@ def test_it_is_made_whole_for_all_who_read_such_files(cut, tmp_path):
     whole = tmp_path / "whole.mcap"
     line = ["replay", str(cut), "--ros-only", "--output", str(whole)]
     result = CliRunner().invoke(main, line)
-    assert "cut.mcap was cut off: it was read until 2023-11-14 22:13:25.000+00:00" in result.stderr
+    assert "it was read until 2023-11-14 22:13:25.000+00:00" in result.stderr
     assert result.exit_code == 1
     expected = [BEGIN + number * SECOND for number in range(2 * EACH)]
     assert [each.time for each in by_rosbags(whole)] == expected
@@ -158,3 +160,16 @@ def test_who_wants_a_capture_is_told_where_it_is(cut):
     result = CliRunner().invoke(main, ["decode", "--pcap", str(cut)])
     assert "an MCAP recording, not a capture" in result.stderr
     assert result.exit_code == 1
+
+
+def test_a_file_that_is_missing_is_told_before_the_model(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["replay", "none.mcap"])
+    assert (result.exit_code, result.stderr) == (2, "Error: none.mcap: No such file or directory\n")
+
+
+def test_a_folder_without_a_model_is_told_to_hold_files(tmp_path):
+    line = ["replay", str(tmp_path), "--ros-only", "--output", str(tmp_path / "whole.mcap")]
+    result = CliRunner().invoke(main, line)
+    assert result.exit_code == 2
+    assert "is no MCAP file: name one that is in a bag, or make one by `ros2 bag" in result.stderr

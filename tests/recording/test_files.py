@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import resource
+from contextlib import contextmanager
+
 import pytest
 from click.testing import CliRunner
-from recordings import by_mcap
+from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
-from jausml.live.recording.mcap_files import TrafficFilter
-from jausml.live.recording.recorder import RecordingFiles, SplitLimits
+from jausml.live.recording.mcap_files import McapFile, TrafficFilter
+from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.recorder import FilePair, RecordingFiles, SplitLimits
 
 
 def fill(parts, number):
@@ -77,3 +81,49 @@ def test_limits_that_make_no_sense_are_told(tmp_path):
     assert "--max-files needs --max-size or --max-duration" in result.stderr
     assert result.exit_code == 2
     assert names(tmp_path) == []
+
+
+@contextmanager
+def files_up_to(size):
+    """Lets no file grow above so many bytes, as a full disk does."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("room", range(0, 500, 31))
+def test_a_file_that_cannot_grow_ends_behind_its_last_whole_record(tmp_path, room):
+    path, kept = tmp_path / "run.mcap", 0
+    pair = FilePair(path, "none", overwrites=False)
+
+    def record(number):
+        nonlocal kept
+        for _ in range(number):
+            channel = pair.file.ros_channel("/on", "std_msgs/msg/Bool", "bool data")
+            pair.file.write(channel, kept, b"\0\1\0\0\1")
+            pair.flush()
+            kept += 1
+
+    record(3)
+    with files_up_to(path.stat().st_size + room), pytest.raises(OSError, match="too large"):
+        record(9)
+    pair.give_up()
+    assert [message.log_time for _, _, message in by_mcap(path)] == list(range(kept))
+    whole = McapRecording(str(path))
+    assert len(list(whole.messages())) == kept
+    assert whole.fault == "its recorder was stopped: what came last may be missing"
+
+
+def test_a_file_whose_recorder_was_killed_is_opened_by_others(tmp_path):
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as stream:
+        file = McapFile(stream, has_jaus=False)
+        file.write(file.ros_channel("/on", "std_msgs/msg/Bool", "bool data"), 7, b"\0\1\0\0\1")
+        file.flush()
+        assert [(each.topic, each.time) for each in by_rosbags(path)] == [("/on", 7)]
+        file.write(file.ros_channel("/on", "std_msgs/msg/Bool", "bool data"), 8, b"\0\1\0\0\1")
+        file.close()
+    assert [each.time for each in by_rosbags(path)] == [7, 8]

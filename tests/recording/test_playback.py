@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import cache, reduce
 
 import pytest
@@ -26,7 +27,8 @@ from jausml.language.model import read_models
 from jausml.language.semantics.connections.calls import of_elements
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import load_catalogue
-from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.mcap_files import RecordingError, copied
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.passing import RecordedTranslation, Taken
 from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
 from jausml.live.systems import dropped, playback
@@ -141,6 +143,31 @@ def test_a_drop_is_explained_word_for_word(opened):
         "The last on this side: /jaus/10.1.9/SetWrenchEffort at 3.431 s",
         "from 10.1.9 to 10.1.1",
     )
+
+
+def test_what_was_recorded_as_another_type_is_not_translated_again(tmp_path):
+    whole, path = tmp_path / "whole.mcap", tmp_path / "changed.mcap"
+    whole.write_bytes(recorded(Drive()))
+
+    def changed(found):
+        schema, channel, message = found
+        if channel.topic == "/cmd_vel":
+            first, second = (b"geometry_msgs/Vector3 " + each for each in (b"linear", b"angular"))
+            lines = schema.data.split(b"\n")
+            assert {first, second} <= set(lines)
+            kept = [each for each in lines if each != first]
+            kept.insert(kept.index(second) + 1, first)
+            schema = replace(schema, data=b"\n".join(kept))
+        return schema, channel, message
+
+    with path.open("wb") as stream:
+        copied(map(changed, McapRecording(str(whole)).messages()), stream, ros_only=False)
+    system = indexed(str(path))
+    found = explained(system, model(), DRIVE, 11.0)
+    system.recording.close()
+    said = " ".join((*found.ros, *found.jaus))
+    assert "/cmd_vel has geometry_msgs/Twist recorded as " in said
+    assert "the translation refuses it" not in said
 
 
 def test_of_two_messages_close_to_each_other_the_one_that_was_refused_is_named(opened):
@@ -444,6 +471,7 @@ float64 value
 int16[] few
 Inner[2] inner
 string name
+wstring wide
 ================================================================================
 MSG: own_msgs/Inner
 uint8 x
@@ -452,9 +480,11 @@ uint8 x
 
 def test_a_message_is_read_by_its_definition():
     body = struct.pack("<B7xdI2hBBxxI3s", 7, 2.5, 2, -1, 5, 3, 4, 3, b"ab\0")
+    body += b"\0" + struct.pack("<4I", 3, 0xE4, 0xD83D, 0xDE00)
     value = RosReader("own_msgs/msg/Outer", DEFINITION).read(b"\0\1\0\0" + body)
     assert value == {
         "kind": 7, "value": 2.5, "few": (-1, 5), "inner": [{"x": 3}, {"x": 4}], "name": "ab",
+        "wide": "\u00e4\U0001f600",
     }  # fmt: skip
     assert numbers_in(value)["few[1]"] == 5.0
     assert "few: [-1, 5]" in value_lines(value)
@@ -466,10 +496,21 @@ def test_other_bytes_are_a_located_error(data):
         RosReader("own_msgs/msg/Outer", DEFINITION).read(data)
 
 
-@pytest.mark.parametrize("text", ["time stamp\n", "Missing it\n", "wstring w\n", "Outer again\n"])
+@pytest.mark.parametrize("text", ["time stamp\n", "Missing it\n", "Outer again\n"])
 def test_a_definition_that_cannot_be_followed_is_refused(text):
     with pytest.raises(RecordingError):
         RosReader("own_msgs/msg/Outer", text)
+
+
+def test_a_definition_whose_types_hold_each_the_next_one_twice_is_read_at_once():
+    depth = 30
+    parts = [f"T{number + 1} a\nT{number + 1} b\n" for number in range(depth)]
+    text = "".join(
+        f"{'=' * 80}\nMSG: own_msgs/T{number}\n{part}"
+        for number, part in enumerate([*parts, "uint8 x\n"])
+    )
+    with pytest.raises(RecordingError, match="own_msgs/msg/Outer"):
+        RosReader("own_msgs/msg/Outer", f"T0 whole\n{text}").read(b"\0\1\0\0")
 
 
 def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():

@@ -118,6 +118,7 @@ def test_reports_come_as_they_were_recorded(tmp_path):
     assert "of /odom" in said
     assert "robot.velocity_state: " in said
     assert "1 of /elsewhere, which no bridge takes" in said
+    assert "no definition of the type of /odom: that of MODEL was used" in said
 
 
 def test_commands_need_to_be_allowed(tmp_path):

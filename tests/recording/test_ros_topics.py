@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from threading import Event
 
@@ -12,9 +13,11 @@ needs.ask("rclpy")
 
 from ports import free_domain
 from recordings import by_mcap
+from rosbags.rosbag2 import Reader
 
 from jausml.cli.shared.models import open_catalogue
-from jausml.live.recording.mcap_files import TrafficFilter
+from jausml.live.recording.mcap_files import TrafficFilter, copied
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
 from jausml.live.recording.ros_topics import RosTopics
 
@@ -49,6 +52,41 @@ def wait_for(condition, what):
     while not condition():
         assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
         time.sleep(0.02)
+
+
+def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publisher):
+    from rclpy.duration import Duration
+    from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+    from std_msgs.msg import String
+
+    first = publisher(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(seconds=1.5))
+    parts = RecordingFiles(tmp_path / "run.mcap", SplitLimits())
+    ros = RosTopics(TrafficFilter())
+    recorder = Recorder(parts, open_catalogue([]), {}, TrafficFilter(), ros.offers)
+    with recorder.kept(0.05, ros.repeat_latched):
+        ros.open()
+        ros.begin(["/description"], recorder.take_topic)
+        try:
+            first.publish(String(data="a robot"))
+            wait_for(lambda: recorder.topics["/description"], "message")
+        finally:
+            ros.stop()
+    # rosbags takes files of ROS alone, which this one is but for its profile.
+    path = tmp_path / "copy.mcap"
+    with path.open("wb") as stream:
+        copied(McapRecording(str(parts.paths[0])).messages(), stream, ros_only=True)
+    with Reader(path) as reader:
+        (connection,) = reader.connections
+        profiles = connection.ext.offered_qos_profiles
+    found = {(each.durability.name, each.reliability.name, each.deadline.sec) for each in profiles}
+    assert found == {
+        ("TRANSIENT_LOCAL", "RELIABLE", 9223372036),
+        ("VOLATILE", "BEST_EFFORT", 1),
+    }
+    metadata = by_mcap(path)[0][1].metadata
+    assert {each.deadline.nsec for each in profiles} == {854775807, 500_000_000}
+    assert re.fullmatch("RIHS01_[0-9a-f]{64}", metadata["topic_type_hash"])
 
 
 @pytest.mark.slow

@@ -82,6 +82,13 @@ class DissectorView:
         return label(str(self.system.name))
 
     @property
+    def second(self) -> str:
+        """What a script says that finds another one of JAUS loaded."""
+        file = self.path.rpartition("/")[2]
+        cure = "keep one script of JAUS, or generate one of all your services"
+        return f"{file} is not loaded, since another script shows JAUS already: {cure}"
+
+    @property
     def ports(self) -> list[int]:
         """The UDP and TCP ports of the hosts of the system, and that of JAUS."""
         return sorted({JAUS_PORT, *(int(host.port) for host in self.system.hosts)})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import operator
-import re
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import EditError
+from jausml.language.text.reading.scanning import line_end
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -55,8 +55,7 @@ class FileText:
     @cached_property
     def newline(self) -> str:
         """The line end of the file: that of its first line."""
-        found = re.search(r"\r\n|\n|\r", self.stored)
-        return found.group() if found else "\n"
+        return line_end(self.stored)
 
     def splice(self, start: int, end: int, new: str) -> Splice:
         """Returns the splice that puts a text in place of characters.

@@ -19,6 +19,7 @@ from jausml.cli.authoring.topics import (
 )
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import show_findings
+from jausml.cli.shared.options import quiet_option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,6 +58,7 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
     help="Only renew the copies of metamodels and library in a project, after an update of jausml.",
 )
 @topic_options
+@quiet_option("Print no summary.")
 def command(
     folder: Path,
     sources: tuple[str, ...],
@@ -64,6 +66,7 @@ def command(
     notation: str | None,
     origin: str,
     copies: bool,
+    quiet: bool,
     choosing: Choosing,
 ) -> None:
     """Make a project of models in DIR, which may already exist.
@@ -79,7 +82,7 @@ def command(
     from jausml.authoring.projects.places import ProjectError
 
     if copies:
-        _renew(folder)
+        _renew(folder, quiet=quiet)
         return
     if bool(sources) is not (origin in _EXAMPLES):
         what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
@@ -104,17 +107,22 @@ def command(
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
         raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
-    click.echo(f"{len(written)} files in {folder}; next:")
+    if not quiet:
+        _show_next(folder, len(written), wish)
+    show_undecided(chosen)
+
+
+def _show_next(folder: Path, count: int, wish: Wish) -> None:
+    click.echo(f"{count} files in {folder}; next:")
     if folder.resolve() != Path.cwd().resolve():
         where = f"./{folder}" if str(folder).startswith("-") else str(folder)
         click.echo(f"  cd {shlex.quote(where)}")
     click.echo("  jausml validate models")
     click.echo(f"  jausml generate {wish.model} -o src")
     click.echo("  jausml run src --for 10")
-    show_undecided(chosen)
 
 
-def _renew(folder: Path) -> None:
+def _renew(folder: Path, *, quiet: bool) -> None:
     from jausml.authoring.projects.creating import renew_copies
 
     try:
@@ -123,7 +131,8 @@ def _renew(folder: Path) -> None:
         raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
     for path in kept:
         click.echo(f"{path} stays: it was changed here", err=True)
-    click.echo(f"{len(written)} copies in {folder} renewed")
+    if not quiet:
+        click.echo(f"{len(written)} copies in {folder} renewed")
 
 
 def _from_topics(

@@ -11,6 +11,7 @@ import click
 
 from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import LazyGroup, format_option
+from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
@@ -71,7 +72,7 @@ def _list_open(output_format: str) -> None:
     is_text = output_format == "text"
     click.echo(painted_findings(rendered) if is_text else rendered, nl=False)
     if is_text:
-        click.echo(text.summary(listed) if found else "nothing is open", err=True)
+        remark(text.summary(listed) if found else "nothing is open")
     if others := report.count(Severity.ERROR) - listed.count(Severity.ERROR):
         said = "1 error" if others == 1 else f"{others} errors"
         warn(f"{said} besides, which may hide what is open: jausml validate")
@@ -140,8 +141,8 @@ def add_to(
 def report(place: Place, files: Sequence[str]) -> None:
     """Says what was written, and what comes next."""
     for each in files:
-        click.echo(f"{_shown(place.root / each)} written", err=True)
-    click.echo(f"next: jausml validate {_shown(place.path)}", err=True)
+        remark(f"{_shown(place.root / each)} written")
+    remark(f"next: jausml validate {_shown(place.path)}")
 
 
 def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:

@@ -168,7 +168,7 @@ def command(
         types = {} if model is None else topics_of(catalogue.model)
         frames, what = _opened(settings, stack)
         parts = _parts(path, limits, compression, force=force)
-        recorder = Recorder(parts, catalogue, types, selection)
+        recorder = Recorder(parts, catalogue, types, selection, ros.offers)
         stack.enter_context(recorder.kept(flush_every, ros.repeat_latched))
         if speaks_ros and (types or is_any):
             ros.begin(None if is_any else types, recorder.take_topic)

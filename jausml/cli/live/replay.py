@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import chain, islice
@@ -21,7 +23,7 @@ from jausml.cli.live.recordings import (
     stopped_by_signals,
     written,
 )
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, shown_path
+from jausml.cli.shared.files import PROBLEMS, STDIN, EnvironmentFault, shown_path
 from jausml.cli.shared.models import bridge_options, only_system, open_catalogue, valid_model
 from jausml.cli.shared.options import (
     FiniteRange,
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
     from jausml.live.traffic.captures import CapturedFrame
 
 _NANO = 10**9
+_UNREAD = "not_decodable"
+"""How bridges count messages that are none of their type."""
 
 
 @click.command("replay")
@@ -151,12 +155,9 @@ def command(
         _again(recording, output, span, force=force, ros_only=ros_only)
         return
     to_wire = is_bag(recording)
-    if to_wire and (output is not None or with_jaus):
-        raise click.UsageError(f"{shown_path(recording)} goes to JAUS, not to a file")
-    if ros_only:
-        raise click.UsageError("--ros-only is for an MCAP file without MODEL")
-    if not to_wire and output is None:
-        raise click.UsageError("say with --output which file is written")
+    if recording != STDIN and not Path(recording).exists():
+        raise EnvironmentFault(f"{shown_path(recording)}: {os.strerror(errno.ENOENT)}")
+    _check_ends(recording, model, output, is_bag=to_wire, with_jaus=with_jaus, ros_only=ros_only)
     model = model or only_system("MODEL")
     try:
         read = valid_model(model, Reading(bridge_address=bridge_address))
@@ -175,9 +176,31 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
+def _check_ends(
+    recording: str,
+    model: str | None,
+    output: str | None,
+    *,
+    is_bag: bool,
+    with_jaus: bool,
+    ros_only: bool,
+) -> None:
+    """Checks that a recording can go where it shall."""
+    if is_bag and model is None and output is not None:
+        what = "name one that is in a bag, or make one by `ros2 bag convert`"
+        raise click.UsageError(f"{shown_path(recording)} is no MCAP file: {what}")
+    if is_bag and (output is not None or with_jaus):
+        raise click.UsageError(f"{shown_path(recording)} goes to JAUS, not to a file")
+    if ros_only:
+        raise click.UsageError("--ros-only is for an MCAP file without MODEL")
+    if not is_bag and output is None:
+        raise click.UsageError("say with --output which file is written")
+
+
 def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only: bool) -> None:
     """Writes an MCAP file again, as far as it goes, or a part of it."""
-    from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied
+    from jausml.live.recording.mcap_files import RecordingError, copied
+    from jausml.live.recording.mcap_reading import McapRecording
 
     source = McapRecording(recording, span)
     try:
@@ -190,15 +213,15 @@ def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     click.echo(f"{count} messages", err=True)
-    if _warn_if_cut(recording, source.fault, source.reached):
+    if _warn_if_damaged(recording, source.fault, source.reached):
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _warn_if_cut(path: str, fault: str, reached: int | None) -> bool:
-    """Tells how far a recording goes that does not go to its end; returns whether it is so."""
+def _warn_if_damaged(path: str, fault: str, reached: int | None) -> bool:
+    """Tells what of a recording was not read, and how far it goes; returns whether it is so."""
     if fault and reached is not None:
         until = shown_time(reached / _NANO)
-        warn(f"{shown_path(path)} was cut off: it was read until {until} ({fault})")
+        warn(f"{shown_path(path)} is not whole: {fault}; it was read until {until}")
     return bool(fault)
 
 
@@ -209,8 +232,6 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
     from jausml.live.recording.bags import Bag
     from jausml.live.recording.to_wire import ReplayPace, WireReplay
 
-    if not Path(recording).exists():
-        raise EnvironmentFault(f"{shown_path(recording)}: there is no such file")
     stop = Event()
     bag, allowed = Bag(recording, span), options["allow_commands"]
     pace = ReplayPace(options["speed"], options["max_rate"], stop)
@@ -236,8 +257,9 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
         click.echo(line, err=True)
     for encoding, number in sorted(bag.others.items()):
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
-    is_cut = _warn_if_cut(recording, bag.fault, bag.reached)
-    return not (replay.refused or is_cut)
+    is_damaged = _warn_if_damaged(recording, bag.fault, bag.reached)
+    unread = any(_UNREAD in each["drops"] for each in replay.connections.values())
+    return not (replay.refused or is_damaged or unread)
 
 
 def _pause(pace: ReplayPace, key: str) -> None:
@@ -277,6 +299,9 @@ def _wire_lines(replay: WireReplay) -> Iterator[str]:
         yield f"{number} not used: {reason}"
     for topic, number in sorted(replay.others.items()):
         yield f"{number} of {topic}, which no bridge takes"
+    if replay.undefined:
+        names = ", ".join(sorted(replay.undefined))
+        yield f"the recording has no definition of the type of {names}: that of MODEL was used"
 
 
 def _to_file(

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
-from jausml.cli.shared.models import is_in_project, model_option, project_files
+from jausml.cli.shared.models import is_in_project, model_option
 from jausml.cli.shared.names import completing, known, library_file, rule_names
 
 
@@ -141,8 +141,7 @@ def maps(
 
 
 def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
-    models = models or tuple(project_files())
-    if not models:
+    if not (models or is_in_project()):
         return [each | {"file": library_file(each["file"])} for each in known("maps")]
     from jausml.cli.lookup import listed
 

@@ -9,8 +9,9 @@ from typing import Any
 import click
 
 from jausml.authoring.merging.planning import MERGE_RULES
-from jausml.cli.shared.models import open_catalogue, readable_model
+from jausml.cli.shared.models import ModelFault, open_catalogue, project_files, readable_model
 from jausml.cli.shared.names import listed_fields, listed_service
+from jausml.cli.shared.terminal import warn
 from jausml.generation.contract.finding import CODE_RULES
 from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
 from jausml.language.importers.jsidl.building import JSIDL_RULES
@@ -21,6 +22,7 @@ from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rules import PRODUCT_RULES, catalogue
 from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
+from jausml.live.messages.of_project import sound_files
 from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.comparing import CASE_RULES
 
@@ -121,14 +123,21 @@ def _message(entry: MessageEntry) -> dict[str, Any]:
 def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
     """Returns the attribute maps of the library and of models, in the order of their files.
 
+    `models`: by default those of the project of the current folder, but those with errors.
     `module`: what imports it in text, e.g. `mappings.range_sensor`; None for a user's file.
     `word`: text that stands in the files of the library that are meant; all when empty.
     """
     ready = [path for path in library_paths("mappings") if word in path.read_text(encoding="utf-8")]
-    paths = [*map(str, ready), *models]
-    if not paths:
+    own = list(models or project_files())
+    if not (ready or own):
         return []
-    model = readable_model(paths)
+    try:
+        model = readable_model([*map(str, ready), *own])
+    except ModelFault:
+        if models:
+            raise
+        own = list(map(str, sound_files(map(Path, own), "maps", warn)))
+        model = readable_model([*map(str, ready), *own])
     found = []
     for each in model.instances(bridge.AttributeMap):
         place = model.location(each)

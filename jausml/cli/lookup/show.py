@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import line_format_option, to_json, write
-from jausml.cli.shared.models import model_option, open_catalogue, project_files, told
+from jausml.cli.shared.models import model_option, open_catalogue, told
 from jausml.cli.shared.names import completing, known, map_names, message_names, service_names
 
 if TYPE_CHECKING:
@@ -199,7 +199,6 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.cli.lookup import listed
     from jausml.live.messages.errors import did_you_mean, similar
 
-    models = models or tuple(project_files())
     found = [each for each in listed.maps(models, name) if each["map"] == name]
     if not found:
         hint = did_you_mean(similar(name, {each["map"] for each in listed.maps(models)}))

@@ -222,21 +222,25 @@ def _summary(roots: list[EObject], model: Model) -> str:
 def format_(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> None:
     """Lay out ros2jaus text uniformly: files, or all *.ros2jaus files below folders.
 
-    Changes neither the meaning of the text nor its comments. If a file has syntax errors, reports
-    them and writes no file.
+    Changes neither the meaning of the text nor its comments, and keeps the line ends of a file. If
+    a file has syntax errors, reports them and writes no file.
 
     Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would change),
     2 a file cannot be read or written or is not ros2jaus text, 3 internal error.
     """
     from jausml.language.text.notation import SUFFIX
     from jausml.language.text.reading.parsing import parse
+    from jausml.language.text.reading.scanning import line_end
     from jausml.language.text.writing.layout import lay_out
 
     texts = {name: _read(name) for name in find_files(files, (SUFFIX,))}
     parsed = {name: parse(text) for name, text in texts.items()}
     if _report_faults(parsed):
         raise click.exceptions.Exit(PROBLEMS)
-    laid_out = {name: lay_out(each.document) for name, each in parsed.items()}
+    laid_out = {
+        name: lay_out(each.document).replace("\n", line_end(texts[name]))
+        for name, each in parsed.items()
+    }
     changed = {name: new for name, new in laid_out.items() if new != texts[name]}
     for name, new in changed.items():
         if diff:

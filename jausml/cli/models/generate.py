@@ -110,7 +110,7 @@ class WholeLibraryOption(click.Option):
 @cache_option
 @reading_options
 @bridge_options
-@quiet_option("Do not list files; with --check, list those that would change.")
+@quiet_option("Print no summary and list no files; with --check, list those that would change.")
 def command(
     model: str,
     out: str | None,
@@ -140,9 +140,9 @@ def command(
     If the same happens to many files of a package, they are listed as one line. Unchanged files are
     not listed. `jausml --verbose generate` lists every file.
 
-    Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file (--check: or
-    something would change; --check and --strict: or your own files no longer fit the model), 2
-    usage or environment, 3 internal error.
+    Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file, an error in
+    your own files (--check: or something would change; --check and --strict: or a warning about
+    your own files), 2 usage or environment, 3 internal error.
     """
     from jausml.language.model.looking import look, look_below, noting
 
@@ -189,7 +189,7 @@ def command(
         _tell(_changes(result, folder, mode, quiet=quiet))
     if fix and result.drift and not result.fixed:
         remark("--fix changed nothing: how these fit again is for you to decide")
-    _tell(_conclusion(result))
+    _tell(_conclusion(result, quiet=quiet))
     if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
         raise click.exceptions.Exit(PROBLEMS)
     if question is not None and are_own((*selection.targets, *selection.renewed)):
@@ -199,7 +199,8 @@ def command(
             again = _generated(report.model, selection, folder, write=False, rendering=rendering)
             look_below(folder)
         if again.plan.is_up_to_date:
-            lines = [*findings, *_changes(again, folder, mode, quiet=quiet), *_conclusion(again)]
+            lines = [*findings, *_changes(again, folder, mode, quiet=quiet)]
+            lines += _conclusion(again, quiet=quiet)
             question.keep(lines, seen)
 
 
@@ -243,13 +244,13 @@ def _check_frequency(frequency: float | None) -> None:
 
 
 def _has_fallen_behind(result: Result, mode: str, *, strict: bool) -> bool:
-    """Tells whether files do not fit the model, where that is asked."""
+    """Tells whether files do not fit the model: where it is asked, also those that still run."""
     from jausml.language.model.diagnostics import Severity
 
     if mode == "check" and not result.plan.is_up_to_date:
         return True
-    is_asked = strict or mode == "check"
-    return is_asked and any(each.severity is not Severity.INFO for each in result.drift)
+    bad = {Severity.ERROR, Severity.WARNING} if strict or mode == "check" else {Severity.ERROR}
+    return any(each.severity in bad for each in result.drift)
 
 
 def _out_folder(model: str, out: str | None) -> Path:
@@ -350,10 +351,10 @@ def _changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> Iterato
         yield from _list_changes(result.plan)
 
 
-def _conclusion(result: Result) -> Iterator[Line]:
+def _conclusion(result: Result, *, quiet: bool) -> Iterator[Line]:
     for action in result.plan.refused:
         yield f"{result.plan.out / action.path}: error: {action.reason}\n", True
-    if verbosity().quiet:
+    if quiet:
         return
     yield f"{_summary(result)}\n", True
     if result.drift and not result.fixed and any(each.edits for each in result.drift):

@@ -13,7 +13,7 @@ from jausml.live.messages.catalogue import load_catalogue
 from jausml.live.messages.errors import CatalogueError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
     from jausml.live.messages.catalogue import Catalogue
@@ -26,11 +26,14 @@ def project_catalogue(warn: Callable[[str], None]) -> Catalogue:
     try:
         return load_catalogue(files, notations=NOTATIONS)
     except CatalogueError:
-        return load_catalogue(_sound(files, warn), notations=NOTATIONS)
+        return load_catalogue(sound_files(files, "messages", warn), notations=NOTATIONS)
 
 
-def _sound(files: Sequence[Path], warn: Callable[[str], None]) -> list[Path]:
-    """Returns the files that can be read, with all that they refer to, without an error."""
+def sound_files(files: Iterable[Path], what: str, warn: Callable[[str], None]) -> list[Path]:
+    """Returns the files that can be read, with all that they refer to, without an error.
+
+    `what`: what of the others is left out, which is told.
+    """
     found = []
     for each in files:
         diagnostics = read_models([each], notations=NOTATIONS).diagnostics
@@ -38,5 +41,5 @@ def _sound(files: Sequence[Path], warn: Callable[[str], None]) -> list[Path]:
         if fault is None:
             found.append(each)
         else:
-            warn(f"the messages of {shown(each)} are left out: {fault.location}: {fault.message}")
+            warn(f"the {what} of {shown(each)} are left out: {fault.location}: {fault.message}")
     return found

@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import re
+import sqlite3
+import tempfile
 from collections import Counter
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
-from jausml.live.recording.mcap_files import WHOLE, McapRecording, RecordingError
+from jausml.language.model.inputs import open_input, read_text
+from jausml.live.recording.mcap_files import CDR, WHOLE, RecordingError
+from jausml.live.recording.mcap_reading import (
+    UNDEFINED,
+    McapRecording,
+    RecordedDefinition,
+    definition_in,
+)
+from jausml.live.recording.unpacking import DamageError, unpack_file, unpacked
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.recording.mcap_files import Found, TimeSpan
+    from jausml.live.recording.mcap_files import TimeSpan
 
 MCAP, SQLITE = ".mcap", ".db3"
-_CDR = "cdr"
 _METADATA = "metadata.yaml"
+_JOURNAL = "-wal"
 _NUMBERS = re.compile("[0-9]+")
 
 
@@ -30,6 +40,11 @@ class RosMessage:
     type: str
     time: int
     data: bytes
+    definition: RecordedDefinition = UNDEFINED
+
+
+_Encoded = tuple[str, RosMessage]
+"""A message of any kind, with the name of its encoding."""
 
 
 def is_bag(path: str) -> bool:
@@ -42,7 +57,7 @@ class Bag:
 
     Attributes:
         others: How many messages are not of ROS, by the encoding that they have.
-        fault: Why reading ended before the end, once all was read; empty for a whole recording.
+        fault: What of it is not read, once all was read; empty for a whole recording.
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
@@ -51,7 +66,7 @@ class Bag:
 
         Args:
             path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage. In a
-                folder that has no metadata yet, since its recorder was cut off, all MCAP files.
+                folder that has no metadata yet, since its recorder was cut off, all such files.
         """
         self.others: Counter[str] = Counter()
         self.fault = ""
@@ -69,60 +84,183 @@ class Bag:
             return None  # who reads it is told
 
     def messages(self) -> Iterator[RosMessage]:
-        """Yields messages of ROS in the order of their times, of a file that was cut off all."""
+        """Yields messages of ROS in the order of their times, file after file.
+
+        Raises:
+            RecordingError: It cannot be opened, is no recording, or nothing of it can be read.
+        """
         self.others.clear()
-        self.fault = ""
-        files = _mcap_files(self._path)
-        read = partial(self._mcap, files) if files else self._bag
+        self.fault, self.reached = "", None
         try:
-            yield from read()
+            for encoding, each in self._span.of(self._all(), lambda each: each[1].time):
+                if encoding == CDR:
+                    yield each
+                else:
+                    self.others[encoding] += 1
         except ImportError as error:
             raise RecordingError(
                 f"{error.name} is missing: pip install 'jausml[record]'"
             ) from error
-        except RecordingError:
-            raise
         except OSError as error:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
-        except Exception as error:  # the libraries raise anything on bytes that are no recording
-            reason = str(error) or type(error).__name__
-            raise RecordingError(f"{self._path} cannot be read: {reason}") from error
 
-    def _mcap(self, paths: list[str]) -> Iterator[RosMessage]:
-        found = self._span.of(self._found(paths), lambda each: each[2].log_time)
-        for schema, channel, message in found:
-            if schema is None or channel.message_encoding != _CDR:
-                self.others[channel.message_encoding] += 1
-                continue
-            yield RosMessage(channel.topic, schema.name, message.log_time, message.data)
-
-    def _found(self, paths: list[str]) -> Iterator[Found]:
-        """Yields what stands in files, one after the other."""
-        for path in paths:
-            recording = McapRecording(path)
+    def _all(self) -> Iterator[_Encoded]:
+        """Yields what stands in files, one after the other, and counts it."""
+        bag, count = _files_of(self._path), 0
+        for path in bag.paths:
             try:
-                for each in recording.messages():
-                    self.reached = recording.reached
+                for each in self._read(path, bag.compression):
+                    count += 1
                     yield each
-                self.fault = recording.fault or self.fault
             except RecordingError as error:
-                if self.reached is None and path == paths[-1]:
+                if self.reached is None and path == bag.paths[-1]:
                     raise
-                self.fault = str(error)
+                self._note(str(error))
+        if count < bag.count:
+            self._note(f"{_METADATA} counts {bag.count} messages, and {count} are read")
 
-    def _bag(self) -> Iterator[RosMessage]:
-        from rosbags.rosbag2 import Reader  # noqa: PLC0415 - an extra
+    def _note(self, fault: str) -> None:
+        self.fault = "; ".join(filter(None, (self.fault, fault)))
 
-        with Reader(self._path) as reader:
-            for connection, time, data in self._span.of(reader.messages(), lambda each: each[1]):
-                yield RosMessage(connection.topic, connection.msgtype, time, bytes(data))
+    def _read(self, path: Path, compression: str) -> Iterator[_Encoded]:
+        """Yields what stands in a file."""
+        with ExitStack() as stack:
+            if compression == "file":
+                path = _unpacked(path, Path(stack.enter_context(tempfile.TemporaryDirectory())))
+            read = self._rows if path.suffix == SQLITE else self._records
+            for encoding, each in read(path):
+                self.reached = max(self.reached or each.time, each.time)
+                whole = _unpacked_message(each, path) if compression == "message" else each
+                yield encoding, whole
+
+    def _records(self, path: Path) -> Iterator[_Encoded]:
+        """Yields what stands in an MCAP file."""
+        recording = McapRecording(str(path))
+        definitions: dict[tuple[str, bytes], RecordedDefinition] = {}
+        try:
+            for schema, channel, message in recording.messages():
+                encoding, kind, definition = channel.message_encoding, "", UNDEFINED
+                if schema is not None:
+                    kind, key = schema.name, (schema.encoding, schema.data)
+                    definition = definitions.get(key) or definition_in(schema)
+                    definitions[key] = definition
+                elif encoding == CDR:
+                    encoding = "cdr without a type"
+                time, data = message.log_time, message.data
+                yield encoding, RosMessage(channel.topic, kind, time, data, definition)
+        finally:
+            if recording.fault and recording.reached is not None:
+                self._note(recording.fault)
+
+    def _rows(self, path: Path) -> Iterator[_Encoded]:
+        """Yields what stands in a database (rosbag2, sqlite3 storage)."""
+        found = None
+        try:
+            open_input(path).close()  # a database is opened without a look at what it is
+            uri = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
+            with closing(sqlite3.connect(uri, uri=True)) as database:
+                database.text_factory = lambda text: text.decode("utf-8", "replace")
+                for found in _messages_in(database):
+                    yield found
+        except OSError as error:
+            raise RecordingError(f"{path}: {error.strerror or error}") from error
+        except (sqlite3.Error, ValueError) as error:  # also texts of errors that are no UTF-8
+            if found is None:
+                what = "cannot be read: it is no database of rosbag2, or damaged"
+                raise RecordingError(f"{path} {what}") from error
+            self._note(f"the database {path.name} is damaged")
+        journal = path.with_name(path.name + _JOURNAL)
+        if journal.exists() and journal.stat().st_size:
+            how = f"sqlite3 {path.name} 'PRAGMA wal_checkpoint' writes it into {path.name}"
+            self._note(f"what stands in {journal.name} is not read; {how}")
 
 
-def _mcap_files(path: str) -> list[str]:
-    """Returns the MCAP files that are read without what rosbag2 tells of them; none for a bag."""
-    if path.endswith(MCAP) and not Path(path).is_dir():
-        return [path]
-    if not Path(path).is_dir() or (Path(path) / _METADATA).exists():
-        return []
-    found = [str(each) for each in Path(path).glob("*" + MCAP)]
-    return sorted(found, key=lambda each: [int(number) for number in _NUMBERS.findall(each)])
+def _messages_in(database: sqlite3.Connection) -> Iterator[_Encoded]:
+    tables = {
+        name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE rootpage > 0")
+    }
+    if not {"topics", "messages"} <= tables:
+        raise sqlite3.DatabaseError
+    definitions = {}
+    if "message_definitions" in tables:  # since Iron
+        for kind, encoding, text in database.execute(
+            "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        ):
+            definitions[kind] = RecordedDefinition(str(encoding), str(text))
+    for topic, kind, encoding, time, data in database.execute(
+        "SELECT name, type, serialization_format, timestamp, data"
+        " FROM messages JOIN topics ON messages.topic_id = topics.id ORDER BY timestamp"
+    ):
+        if not (isinstance(time, int) and isinstance(data, bytes)):
+            raise sqlite3.DatabaseError
+        definition = definitions.get(kind, UNDEFINED)
+        yield str(encoding), RosMessage(str(topic), str(kind), time, data, definition)
+
+
+@dataclass(frozen=True)
+class _Files:
+    """The files of a recording.
+
+    Attributes:
+        compression: What was compressed by itself: `file`, `message` or nothing.
+        count: How many messages metadata counts; 0 where there is none.
+    """
+
+    paths: list[Path]
+    compression: str = ""
+    count: int = 0
+
+
+def _files_of(path: str) -> _Files:
+    """Returns the files of a recording in their order."""
+    folder = Path(path)
+    if not folder.is_dir():
+        return _Files([folder])
+    if (folder / _METADATA).exists():
+        return _stated_files(folder)
+    for ending in (MCAP, SQLITE):
+        found = list(folder.glob("*" + ending))
+        if found:
+            return _Files(sorted(found, key=lambda each: [*map(int, _NUMBERS.findall(each.name))]))
+    raise RecordingError(f"{path} cannot be read: it has no {_METADATA}, {MCAP} or {SQLITE} file")
+
+
+def _stated_files(folder: Path) -> _Files:
+    """Returns the files of a bag as its metadata tells them.
+
+    Topics are read from the files: what the metadata says of them may have been edited.
+    """
+    import yaml  # noqa: PLC0415 - an extra
+
+    try:
+        stated = yaml.safe_load(read_text(folder / _METADATA))["rosbag2_bagfile_information"]
+        paths = [folder / PurePath(each).name for each in stated["relative_file_paths"]]
+        compression = str(stated.get("compression_mode") or "none").lower()
+        found = _Files(paths, compression, int(stated["message_count"]))
+    except (AttributeError, LookupError, TypeError, ValueError, yaml.YAMLError) as error:
+        what = f"its {_METADATA} is none of rosbag2"
+        raise RecordingError(f"{folder} cannot be read: {what}") from error
+    if compression != "none" and stated.get("compression_format") != "zstd":
+        how = str(stated.get("compression_format"))[:20]
+        raise RecordingError(f"{folder} is compressed by '{how}', which is not read")
+    return found
+
+
+def _unpacked(path: Path, folder: Path) -> Path:
+    """Returns a file of a bag that is compressed as a whole, in another folder, unpacked."""
+    target = folder / path.stem
+    try:
+        with open_input(path) as source, target.open("wb") as stream:
+            unpack_file(source, stream)
+    except DamageError as error:
+        raise RecordingError(f"{path} {error}") from error
+    return target
+
+
+def _unpacked_message(message: RosMessage, path: Path) -> RosMessage:
+    """Returns a message of a bag whose messages are compressed one by one."""
+    try:
+        data = unpacked(message.data, "zstd")
+    except DamageError as error:
+        raise RecordingError(f"{path}: a message of {message.topic} {error}") from error
+    return replace(message, data=data)

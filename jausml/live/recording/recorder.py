@@ -16,6 +16,7 @@ from jausml.language.metamodel.classes import bridge, system
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.captured import CapturedMessages, JausWriter
 from jausml.live.recording.mcap_files import McapFile, need_library
+from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import installed_definition, modelled_definition
 from jausml.live.traffic.frames import PcapWriter
 
@@ -98,9 +99,12 @@ class FilePair:
         """Leaves both files, of which the disk did not take all, as they were when it did."""
         with suppress(OSError):
             self._written.close()
-        for path, size in zip(self._paths, self._whole, strict=True):
+        for path, size, end in zip(self._paths, self._whole, (END, b""), strict=True):
             with suppress(OSError):
-                os.truncate(path, size)
+                os.truncate(path, size + len(end))  # a full disk takes no more than it has
+                with path.open("r+b") as stream:
+                    stream.seek(size)
+                    stream.write(end)
 
 
 class RecordingFiles:
@@ -240,8 +244,13 @@ class Recorder:
         catalogue: Catalogue,
         types: Mapping[str, ros.MessageType | None],
         selection: TrafficFilter,
+        offers: Mapping[str, Mapping[str, str]] | None = None,
     ) -> None:
-        """Has recorded nothing yet."""
+        """Has recorded nothing yet.
+
+        Args:
+            offers: What is noted of the publishers of topics, as far as they are known by then.
+        """
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.jaus = JausWriter(catalogue)
@@ -252,6 +261,7 @@ class Recorder:
         self._parts = parts
         self._selection = selection
         self._types = types
+        self._offers = {} if offers is None else offers
         self._installation = Installation()
         self._known: dict[tuple[str, str], str] = {}
         self._lock = Lock()
@@ -295,7 +305,8 @@ class Recorder:
         definition = self._definition(topic, kind)
         if definition:
             file = self._parts.current.file
-            file.write(file.ros_channel(topic, kind, definition), heard, data, published)
+            channel = file.ros_channel(topic, kind, definition, self._offers.get(topic))
+            file.write(channel, heard, data, published)
             self.topics[topic] += 1
 
     def _write(self, do: Callable[..., None], *arguments: Any) -> None:

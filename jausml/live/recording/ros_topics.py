@@ -7,12 +7,12 @@ from collections import Counter
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.mcap_files import NANO, RecordingError
 from jausml.live.ros.node import QuietNode, RosFault, message_class
 from jausml.live.ros.running import offered_profile
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     from jausml.live.recording.mcap_files import TrafficFilter
 
@@ -30,6 +30,50 @@ others only when they announce themselves again, every 3 seconds."""
 _DEPTH = 1000
 
 
+_PROFILE = """\
+- history: {history}
+  depth: {depth}
+  reliability: {reliability}
+  durability: {durability}
+  deadline:
+    sec: {deadline[0]}
+    nsec: {deadline[1]}
+  lifespan:
+    sec: {lifespan[0]}
+    nsec: {lifespan[1]}
+  liveliness: {liveliness}
+  liveliness_lease_duration:
+    sec: {liveliness_lease_duration[0]}
+    nsec: {liveliness_lease_duration[1]}
+  avoid_ros_namespace_conventions: {avoid_ros_namespace_conventions}
+"""
+"""A quality of service as rosbag2 writes it, since version 9 of its metadata."""
+
+_POLICIES = ("history", "reliability", "durability", "liveliness")
+_DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")
+
+
+def _offer(publishers: Sequence[Any]) -> dict[str, str]:
+    """Returns what rosbag2 notes of the publishers of a topic beside its channel."""
+    profiles = [each.qos_profile for each in publishers]
+    hashes = {str(each.topic_type_hash) for each in publishers if each.topic_type_hash.version > 0}
+    return {
+        "offered_qos_profiles": "".join(map(_profile_text, profiles)).rstrip("\n"),
+        "topic_type_hash": hashes.pop() if len(hashes) == 1 else "",
+    }
+
+
+def _profile_text(profile: Any) -> str:
+    durations = {each: divmod(getattr(profile, each).nanoseconds, NANO) for each in _DURATIONS}
+    avoids = "true" if profile.avoid_ros_namespace_conventions else "false"
+    return _PROFILE.format(
+        depth=profile.depth,
+        avoid_ros_namespace_conventions=avoids,
+        **{each: getattr(profile, each).name.lower() for each in _POLICIES},
+        **durations,
+    )
+
+
 def _drop(*_: object) -> None:
     """Nobody takes messages yet."""
 
@@ -40,6 +84,7 @@ class RosTopics:
     Attributes:
         wanted: Full names of the topics that are wanted, None for all of the selection.
         lost: How many messages of each topic did not come, as their numbers tell.
+        offers: What recordings note of the publishers of each topic.
         early: How many of each topic were published before its publisher was heard, as the number
             of the first tells; of those that were not there from the beginning.
     """
@@ -50,6 +95,7 @@ class RosTopics:
         self.early: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
+        self.offers: dict[str, dict[str, str]] = {}
         self.wanted: frozenset[str] | None = None
         self._selection = selection
         self._latched: set[str] = set()
@@ -126,6 +172,7 @@ class RosTopics:
         if cls is None:
             self.missing[topic] = kind
             return
+        self.offers[topic] = _offer(publishers)
         asked = offered_profile(offered, _DEPTH)
         if qos_of(asked).durability == "transient_local":
             self._latched.add(topic)

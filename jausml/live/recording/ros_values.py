@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 import struct
+import sys
+from array import array
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.interfaces import parse_definition
@@ -17,7 +19,7 @@ from jausml.live.recording.mcap_files import RecordingError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from jausml.language.interfaces.definitions import FieldType
+    from jausml.language.interfaces.definitions import FieldDefinition, FieldType
 
     Read = Callable[["_Bytes"], Any]
 
@@ -86,6 +88,17 @@ class _Bytes:
         self.at = end
         return found.decode("utf-8", "replace")
 
+    def wide_text(self) -> str:
+        """Returns the next text of wide characters: units of UTF-16, each in four bytes."""
+        units = self.numbers("I", 4, self.number("I", 4))
+        try:
+            return array("H", units).tobytes().decode(_UTF_16, "replace")
+        except OverflowError as error:
+            raise RecordingError("a text of wide characters has others") from error
+
+
+_UTF_16 = f"utf-16-{sys.byteorder[0]}e"
+
 
 class RosReader:
     """Reads messages of one type.
@@ -99,13 +112,9 @@ class RosReader:
         Raises:
             RecordingError: It is none, or lacks a type.
         """
-        first, *rest = _PART.split(
-            _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
-        )
-        own = _in_camel_case(_short(name))
-        parts = {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+        parts = defined_parts(name, definition)
         self._name = name
-        self._read = _record(own, parts, 0)
+        self._read = _record(next(iter(parts)), parts, {}, 0)
 
     def read(self, data: bytes) -> dict[str, Any]:
         """Returns the fields of a message.
@@ -120,6 +129,29 @@ class RosReader:
         return found
 
 
+def defined_parts(name: str, definition: str) -> dict[str, str]:
+    """Returns the definitions in one of `ros2msg` by their short names, that of the type first."""
+    first, *rest = _PART.split(
+        _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
+    )
+    own = _in_camel_case(_short(name))
+    return {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}
+
+
+def defined_fields(name: str, parts: Mapping[str, str]) -> list[FieldDefinition]:
+    """Returns the fields of a type.
+
+    Raises:
+        RecordingError: It is not defined, or its definition is none.
+    """
+    if name not in parts:
+        raise RecordingError(f"the recording does not define {name}")
+    definition = parse_definition(parts[name], "msg")
+    if definition.faults:  # a field that is left out would shift all that follow
+        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
+    return definition.sections[0].fields
+
+
 def _in_camel_case(name: str) -> str:
     """Returns a type that ROS makes of a call as definitions may name types: in CamelCase."""
     package, slash, own = name.rpartition("/")
@@ -132,21 +164,22 @@ def _short(name: str) -> str:
     return f"{package}/{rest.rpartition('/')[2]}"
 
 
-def _record(name: str, parts: Mapping[str, str], depth: int) -> Read:
-    if name not in parts or depth > _DEEPEST:
-        raise RecordingError(f"the recording does not define {name}")
-    definition = parse_definition(parts[name], "msg")
-    if definition.faults:  # a field that is left out would shift all that follow
-        raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
-    section = definition.sections[0]
+def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: int) -> Read:
+    """Returns what reads a type; `known` has those of types that were met before."""
+    if name in known:
+        return known[name]
+    if depth > _DEEPEST:
+        raise RecordingError(f"its definition of {name} holds itself")
+    fields = defined_fields(name, parts)
     package = name.partition("/")[0]
-    members = [(each.name, _field(each.type, package, parts, depth)) for each in section.fields]
+    members = [(each.name, _field(each.type, package, parts, known, depth)) for each in fields]
     if [name for name, _ in members] in ([], [_NO_MEMBER]):
         return _nothing
 
     def read(source: _Bytes) -> dict[str, Any]:
         return {name: member(source) for name, member in members}
 
+    known[name] = read
     return read
 
 
@@ -156,16 +189,16 @@ def _nothing(source: _Bytes) -> dict[str, Any]:
     return {}
 
 
-def _field(kind: FieldType, package: str, parts: Mapping[str, str], depth: int) -> Read:
+def _field(
+    kind: FieldType, package: str, parts: Mapping[str, str], known: dict[str, Read], depth: int
+) -> Read:
     code = _CODES.get(kind.name) if not kind.package else None
     if code is not None:
         return _numeric(kind, code)
     if kind.is_primitive:
-        if kind.name != "string":
-            raise RecordingError(f"{kind.name} is not read")
-        one: Read = _Bytes.text
+        one: Read = _Bytes.text if kind.name == "string" else _Bytes.wide_text
     else:
-        one = _record(f"{kind.package or package}/{kind.name}", parts, depth + 1)
+        one = _record(f"{kind.package or package}/{kind.name}", parts, known, depth + 1)
     if kind.array == SINGLE:
         return one
     size = kind.array_size if kind.array == FIXED else None

@@ -11,7 +11,8 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.model.inputs import open_input
-from jausml.live.recording.mcap_files import McapRecording, RecordingError, copied, need_library
+from jausml.live.recording.mcap_files import RecordingError, copied, need_library
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.ros_values import RosReader
 
 if TYPE_CHECKING:
@@ -163,7 +164,7 @@ class SeekableRecording:
                 try:
                     each = next(found, None)
                 except Exception as error:  # the libraries raise anything on such bytes
-                    raise RecordingError(f"{self._path} cannot be read: {error}") from error
+                    raise RecordingError(f"{self._path} has changed since it was read") from error
                 if each is None:
                     return
                 yield (each[2].log_time - self._begin) / _NANO, each

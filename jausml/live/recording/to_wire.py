@@ -12,7 +12,7 @@ from jausml.generation.target import system_of
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.schemas import full_name
+from jausml.live.recording.recorded_types import RecordedTypes
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from jausml.language.metamodel.classes import bridge
+    from jausml.language.metamodel.classes import bridge, ros
     from jausml.language.model import Model
     from jausml.live.recording.bags import RosMessage
 
@@ -96,7 +96,7 @@ class Speakers:
 
     model: Model
     bridges: tuple[tuple[str, str, str], ...]
-    topics: dict[str, str]
+    topics: dict[str, ros.MessageType]
     commands: tuple[str, ...]
 
 
@@ -119,7 +119,7 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
     return Speakers(
         model,
         tuple((each.package, each.class_name, _node(each.bridge)) for each in views),
-        {end.topic: full_name(end.type) for end in ends},
+        {end.topic: end.type for end in ends},
         tuple(commands),
     )
 
@@ -145,7 +145,16 @@ def _node(owner: bridge.Bridge) -> str:
 
 
 class WireReplay:
-    """Bridges on the network; close them at the end, which leaves in good order."""
+    """Bridges on the network; close them at the end, which leaves in good order.
+
+    Attributes:
+        commands: The connections that command.
+        published: How many messages of each topic the bridges were given.
+        others: How many are on topics that no bridge takes.
+        refused: How many were not given, by the reason.
+        undefined: How many were given whose definition the recording does not have.
+        connections: What became of them, by connection, once it is closed.
+    """
 
     def __init__(self, model: Model, transport: dict[str, Any], *, allow_commands: bool) -> None:
         """Opens the bridges.
@@ -158,11 +167,12 @@ class WireReplay:
         self.published: Counter[str] = Counter()
         self.others: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
+        self.undefined: Counter[str] = Counter()
         self.connections: dict[str, dict[str, Any]] = {}
         if not found.bridges:
             hint = "; --allow-commands sends " + ", ".join(found.commands) if found.commands else ""
             raise RecordingError(f"no bridge of the model has reports to give{hint}")
-        self._topics = found.topics
+        self._topics, self._types = frozenset(found.topics), RecordedTypes(found.topics)
         self._worker = Worker(bridge_code(found.model), _WORKER)
         answer = self._ask({"bridges": found.bridges, "transport": transport})
         if "error" in answer:
@@ -189,10 +199,12 @@ class WireReplay:
             if each.topic not in self._topics:
                 self.others[each.topic] += 1
                 continue
-            if each.type != self._topics[each.topic]:
-                wanted = self._topics[each.topic]
-                self.refused[f"{each.topic} has the type {each.type}, not {wanted}"] += 1
+            difference = self._types.difference(each.topic, each.type, each.definition)
+            if difference:
+                self.refused[f"{each.topic} {difference}"] += 1
                 continue
+            if not each.definition.text:
+                self.undefined[each.topic] += 1
             fault = self._ask({"message": (each.topic, each.type, each.data.hex())})
             if fault:
                 self.refused[fault] += 1

@@ -14,7 +14,9 @@ from jausml.language.semantics.jaus.services import code
 from jausml.live.messages import Catalogue, MessageError
 from jausml.live.messages.entries import as_it_is
 from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.mcap_reading import definition_in
 from jausml.live.recording.passing import UNKNOWN, Given, Made, RecordedTranslation, Taken, passed
+from jausml.live.recording.recorded_types import RecordedTypes
 from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.recorded_calls import events_of, failed_call, kind_of, part_of
 from jausml.live.systems.ways import topics_of_joins
@@ -153,6 +155,7 @@ def _compared(
         raise RecordingError(f"{override} is an override, which is not run here")
     if ways.carried is None or ways.like is None:
         raise RecordingError("nothing that is recorded is translated")
+    types = _types(system, connection, ways, ways.carried)
     with RecordedTranslation(
         model.metamodels, ways.carried, ways.like, offset=ways.offset
     ) as translation:
@@ -160,13 +163,13 @@ def _compared(
         taken = [
             (at, each)
             for at, found in _around(system, ways.source, ways.events_of_source, since, time)
-            for each in _sources(_taken(system, found), ways.carried, entry)
+            for each in _sources(_taken(system, found, types), ways.carried, entry)
         ]
-        joins = _joined(system, connection, ways.carried, since, time)
+        joins = _joined(system, connection, ways.carried, types, since, time)
         messages = sorted([*joins, *(each for _, each in taken)], key=lambda each: each.nanoseconds)
         made = translation.made_of(messages)
         given = [
-            (at, _given(system, found, translation))
+            (at, _given(system, found, types, translation))
             for at, found in _around(system, ways.target, ways.events_of_target, since, time)
         ]
     told = passed(made, [each for _, each in given])
@@ -182,6 +185,7 @@ def _joined(
     system: RecordedSystem,
     connection: ConnectionState,
     carried: bridge.Connection,
+    types: RecordedTypes,
     since: float,
     time: float,
 ) -> Iterator[Taken]:
@@ -191,7 +195,7 @@ def _joined(
         before = system.recording.last(topic, begin)
         found = list(system.recording.between(topic, begin, time + AROUND))
         for _, each in [*([before] if before is not None else []), *found]:
-            yield _taken(system, each, join)
+            yield _taken(system, each, types, join)
 
 
 def _around(
@@ -210,11 +214,24 @@ def times(system: RecordedSystem, ways: Ways, start: float, end: float) -> list[
     return sorted(time for time, _ in found)
 
 
-def _taken(system: RecordedSystem, found: Found, join: str = "") -> Taken:
+def _types(
+    system: RecordedSystem, connection: ConnectionState, ways: Ways, carried: bridge.Connection
+) -> RecordedTypes:
+    """Returns the types of the topics that have messages by themselves, not those of calls."""
+    topics = () if ways.event is not None else (*ways.source, *ways.target)
+    found = dict.fromkeys(topics, carried.map.type)
+    joins = {str(each.name): each.type for each in carried.map.joins if each.type is not None}
+    for topic, join in topics_of_joins(system, connection, carried):
+        if join in joins:
+            found[topic] = joins[join]
+    return RecordedTypes({name: each for name, each in found.items() if each is not None})
+
+
+def _taken(system: RecordedSystem, found: Found, types: RecordedTypes, join: str = "") -> Taken:
     _, channel, message = found
     sender = channel.topic.removeprefix(JAUS_TOPICS).partition(".")[0]
     subsystem = int(sender) if sender.isdigit() else 0
-    return Taken(message.log_time, subsystem, _data(system, found)[1], join)
+    return Taken(message.log_time, subsystem, _data(system, found, types)[1], join)
 
 
 def _sources(
@@ -246,17 +263,23 @@ def _held(fields: Any) -> Iterator[bytes]:
             yield from _held([*fields.values()])
 
 
-def _given(system: RecordedSystem, found: Found, translation: RecordedTranslation) -> Given:
-    receiver, data = _data(system, found)
+def _given(
+    system: RecordedSystem, found: Found, types: RecordedTypes, translation: RecordedTranslation
+) -> Given:
+    receiver, data = _data(system, found, types)
     if kind_of(found) is not None:
         data = part_of(data)
     return Given(receiver, translation.comparable(data))
 
 
-def _data(system: RecordedSystem, found: Found) -> tuple[str, bytes]:
+def _data(system: RecordedSystem, found: Found, types: RecordedTypes) -> tuple[str, bytes]:
     """Returns to whom a message went, of one of JAUS, and its bytes."""
-    _, channel, message = found
+    schema, channel, message = found
     if not channel.topic.startswith(JAUS_TOPICS):
+        if schema is not None:
+            difference = types.difference(channel.topic, schema.name, definition_in(schema))
+            if difference:
+                raise RecordingError(f"{channel.topic} {difference}")
         return "", bytes(message.data)
     value = system.recording.value_of(found)
     try:

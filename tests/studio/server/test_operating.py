@@ -18,7 +18,7 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.query_client import NoAnswer
-from jausml.live.recording.mcap_files import McapRecording
+from jausml.live.recording.mcap_reading import McapRecording
 from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings

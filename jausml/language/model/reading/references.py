@@ -332,8 +332,11 @@ class Resolution:
             self._report("JML213", reference, message)
 
     def _report_unresolved(self, reference: Reference, document: Document) -> None:
-        hint = self._similar_id(reference.fragment, document)
-        what = show(reference.fragment)
+        what, fragment = show(reference.fragment), reference.fragment
+        if fragment in document.ids:  # only `#` before it says that an id with a slash is none
+            hint = f"the xmi:id {what} is no path: use another id, without '/' at its beginning"
+        else:
+            hint = self._similar_id(fragment, document)
         if document is reference.place.document:
             message = f"unresolved reference {what} of {_where(reference)}"
             self._report("JML202", reference, message, hint)

@@ -70,6 +70,12 @@ def with_line_feeds(text: str) -> str:
     return _LONE_RETURN.sub("\n", text) if "\r" in text else text
 
 
+def line_end(text: str) -> str:
+    """Returns the line end of a text: that of its first line."""
+    found = re.search(r"\r\n|\n|\r", text)
+    return found.group() if found else "\n"
+
+
 def scan(text: str, first_line: int = 1) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 

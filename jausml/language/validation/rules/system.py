@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus, ros, system
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.names import snake_case, taken
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.subject import Subject
@@ -29,7 +30,8 @@ def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The package metadata of a system is valid in a package.xml (REP 149).
 
     The version is three numbers joined by dots, the address of the maintainer is an e-mail address,
-    and the names of maintainer and license are single lines that are not blank.
+    and the names of maintainer and license are single lines that are not blank. No package depends
+    on itself, nor by way of others: colcon could build none of them first.
 
     Bad: `version="1.0"`
 
@@ -44,6 +46,37 @@ def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     for feature, text in (("maintainer", whole.maintainer), ("license", whole.license)):
         if not text.strip() or not text.isprintable():
             yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
+
+
+@metadata.also(system.System, needs=())
+def _dependencies(_: Subject, whole: system.System) -> Iterator[Finding]:
+    elements: list[jaus.Component | ros.Node] = [*whole.components, *whole.bridges, *whole.nodes]
+    packages = {_package(each.name or ""): each for each in elements}
+    needed = {name: list(each.dependencies) for name, each in packages.items()}
+    for name, element in packages.items():
+        way = _way_back(name, needed)
+        if way:
+            message = f"the package of '{element.name}' depends on itself: {' -> '.join(way)}"
+            yield Finding(element, message, "dependencies")
+
+
+def _package(name: str) -> str:
+    """Returns the name of the package of an element."""
+    own = snake_case(name)
+    return f"{own}_jaus" if taken(own) else own
+
+
+def _way_back(package: str, needed: Mapping[str, list[str]]) -> list[str]:
+    """Returns the packages from one by those that each needs back to it; none for no way."""
+    ways, seen = [[package]], {package}
+    for way in ways:
+        for each in needed.get(way[-1], ()):
+            if each == package:
+                return [*way, each]
+            if each not in seen:
+                seen.add(each)
+                ways.append([*way, each])
+    return []
 
 
 @rule("JML512", "impossible network settings", each=system.System, needs=("name",))

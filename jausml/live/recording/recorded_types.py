@@ -1,0 +1,101 @@
+"""Types of messages as a recording defines them, held against those of a model.
+
+A type that has changed since the recording has the same name, and its bytes read by the other
+definition are wrong values: fields in another order, or of another size.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.interfaces.definitions import FIXED, SINGLE
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.ros_values import defined_fields, defined_parts
+from jausml.live.recording.schemas import full_name, modelled_definition
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.language.interfaces.definitions import FieldDefinition, FieldType
+    from jausml.language.metamodel.classes import ros
+    from jausml.live.recording.mcap_reading import RecordedDefinition
+
+_OCTETS = frozenset({"byte", "char"})
+"""Other names of uint8."""
+
+_MOST_SHOWN = 400
+
+
+class RecordedTypes:
+    """Tells of the types of recorded messages whether they are those of a model."""
+
+    def __init__(self, types: Mapping[str, ros.MessageType]) -> None:
+        """Has compared nothing yet.
+
+        Args:
+            types: The type of each topic that is compared.
+        """
+        self._types = types
+        self._known: dict[tuple[str, str, RecordedDefinition], str] = {}
+
+    def difference(self, topic: str, kind: str, definition: RecordedDefinition) -> str:
+        """Returns why a message cannot be read by the type of a model; empty where it can.
+
+        Args:
+            kind: The full name of its type.
+            definition: As it was recorded; where there is none, the name alone is compared.
+        """
+        key = topic, kind, definition
+        if key not in self._known:
+            wanted = self._types.get(topic)
+            self._known[key] = _difference(kind, definition, wanted) if wanted is not None else ""
+        return self._known[key]
+
+
+def _difference(kind: str, definition: RecordedDefinition, wanted: ros.MessageType) -> str:
+    if kind != full_name(wanted):
+        return f"has the type {kind}, not {full_name(wanted)}"
+    if not definition.text.strip() and definition.encoding in ("", "ros2msg"):
+        return ""
+    if definition.encoding != "ros2msg":
+        return f"has a definition of {kind} in '{definition.encoding[:20]}', which is not read"
+    try:
+        texts = definition.text, modelled_definition(wanted)
+        recorded, modelled = (defined_parts(kind, text) for text in texts)
+        return _differing(recorded, modelled, next(iter(recorded)), next(iter(modelled)))
+    except RecordingError as error:
+        return f"has a definition of {kind} that cannot be compared: {error}"
+
+
+def _differing(
+    recorded: Mapping[str, str], modelled: Mapping[str, str], own: str, other: str
+) -> str:
+    """Returns how two types differ in what their bytes are; empty where they do not."""
+    fields = defined_fields(own, recorded), defined_fields(other, modelled)
+    forms = [[(each.name, *_form(each.type)) for each in some] for some in fields]
+    if forms[0] != forms[1]:
+        return f"has {own} recorded as {_shown(fields[0])}, and the model has {_shown(fields[1])}"
+    for one, two in zip(*fields, strict=True):
+        if not one.type.is_primitive:
+            names = (_name(each.type, of) for each, of in ((one, own), (two, other)))
+            found = _differing(recorded, modelled, *names)
+            if found:
+                return found
+    return ""
+
+
+def _form(kind: FieldType) -> tuple[str, str, int]:
+    """Returns what decides the bytes of a field: bounds do not, nor names of types in it."""
+    name = kind.name if kind.is_primitive else ""
+    if kind.array in (SINGLE, FIXED):
+        return "uint8" if name in _OCTETS else name, kind.array, kind.array_size
+    return "uint8" if name in _OCTETS else name, "sequence", 0
+
+
+def _name(kind: FieldType, owner: str) -> str:
+    return f"{kind.package or owner.partition('/')[0]}/{kind.name}"
+
+
+def _shown(fields: list[FieldDefinition]) -> str:
+    text = ", ".join(f"{each.type} {each.name}" for each in fields) or "nothing"
+    return f"'{text if len(text) <= _MOST_SHOWN else text[: _MOST_SHOWN - 1] + '…'}'"
