@@ -500,7 +500,7 @@ def test_what_git_keeps_of_comments_this_keeps_too(merge_texts, tmp_path):
         text = replaced(text, (f"{gone}\n", ""), (other, f"  // {who} was {other.strip(' /')}"))
         return commented(text, who)
 
-    for _ in range(25):
+    for _ in range(10):
         base = commented(whole, "base", 8)
         ours = replaced(changed(base, "ours"), ("rate: 25", "rate: 50"))
         states = (base, ours, changed(base, "theirs"))
@@ -516,7 +516,7 @@ def test_what_git_keeps_of_comments_this_keeps_too(merge_texts, tmp_path):
             clean += 1
             kept = [each.strip() for each in done.stdout.splitlines() if "//" in each]
             assert [each for each in kept if each not in text] == []
-    assert clean > 5
+    assert clean > 2
 
 
 def test_two_changes_of_one_line_of_text_go_together(merge_texts):
