@@ -24,6 +24,7 @@ from jausml_generators.python.names import Scope, class_name, snake_case
 from jausml_generators.python.package import (
     FACE,
     PACKAGE_TEMPLATES,
+    VALUES,
     EntryPoint,
     ProgramView,
     laid_out,
@@ -56,6 +57,7 @@ _RCLPY = {
     **offered("rclpy.qos", "DurabilityPolicy", "HistoryPolicy", "LivelinessPolicy", "QoSProfile"),
     **offered("rclpy.qos", "ReliabilityPolicy"),
     **offered("rclpy.qos_overriding_options", "QoSOverridingOptions"),
+    **offered(VALUES, "CheckedPublisher", "checked_answers"),
 }
 """What modules of a node may import besides messages, which hide none of these names."""
 

@@ -38,6 +38,7 @@ from .parameters import (
     tell_unknown,
 )
 from .taking import Subscription
+from .values import checked
 from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
@@ -157,7 +158,7 @@ class NodePublisher:
         """Publishes an object of the class of rclpy, from any thread."""
         if not isinstance(message, self._class):
             raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
-        self.handle.publish(message)
+        self.handle.publish(checked(message))
 
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
