@@ -13,6 +13,7 @@ from jausml.generation.python import Imports, Origin, offered
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
 from jausml_generators.common.ros import (
     LONGEST_DURATION,
+    OWN_PARAMETERS,
     Qos,
     RosType,
     local_names,
@@ -45,9 +46,6 @@ if TYPE_CHECKING:
 
 NamedT = TypeVar("NamedT", bound="ros.NamedElement")
 _LONG = 2**63
-
-_OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
-"""Parameters that every rclpy node declares itself."""
 
 _RCLPY = {
     "rclpy": Origin("rclpy"),
@@ -239,7 +237,7 @@ class NodeView(ProgramView):
     @property
     def declared_parameters(self) -> tuple[ParameterView, ...]:
         """Parameters that the base declares: rclpy has declared the others by then."""
-        return tuple(each for each in self.parameters if each.ros_name not in _OWN_PARAMETERS)
+        return tuple(each for each in self.parameters if each.ros_name not in OWN_PARAMETERS)
 
     @property
     def dependencies(self) -> tuple[str, ...]:

@@ -118,6 +118,11 @@ class Bridge:
         with self.loop.lock:
             self._side.begin_control(active)
             self._open_connections()
+            self._measure_latency(
+                ros.parameter(parameters.ALL_LATENCY.of(value=False), self._measure_latency)
+            )
+            ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
+            ros.check_parameters()
             self.is_active = self.component.control_available = active
             self.component.start()
             self.standing = self._present_standing()
@@ -125,10 +130,6 @@ class Bridge:
             for connection in self.connections:
                 connection.watch()
                 connection.follow(self.standing, None)
-            self._measure_latency(
-                ros.parameter(parameters.ALL_LATENCY.of(value=False), self._measure_latency)
-            )
-            ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
             self._diagnosing = Diagnosing(self, period)
             self._diagnosing.start()
 

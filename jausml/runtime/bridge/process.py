@@ -203,7 +203,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             finally:
                 node.close()
     except ParameterError as error:
-        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
+        for line in str(error).splitlines():
+            LOGGER.error("%s cannot run: %s", bridge.settings.name, line)
         return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
@@ -282,6 +283,7 @@ def _configure(
             ),
         ),
     )
+    node.check_parameters()
     try:
         return from_arguments(options, model.transport)
     except ValueError as error:

@@ -135,6 +135,51 @@ class Parameter:
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
 
+    def taken(self, value: Any) -> Any:
+        """Returns what the parameter becomes by a value that somebody gives: 10 is 10.0.
+
+        Args:
+            value: As rclpy has it: None for an empty list.
+
+        Raises:
+            ValueError: It does not do; the text names the parameter, the value and the cure.
+        """
+        if isinstance(self.default, float) and type(value) is int:
+            value = float(value)
+        if type(value) is not type(self.default) or (isinstance(value, list) and not value):
+            raise ValueError(f"{self.name} is {_as_yaml(value)}: {self._cure(value)}")
+        if self.limits is not None and not self.limits[0] <= value <= self.limits[1]:
+            low, high = self.limits
+            raise ValueError(f"{self.name} is {value!r}; it must lie in {low:g}..{high:g}")
+        try:
+            if self.check is not None:
+                self.check(value)
+        except ValueError as error:
+            raise ValueError(f"{self.name} is {_as_yaml(value)}: {error}") from error
+        return value
+
+    def _cure(self, value: Any) -> str:
+        """Returns what to write instead of a value of another type."""
+        if isinstance(self.default, bool):
+            return "write true or false"
+        if isinstance(self.default, list):
+            return "write one text or more in brackets, such as [a, b]"
+        if isinstance(self.default, str):
+            word = "y" if value is True else "n" if value is False else value
+            quoted = "" if value is None else f"; YAML needs quotes here, {self.name}:='\"{word}\"'"
+            return f"write a text{quoted}"
+        kind = (
+            "an integer, such as 10" if isinstance(self.default, int) else "a number, such as 0.5"
+        )
+        return f"write {kind}" + ", without quotes" * isinstance(value, str)
+
+
+def _as_yaml(value: Any) -> str:
+    """Returns a value as YAML has it."""
+    if value is None:
+        return "[]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
 
 INCOMPATIBLE = "incompatible_qos"
 OTHER_TYPE = "other_type"
