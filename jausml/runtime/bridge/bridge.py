@@ -111,7 +111,9 @@ class Bridge:
         self._list_drivers.clear()
         self.exchanges = Exchanges(self.component)
         self._load_core(ros.parameter(parameters.COMPILED.of(value=True)))
-        frequency = parameters.DIAGNOSTICS_FREQUENCY.of(min(self.settings.frequency, 1.0))
+        frequency = parameters.DIAGNOSTICS_FREQUENCY.of(
+            min(max(self.settings.frequency, parameters.LEAST_DIAGNOSTICS), 1.0)
+        )
         period = 1 / ros.parameter(frequency)
         for each in self.parameters:
             self._read(each)
