@@ -1,4 +1,4 @@
-"""Each ready map is in a bridge that really starts, with rclpy and sockets, on both of its sides."""
+"""Each ready map is in a bridge that really starts, with rclpy and sockets, on both sides."""
 
 from __future__ import annotations
 
