@@ -210,6 +210,18 @@ def test_all_values_that_do_not_do_are_told(bridge):
     assert all(each.partition(":=")[0] in "".join(said) for each in wrong)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("ROS_DOMAIN_ID", "300"), ("RMW_IMPLEMENTATION", "rmw_none_cpp")]
+)
+def test_what_of_the_environment_keeps_from_ros_is_one_line(bridge, monkeypatch, name, value):
+    monkeypatch.setenv(name, value)
+    process = bridge("waypoints")
+    assert process.popen.wait(timeout=30) == 2
+    (said,) = process.log.read_text().splitlines()
+    assert "waypoint_vehicle cannot run: " in said
+    assert value in said
+
+
 def test_what_ros_does_not_know_is_one_line_and_status_2(bridge):
     process = bridge("waypoints", "--ros-args", "--jaus-port", "3800")
     assert process.popen.wait(timeout=30) == 2
