@@ -21,7 +21,7 @@ from std_msgs.msg import Bool, Float32, Int8, String, UInt64
 from std_srvs.srv import SetBool
 
 from jausml.runtime.bridge.ros.internals import Codec
-from jausml.runtime.bridge.ros.values import checked_answers
+from jausml.runtime.bridge.ros.values import checked_answers, is_of_any_size
 from jausml.runtime.wire import EncodeError
 
 
@@ -107,3 +107,12 @@ def test_rough_values_are_those_of_light_classes(kind, data):
                 Codec(kind).encode(real)
         return
     assert light.from_cdr(Codec(kind).encode(real)) == light.from_cdr(expected)
+
+
+def test_messages_of_any_size_are_known():
+    assert [*map(is_of_any_size, (PointCloud2, Path, Twist, BatteryState))] == [
+        True,
+        True,
+        False,
+        True,
+    ]

@@ -74,6 +74,17 @@ def test_best_effort_subscriptions_hear_publishers_of_both_kinds(node, peer):
     assert tested.faults(topic, publishes=False) == []
 
 
+def test_losses_of_messages_of_any_size_are_looked_at(node):
+    from std_msgs.msg import Float64, UInt8MultiArray
+
+    tested, small, large = node(), Topic("small"), Topic("large", Qos(reliability="best_effort"))
+    tested.subscribe(Float64, small, lambda *_: None)
+    counts = tested.subscribe(UInt8MultiArray, large, lambda *_: None)
+    health = tested._present_topics._health  # what loses them is the middleware, on other systems
+    assert health[small, False].counts is None
+    assert health[large, False].counts is counts
+
+
 def latched_qos(folder):
     """What a bridge asks for whose model says no more than that a topic is latched."""
     path = folder / "fleet.ros2jaus"

@@ -185,6 +185,10 @@ INCOMPATIBLE = "incompatible_qos"
 OTHER_TYPE = "other_type"
 DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
+LARGE = "too_large_for_best_effort"
+
+LATELY = 10.0
+"""Seconds for which a loss is told."""
 
 
 @dataclass(frozen=True)
@@ -234,6 +238,8 @@ class EndpointHealth:
     until nobody is any more.
 
     Attributes:
+        counts: What happened to the messages of a subscription whose messages may be of any size;
+            None for others.
         strangers: Returns names and types of the nodes at the other end that have another type,
             while there are no others: ROS connects neither, and tells nobody.
     """
@@ -245,6 +251,9 @@ class EndpointHealth:
     others: Callable[[], Iterable[tuple[str, Qos]]]
     clock: Callable[[], float] = time.monotonic
     strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
+    counts: TopicCounts | None = None
+    _underway: int = field(default=0, init=False)
+    _underway_at: float = field(default=-math.inf, init=False)
     _suspected: str = field(default="", init=False)
     _was_seen: bool = field(default=False, init=False)
     _missed: float = field(default=-math.inf, init=False)
@@ -287,7 +296,23 @@ class EndpointHealth:
             lease = f"within the lease of {self.qos.lease_duration:g} s"
             text = f"no publisher of {self.topic} showed that it is alive {lease}"
             found.append(TopicFault(LIVELINESS, text))
+        if self._loses_large(now):
+            cure = (
+                f"set qos: {{ reliability: reliable }} or {self.parameter('reliability')}:=reliable"
+            )
+            text = f"messages of {self.topic} are lost on the way: it is best_effort, which loses"
+            found.append(TopicFault(LARGE, f"{text} what is larger than 512 kB; {cure}"))
         return found
+
+    def _loses_large(self, now: float) -> bool:
+        """Whether messages were lost before the queue, of a publisher that would repeat them."""
+        if self.counts is None or self.qos.reliability != "best_effort":
+            return False
+        underway = self.counts.missed - self.counts.lost
+        if underway > self._underway:
+            self._underway, self._underway_at = underway, now
+        is_late = now - self._underway_at < LATELY
+        return is_late and any(qos.reliability == "reliable" for _, qos in self.others())
 
     def _incompatible(self) -> list[TopicFault]:
         found = [

@@ -38,7 +38,7 @@ from .parameters import (
     tell_unknown,
 )
 from .taking import Subscription
-from .values import checked
+from .values import checked, is_of_any_size
 from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
@@ -229,6 +229,7 @@ class NodeTopics:
         handle = self._made(internals.Subscription, found, topic, health)
         self._subscriptions.append(handle)
         self._watch_types(health, found, handle.get_publisher_count)
+        health.counts = counts if is_of_any_size(found) else None
         qos = health.qos
         # What is latched is as old as it is.
         age_limit = self._age_limit if qos.durability == "volatile" else 0

@@ -24,6 +24,8 @@ from rosidl_parser.definition import (
     AbstractWString,
     Array,
     BasicType,
+    NamespacedType,
+    UnboundedSequence,
 )
 
 from ...wire.message import EncodeError
@@ -64,6 +66,17 @@ def checked_answers(answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], A
     return lambda request, response: checked(answer(request, response))
 
 
+@cache
+def is_of_any_size(kind: Any) -> bool:
+    """Whether messages of a class have a sequence without a bound."""
+    for slot in kind.SLOT_TYPES:
+        inner = slot.value_type if isinstance(slot, AbstractNestedType) else slot
+        is_part = isinstance(inner, NamespacedType)
+        if isinstance(slot, UnboundedSequence) or (is_part and is_of_any_size(_class_of(inner))):
+            return True
+    return False
+
+
 class _MisfitError(EncodeError):
     """A value that does not fit its field, which is named by its path."""
 
@@ -95,7 +108,11 @@ def _check(slot: Any) -> Check:
         return partial(_text, encoded, slot.maximum_size if slot.has_maximum_size() else 0)
     if isinstance(slot, BasicType):
         return _OF_PRIMITIVES.get(slot.typename, _as_it_is)
-    return partial(_message, installed("/".join(slot.namespaced_name())))
+    return partial(_message, _class_of(slot))
+
+
+def _class_of(slot: Any) -> Any:
+    return installed("/".join(slot.namespaced_name()))
 
 
 def _elements(check: Check, count: int | None, is_fixed: bool, values: Any) -> Any:  # noqa: FBT001
