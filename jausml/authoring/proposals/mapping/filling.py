@@ -91,7 +91,9 @@ def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -
     for to_ros in directions:
         sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
         alike = corresponding(sources, targets)
-        children += _assignments(scope, used, alike.pairs)
+        is_alone = len(sources) == len(targets) == len(leaves(used, is_jaus=not to_ros)) == 1
+        only = ((sources[0], targets[0]),) if is_alone else ()
+        children += _assignments(scope, used, alike.pairs or only)
         children += variances(scope, used, sources, targets)
         doubtful += alike.doubtful
     judged = judge_together(scope.model.metamodels, used, children)
