@@ -88,9 +88,9 @@ def time_findings(
     feature: str,
 ) -> Iterator[Finding]:
     """Yields a finding where a time is stated that is negative, or that no parameter takes."""
-    value, named = getattr(element, feature), element
-    if isinstance(named, bridge.Stop):
-        named = named.eContainer()
+    value = getattr(element, feature)
     if value is not None and not 0 <= value <= LONGEST_TIME:
-        message = f"{feature} {value:g} of '{named.name}' is not 0 to {LONGEST_TIME:g} s"
+        named = element.eContainer() if isinstance(element, bridge.Stop) else element
+        name = "" if named is None else named.name
+        message = f"{feature} {value:g} of '{name}' is not 0 to {LONGEST_TIME:g} s"
         yield Finding(element, message, feature)

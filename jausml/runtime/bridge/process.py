@@ -206,8 +206,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             finally:
                 node.close()
     except ParameterError as error:
-        for line in str(error).splitlines():
-            LOGGER.error("%s cannot run: %s", bridge.settings.name, line)
+        for problem in str(error).splitlines():
+            LOGGER.error("%s cannot run: %s", bridge.settings.name, problem)
         return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)

@@ -45,7 +45,8 @@ def checked(message: Any) -> Any:
     Raises:
         EncodeError: A value does not fit its field, whose path is named.
     """
-    for name, check in _checks(type(message)):
+    kind: Any = type(message)
+    for name, check in _checks(kind):
         value = getattr(message, name)
         found = _at(name, check, value)
         if found is not value:
@@ -66,7 +67,6 @@ def checked_answers(answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], A
     return lambda request, response: checked(answer(request, response))
 
 
-@cache
 def is_of_any_size(kind: Any) -> bool:
     """Whether messages of a class have a sequence without a bound."""
     for slot in kind.SLOT_TYPES:
