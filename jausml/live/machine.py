@@ -24,9 +24,13 @@ from urllib.parse import urlsplit
 
 import jausml
 from jausml import __version__
-from jausml.language.interfaces.parsing import Installation
 from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.bridge.ros.environment import (
+    LARGEST_SAFE_DOMAIN,
+    domain_fault,
+    middleware_fault,
+)
 from jausml.runtime.transports.ports import holders, manager_folder
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import svg
@@ -232,7 +236,6 @@ def _buffer(wanted: int) -> Iterator[Finding]:
 
 
 _ROS = "ros"
-_LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 _DISTRIBUTIONS = ("jazzy", "kilted")
 _DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
@@ -299,12 +302,10 @@ def _rclpy() -> Finding:
 
 def _middleware() -> Finding:
     name = os.environ.get("RMW_IMPLEMENTATION") or _DEFAULT_MIDDLEWARE
-    installation = Installation()
-    if any((share / name).is_dir() for share in installation.shares) or find_spec(name):
+    fault = middleware_fault(name, distribution())
+    if fault is None:
         return Finding(_ROS, "middleware", Outcome.OK, f"{name} is installed")
-    debian = name.replace("_", "-")
-    cure = f"apt install ros-{distribution()}-{debian}, or unset RMW_IMPLEMENTATION"
-    return Finding(_ROS, "middleware", Outcome.ERROR, f"{name} is not installed", cure)
+    return Finding(_ROS, "middleware", Outcome.ERROR, *fault)
 
 
 def _domain() -> Finding:
@@ -312,19 +313,14 @@ def _domain() -> Finding:
     if not text:
         cure = "set ROS_DOMAIN_ID where several robots share a network"
         return Finding(_ROS, "domain", Outcome.NOTE, "ROS_DOMAIN_ID is not set: it is 0", cure)
-    number = int(text) if text.isascii() and text.isdigit() else -1
-    if not 0 <= number <= _LARGEST_DOMAIN:
-        return Finding(
-            _ROS,
-            "domain",
-            Outcome.ERROR,
-            f"ROS_DOMAIN_ID is {text!a}",
-            f"set a number from 0 to {_LARGEST_SAFE_DOMAIN}",
-        )
-    if number > _LARGEST_SAFE_DOMAIN:
+    fault = domain_fault()
+    if fault is not None:
+        return Finding(_ROS, "domain", Outcome.ERROR, *fault)
+    number = int(text)
+    if number > LARGEST_SAFE_DOMAIN:
         text = f"ROS_DOMAIN_ID is {number}: its ports may be among those that Linux gives away"
         return Finding(
-            _ROS, "domain", Outcome.WARNING, text, f"set one up to {_LARGEST_SAFE_DOMAIN}"
+            _ROS, "domain", Outcome.WARNING, text, f"set one up to {LARGEST_SAFE_DOMAIN}"
         )
     return Finding(_ROS, "domain", Outcome.OK, f"ROS_DOMAIN_ID is {number}")
 

@@ -3,7 +3,7 @@
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
 only; rclpy is imported by the ROS side of bridges, when one runs, and numpy by bridges.
 
-What generated code and its users may import stands in nine modules, by name; whatever lies behind
+What generated code and its users may import stands in ten modules, by name; whatever lies behind
 them may move:
 
 - ``jausml_runtime``: components, bridges and what they are made and told of;
@@ -14,6 +14,7 @@ them may move:
 - ``jausml_runtime.wire``: what classes of messages are made of;
 - ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of;
 - ``jausml_runtime.bridge.messages.octets``: lists of single octets;
+- ``jausml_runtime.bridge.ros.values``: checks of what nodes publish and answer;
 - ``jausml_runtime.virtual``: virtual time, for tests.
 """
 

@@ -287,6 +287,26 @@ def test_damaged_manifest(jausml, tmp_path, processes):
     assert jausml("run", tmp_path).exit_code == 2
 
 
+WRONG = [
+    ("ROS_DOMAIN_ID", "300", "ROS_DOMAIN_ID is '300': set a number from 0 to 101"),
+    ("RMW_IMPLEMENTATION", "rmw_none_cpp", "or unset RMW_IMPLEMENTATION"),
+]
+
+
+@pytest.mark.parametrize(("name", "value", "cure"), WRONG)
+def test_an_environment_that_keeps_from_ros_is_told(
+    jausml, workspace, monkeypatch, name, value, cure
+):
+    out = workspace(alpha="print('one')")
+    entry = {"name": "alpha", "kind": "bridge", "module": "alpha.main", "arguments": []}
+    write_manifest(out, [entry])
+    monkeypatch.setenv(name, value)
+    for line in (("run", out), ("record", "--output", "r.mcap", "--all-topics", "--duration", "1")):
+        result = jausml(*line)
+        assert result.exit_code == 2
+        assert cure in result.stderr
+
+
 def test_missing_rclpy_is_named(jausml, workspace, monkeypatch):
     monkeypatch.setattr(run_verb.importlib.util, "find_spec", lambda _: None)
     result = jausml("run", workspace(kind="bridge", alpha="print('one')"))

@@ -238,7 +238,7 @@ def test_a_node_has_its_name_namespace_and_parameters(fleet):
         "node": "camera/camera",
         "name": "camera",
         "namespace": "front",
-        "parameters": [parameter_file("fleet_bringup", "camera"), "$camera_params_file"],
+        "parameters": ["$camera_params_file"],
         "arguments": None,
         "ros_arguments": ["--log-level", "$log_level"],
         "output": "screen",
@@ -254,10 +254,9 @@ def test_a_bridge_takes_arguments_of_both_sides(tmp_path, stand_in):
     waiting = ["--ros-waiting=", "$ros_waiting"]
     assert bridge["arguments"] == [*options("sensor_bridge_jaus_id"), waiting]
     assert launch.arguments["ros_waiting"] == ""
-    assert bridge["parameters"] == [
-        parameter_file("minimal_bringup", "sensor_bridge"),
-        "$params_file",
-    ]
+    # Of two values ROS takes one by its type: what equals the model is not stated once more.
+    assert bridge["parameters"] == ["$params_file"]
+    assert launch.arguments["params_file"] == parameter_file("minimal_bringup", "sensor_bridge")
     assert launch.commands["sensor"] == ["sensor/sensor", *options("sensor_jaus_id")]
 
 
@@ -397,12 +396,18 @@ def test_processes_are_recorded_for_the_command_line():
                 "package": name,
                 "module": f"{name}.main",
                 "arguments": [],
-                "parameters": f"fleet_bringup/config/{name}.yaml",
                 "domain": 9,
             }
             for name in ("camera", "display")
         ),
     ]
+
+
+def test_a_file_is_passed_that_says_what_the_code_does_not():
+    entries = {each["name"]: each for each in BRINGUP.processes(model_of(CASES / "features.xmi"))}
+    files = {name: each.get("parameters") for name, each in entries.items()}
+    assert files["Odometry"] == "features_bringup/config/Odometry.yaml"  # it states use_sim_time
+    assert files["everything"] is None
 
 
 def test_options_are_those_of_the_runtime():

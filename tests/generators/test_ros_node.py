@@ -162,8 +162,15 @@ def profile(find, topic):
 def attempt(name, value):
     return node.set_parameters([Parameter(name, value=value)])[0].successful
 
+def refusal(publisher, message):
+    try:
+        publisher.publish(message)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
 rclpy.init(args=[])
 node = Everything()
+small = node.publisher_small
 names = NAMES
 result = {
     "parameters": {name: parameter(name) for name in names},
@@ -176,6 +183,7 @@ result = {
         node.get_subscriptions_info_by_topic,
         "/robot/arm/pose_of_the_arm_that_has_a_name_that_is_rather_long",
     ),
+    "refusals": [refusal(small, small.msg_type(data=each)) for each in (True, 200)],
     "overrides": sorted(name for name in node.get_parameters_by_prefix("qos_overrides./small")),
 }
 print(json.dumps(result))
@@ -238,6 +246,13 @@ def test_topics_have_the_modelled_quality_of_service(inspected):
     assert inspected["overrides"] == [
         f"publisher.{name}" for name in ("depth", "history", "reliability")
     ]
+
+
+@pytest.mark.live
+def test_values_that_do_not_fit_are_refused_by_name(inspected):
+    truth, byte = inspected["refusals"]
+    assert truth is None
+    assert "data: 200 does not fit" in byte
 
 
 # ------------------------------------------------------------------ names
@@ -422,7 +437,7 @@ def test_hostile_text_stays_text(hostile):
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
-    assert calls == {"super", "ParameterDescriptor", "QoSProfile"}
+    assert calls == {"super", "ParameterDescriptor", "QoSProfile", "checked_answers"}
     strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
     node = next(
         n for n in model_of(CASES / "hostile.xmi").instances(ros.Node) if n.name == "victim"

@@ -41,6 +41,7 @@ PUBLIC = {
     public.OCTETS,
     public.WIRE,
     public.LIGHT,
+    public.VALUES,
 }
 
 

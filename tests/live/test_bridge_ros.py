@@ -10,6 +10,8 @@ import pytest
 
 needs.ask("rclpy")
 
+from rclpy.parameter import Parameter as RclpyParameter
+
 from jausml.runtime.bridge.diagnosing import DiagnosticArray as DiagnosticWriter
 from jausml.runtime.bridge.ends.parameters import ParameterError
 from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
@@ -69,11 +71,21 @@ def test_quality_of_service_can_be_overridden(node, peer):
 
 
 def test_parameters(node):
-    tested = node("-p", "rate:=5.0", "-p", "depth:=70000")
-    assert tested.parameter(Parameter("rate", 20.0, "Rate.", (0.1, 100.0))) == 5.0
+    tested = node("-p", "rate:=5", "-p", "depth:=70000", "-p", "peers:=[]")
+    rates = []
+    rate = tested.parameter(Parameter("rate", 20.0, "Rate.", (0.1, 100.0)), rates.append)
+    assert (rate, type(rate)) == (5.0, float)
     assert tested.parameter(Parameter("other", "text", "Text.")) == "text"
-    with pytest.raises(ParameterError, match=r"depth out of range\. Min: 1, Max: 65535"):
-        tested.parameter(Parameter("depth", 1, "Depth.", (1, 65535)))
+    tested.check_parameters()
+    (done,) = tested._node.set_parameters([RclpyParameter("rate", value=10)])
+    assert (done.successful, rates) == (True, [10.0])
+    assert tested.parameter(Parameter("depth", 1, "Depth.", (1, 65535))) == 1
+    assert tested.parameter(Parameter("peers", ["a"], "Peers.")) == ["a"]
+    with pytest.raises(ParameterError) as caught:
+        tested.check_parameters()
+    depth, peers = str(caught.value).splitlines()
+    assert depth == "depth is 70000; it must lie in 1..65535"
+    assert peers == "peers is []: write one text or more in brackets, such as [a, b]"
 
 
 def test_messages_come_with_the_lock_of_the_loop(node, peer, loop, waiting):

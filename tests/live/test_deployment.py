@@ -163,12 +163,22 @@ def test_a_deployment_changes_what_the_bridge_is(bridge, ros, tmp_path):
     ("parameter", "words"),
     sweep(
         [
-            ("global_pose.imu.freshness:=-1.0", "global_pose.imu.freshness out of range"),
-            ("global_pose.imu.freshness:=nan", "global_pose.imu.freshness out of range"),
-            ("global_pose.imu.freshness:=1", "expecting type 'DOUBLE'"),
+            (
+                "global_pose.imu.freshness:=-1.0",
+                "imu.freshness is -1.0; it must lie in 0.001..3600",
+            ),
+            ("global_pose.imu.freshness:=nan", "global_pose.imu.freshness is nan; it must lie in"),
+            (
+                "global_pose.imu.freshness:='0.5'",
+                "freshness is 0.5: write a number, such as 0.5, wi",
+            ),
             ("jaus_id:=100.1.255", "100.1.255 does not name one component"),
             ("jaus_id:=home", "jaus_id"),
-            ("jaus_port:=0", "jaus_port out of range"),
+            ("jaus_port:=0", "jaus_port is 0; it must lie in 1..65535"),
+            ("autostart:=0", "autostart is 0: write true or false"),
+            ("jaus_id:=[]", "jaus_id is []: write a text"),
+            ("velocity_state.topic:=[]", "velocity_state.topic is []: write a text"),
+            ("velocity_state.topic:=y", """needs quotes here, velocity_state.topic:='"y"'"""),
             (
                 "jaus_transport:=carrier_pigeon",
                 "carrier_pigeon is none of judp, jtcp, node-manager",
@@ -189,6 +199,27 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(parameter, words, bri
     assert "waypoint_vehicle cannot run: " in said
     assert words in said
     assert not any("Traceback" in line for line in lines)
+
+
+def test_all_values_that_do_not_do_are_told(bridge):
+    wrong = ("autostart:=0", "velocity_state.topic:=7", "global_pose.imu.freshness:=0.0")
+    process = bridge("waypoints", "--ros-args", *(part for each in wrong for part in ("-p", each)))
+    assert process.popen.wait(timeout=30) == 2
+    said = [line for line in process.log.read_text().splitlines() if "cannot run" in line]
+    assert len(said) == len(wrong)
+    assert all(each.partition(":=")[0] in "".join(said) for each in wrong)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("ROS_DOMAIN_ID", "300"), ("RMW_IMPLEMENTATION", "rmw_none_cpp")]
+)
+def test_what_of_the_environment_keeps_from_ros_is_one_line(bridge, monkeypatch, name, value):
+    monkeypatch.setenv(name, value)
+    process = bridge("waypoints")
+    assert process.popen.wait(timeout=30) == 2
+    (said,) = process.log.read_text().splitlines()
+    assert "waypoint_vehicle cannot run: " in said
+    assert value in said
 
 
 def test_what_ros_does_not_know_is_one_line_and_status_2(bridge):

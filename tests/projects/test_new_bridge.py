@@ -277,7 +277,9 @@ def test_of_several_bridges_one_gets_the_topics(rover, jausml):
         ((DRIVE, DRIVE), "is there twice"),
         (("a:geometry_msgs/Twits",), "did you mean 'geometry_msgs/Twist'?"),
         (("a:std_msgs/String",), "no ready map carries std_msgs/String"),
-        ((f"{DRIVE}:local_pose",), "there are skid_steer_effort, velocity_command"),
+        ((f"{DRIVE}:nothing",), "no ready map 'nothing'; there are skid_steer_effort, velocity_c"),
+        ((f"{DRIVE}:local_pose",), "the map 'local_pose' is for nav_msgs/Odometry, not geometry_"),
+        (("lamps:std_msgs/Bool:set_lamps",), "is for the other side: add --side operator"),
         ((ODOM,), "\n  odom:nav_msgs/Odometry:velocity_state: reported as"),
     ],
 )

@@ -414,3 +414,24 @@ def test_zeros_stop_no_command_of_positions(ears, jausml):
     assert done.exit_code == 2
     assert "zeros stop only a command that moves something" in done.output
     assert model.read_bytes() == before
+
+
+ALONE = """\
+service Switch { urn: "urn:example:Switch"
+  inputs: new message_def QuerySwitch { code: 0xD402 }
+  outputs: new message_def ReportSwitch { code: 0xD602
+    record SwitchRec { fixed_field Pressed { type: uint8 } } } }
+system plant { bridge front { address: 100.1.1  provides: Switch } }
+"""
+
+
+def test_the_only_fields_of_two_ends_are_for_each_other(jausml, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("plant.ros2jaus").write_text(ALONE, "utf-8")
+    done = jausml("new", "map", "switch", "ReportSwitch", "std_msgs/Bool", "-m", "plant.ros2jaus")
+    assert done.exit_code == 0, done.output
+    assert "  Pressed -> data\nROS->JAUS\n  data -> Pressed\n" in done.output
+    empty = ("new", "map", "other", "ReportSwitch", "geometry_msgs/Point", "-m", "plant.ros2jaus")
+    assert "nothing corresponds" in jausml(*empty, "--yes").output
+    done = jausml("new", "connection", "p:geometry_msgs/Point:other", "-m", "plant.ros2jaus")
+    assert "the map 'other' assigns nothing yet: fill it in" in done.output

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.bridge.ends.topics import Conflict, Qos, conflicts
+from jausml.runtime.bridge.ends.topics import (
+    LATELY,
+    Conflict,
+    EndpointHealth,
+    Qos,
+    TopicCounts,
+    conflicts,
+)
 
 
 @pytest.mark.parametrize(
@@ -54,3 +61,27 @@ def test_ends_that_do_not(offered, requested, expected):
     assert conflicts(offered, requested) == [expected]
     if expected.policy != "deadline":
         assert conflicts(requested, offered) == []
+
+
+def test_what_is_lost_on_the_way_is_told_with_the_cure_for_a_while():
+    now = [0.0]
+    health = EndpointHealth(
+        publishes=False,
+        topic="/map",
+        qos=Qos(reliability="best_effort"),
+        entity="subscription",
+        others=lambda: [("/slam", Qos())],
+        clock=lambda: now[0],
+    )
+    assert health.faults() == []
+    health.counts = TopicCounts(taken=3, lost=2, missed=2)  # in the queue: the bridge was slow
+    assert health.faults() == []
+    health.counts.missed = 5
+    (fault,) = health.faults()
+    assert "larger than 512 kB" in fault.text
+    assert "qos_overrides./map.subscription.reliability:=reliable" in fault.text
+    now[0] = LATELY
+    assert health.faults() == []
+    health.counts.missed = 6
+    health.others = lambda: [("/slam", Qos(reliability="best_effort"))]
+    assert health.faults() == []

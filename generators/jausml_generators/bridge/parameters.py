@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 QUEUE_AGE_LIMIT = 2.0
 """Seconds, as the runtime has them."""
 
+LEAST_DIAGNOSTICS = 0.01
+"""Least number of diagnostics each second, as the runtime has it."""
+
 LEAST_DEPTH = 100
 """Messages that the runtime keeps at least of a topic that is not latched."""
 
@@ -77,7 +80,9 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
         "Messages each second (Hz) of the connections that state no rate.",
     )
     yield ParameterLine(
-        "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
+        "diagnostics_frequency",
+        min(max(float(element.frequency), LEAST_DIAGNOSTICS), 1.0),
+        "Diagnostics each second (Hz).",
     )
     yield ParameterLine(
         "queue_age_limit",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable, python_string, yaml_string
 from jausml_generators.bridge.parameters import ParameterLine, parameter_lines
+from jausml_generators.common.ros import OWN_PARAMETERS
 from jausml_generators.python.names import package_name
 from jausml_generators.python.statements import call
 
@@ -88,6 +89,15 @@ class ProcessView:
             for each, value in zip(SETTINGS, self.transport, strict=True)
         )
         return (first, *settings, *others)
+
+    @property
+    def needs_file(self) -> bool:
+        """Whether its parameter file says what its code does not: what rclpy itself declares.
+
+        The values of the model are in the code alone: in a file that is always passed they would
+        win against a value of another type, whatever the order is, and nobody would be told.
+        """
+        return not OWN_PARAMETERS.isdisjoint(self.parameters)
 
     @property
     def package(self) -> str:

@@ -74,8 +74,9 @@ def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
         "module": process.module,
         "arguments": [],
     }
-    if process.speaks_ros:
+    if process.needs_file:
         entry["parameters"] = f"{bringup.name}/config/{process.name}.yaml"
+    if process.speaks_ros:
         entry["domain"] = bringup.system.rosDomain
     return entry
 

@@ -25,6 +25,9 @@ _DURATIONS = {
     "lifespan": "lifespan",
     "leaseDuration": "liveliness_lease_duration",
 }
+OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
+"""Parameters that every rclpy node declares itself."""
+
 LONGEST_DURATION = 9e9
 """Seconds; ROS counts nanoseconds in 64 bits, and a longer time is no limit to anything."""
 

@@ -58,33 +58,27 @@ _FOREIGN_PACKAGES = names_in(
     """
     ament_copyright ament_flake8 ament_index_python ament_pep257 builtin_interfaces colcon
     diagnostic_msgs geometry_msgs jausml jausml_runtime launch launch_ros nav_msgs numpy pip
-    pkg_resources pytest rcl_interfaces rclpy rosidl_runtime_py sensor_msgs setup setuptools
-    std_msgs std_srvs test tests tf2_msgs wheel yaml
+    pkg_resources pytest rcl_interfaces rclpy rosidl_parser rosidl_runtime_py sensor_msgs setup
+    setuptools std_msgs std_srvs test tests tf2_msgs wheel yaml
     """
 )
 
+# What a module of messages imports of the runtime; its classes and fields hide none of it.
+WIRE = names_in(
+    """
+    DecodeError EncodeError Message Number RowLayout Stamp StampedMessage check_count check_presence
+    exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up sized take
+    take_text unpadded whole whole_of write_records
+    """
+)
+_IMPORTED = WIRE | names_in("ClassVar IntEnum MutableSequence Sequence dataclass field struct")
+# In sight of the classes inside of a message: imports, and members of the class.
+RESERVED_INNER_CLASSES = _IMPORTED | names_in("CODE NAME ROW Struct TAG")
 # What generated code calls its own: imports, parameters and locals of the codecs' methods.
-RESERVED_ATTRIBUTES = names_in(
+RESERVED_ATTRIBUTES = _IMPORTED | names_in(
     """
-    annotations buffer check_count check_presence raw take_text
-    cls dataclass decode encode exactly field integer item latin1
-    offset one_of out padded part presence read_from real scaled scaled_down scaled_up self size
-    sized start struct tag take text to_integer from_integer unpadded whole write_to
-    """
-)
-# Imports of the modules that hold generated messages, in sight of the classes inside of a message.
-RESERVED_INNER_CLASSES = names_in(
-    """
-    CODE ClassVar DecodeError EncodeError IntEnum Message NAME Sequence StampedMessage Struct TAG
-    """
-)
-# Imports of the modules that use generated messages.
-RESERVED_CLASSES = names_in(
-    """
-    Callable ClassVar ComponentProgram ComponentSettings DecodeError EncodeError Guard IntEnum
-    JausAddress Kind ModelledComponent On State
-    JausComponent Message Sequence ServiceIdentity Scope StampedMessage Struct Transport
-    TransportKind TransportSettings
+    annotations buffer cls decode encode from_integer item offset out part presence raw read_from
+    self size start struct tag text to_integer write_to
     """
 )
 

@@ -41,6 +41,8 @@ LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
 OCTETS = f"{FACE}.bridge.messages.octets"
 """Lists of single octets."""
+VALUES = f"{FACE}.bridge.ros.values"
+"""Checks of what nodes publish and answer."""
 WIRE = f"{FACE}.wire"
 """What classes of messages are made of."""
 

@@ -13,6 +13,7 @@ from jausml.generation.python import Imports, Origin, offered
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
 from jausml_generators.common.ros import (
     LONGEST_DURATION,
+    OWN_PARAMETERS,
     Qos,
     RosType,
     local_names,
@@ -24,6 +25,7 @@ from jausml_generators.python.names import Scope, class_name, snake_case
 from jausml_generators.python.package import (
     FACE,
     PACKAGE_TEMPLATES,
+    VALUES,
     EntryPoint,
     ProgramView,
     laid_out,
@@ -45,9 +47,6 @@ if TYPE_CHECKING:
 NamedT = TypeVar("NamedT", bound="ros.NamedElement")
 _LONG = 2**63
 
-_OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
-"""Parameters that every rclpy node declares itself."""
-
 _RCLPY = {
     "rclpy": Origin("rclpy"),
     **offered("rcl_interfaces.msg", "FloatingPointRange", "IntegerRange", "ParameterDescriptor"),
@@ -56,6 +55,7 @@ _RCLPY = {
     **offered("rclpy.qos", "DurabilityPolicy", "HistoryPolicy", "LivelinessPolicy", "QoSProfile"),
     **offered("rclpy.qos", "ReliabilityPolicy"),
     **offered("rclpy.qos_overriding_options", "QoSOverridingOptions"),
+    **offered(VALUES, "CheckedPublisher", "checked_answers"),
 }
 """What modules of a node may import besides messages, which hide none of these names."""
 
@@ -237,7 +237,7 @@ class NodeView(ProgramView):
     @property
     def declared_parameters(self) -> tuple[ParameterView, ...]:
         """Parameters that the base declares: rclpy has declared the others by then."""
-        return tuple(each for each in self.parameters if each.ros_name not in _OWN_PARAMETERS)
+        return tuple(each for each in self.parameters if each.ros_name not in OWN_PARAMETERS)
 
     @property
     def dependencies(self) -> tuple[str, ...]:

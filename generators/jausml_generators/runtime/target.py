@@ -13,7 +13,10 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
 
 NAME = "jausml_runtime"
-DEPENDENCIES = ("action_msgs", "diagnostic_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs")
+DEPENDENCIES = (
+    *("action_msgs", "diagnostic_msgs", "rcl_interfaces"),
+    *("rclpy", "rosgraph_msgs", "rosidl_parser"),
+)
 
 
 def tasks(model: Model) -> list[Task]:

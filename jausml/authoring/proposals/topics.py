@@ -140,6 +140,24 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
     return sorted(found, key=rank)
 
 
+def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -> str:
+    """Returns why a topic cannot have a map, with the next step; empty for an unknown name."""
+    named = [each for each in maps if name_of(each) == wanted]
+    if not named:
+        return ""
+    if not (of_type := [each for each in named if _is_of(each, topic.type)]):
+        kinds = " or ".join(
+            sorted({ros_name(each.type) for each in named if each.type is not None})
+        )
+        return f"the map {wanted!a} is for {kinds or 'a type that is not known'}, not {topic.type}"
+    other = SIDES[side == VEHICLE]
+    if crossings(topic, of_type, other):
+        return f"the map {wanted!a} is for the other side: add --side {other}"
+    if not any(each.toRos or each.toJaus for each in of_type):
+        return f"the map {wanted!a} assigns nothing yet: fill it in, and do this again"
+    return f"the map {wanted!a} needs more than one topic and one message, or the other direction"
+
+
 def _possible(
     topic: TopicEnd, maps: Sequence[bridge.AttributeMap], *, is_vehicle: bool
 ) -> Iterator[Crossing]:

@@ -170,7 +170,7 @@ def chosen_crossings(
     found: list[Crossing] = []
     for topic in topics:
         if ways := offered[topic.name]:
-            found += _taken(topic, ways, yes=yes)
+            found += _taken(topic, ways, maps, choosing)
         elif topic.type not in fed:
             _without(topic, maps, side, left_out)
     _check_joints(choosing.joints, found)
@@ -253,10 +253,14 @@ def _without(
     side: str,
     left_out: LeftOut | None,
 ) -> None:
+    from jausml.authoring.proposals.topics import why_not
     from jausml.language.model.values import suggest
     from jausml.language.semantics.names import snake_case
     from jausml.language.semantics.paths.ros_paths import ros_name
 
+    for wanted in topic.maps:
+        if found := why_not(wanted, topic, maps, side):
+            raise click.UsageError(f"{topic.name}: {found}")
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
@@ -269,15 +273,24 @@ def _without(
     left_out(topic, reason, command)
 
 
-def _taken(topic: TopicEnd, ways: Sequence[Crossing], *, yes: bool) -> list[Crossing]:
+def _taken(
+    topic: TopicEnd,
+    ways: Sequence[Crossing],
+    maps: Sequence[bridge.AttributeMap],
+    choosing: Choosing,
+) -> list[Crossing]:
+    from jausml.authoring.proposals.topics import why_not
     from jausml.language.model.names import name_of
 
+    yes = choosing.yes
     if topic.maps:
         by_name = {name_of(each.map): each for each in reversed(ways)}
         missing = [each for each in topic.maps if each not in by_name]
         if missing:
             names = ", ".join(sorted(by_name))
-            raise click.UsageError(f"{topic.name}: no ready map {missing[0]!a}; there are {names}")
+            reason = why_not(missing[0], topic, maps, choosing.side)
+            reason = reason or f"no ready map {missing[0]!a}; there are {names}"
+            raise click.UsageError(f"{topic.name}: {reason}")
         return [by_name[each] for each in topic.maps]
     if yes or len(ways) == 1:
         if others := ", ".join(name_of(each.map) for each in ways[1:]):

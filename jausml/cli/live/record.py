@@ -247,9 +247,13 @@ def _until(
 
 
 def _entered(ros: RosTopics, stack: ExitStack, *, is_wanted: bool) -> bool:
-    """Enters ROS; returns whether that is possible here."""
+    """Enters ROS; returns whether there is one here."""
     from jausml.live.recording.mcap_files import RecordingError
+    from jausml.runtime.bridge.ros.environment import environment_fault
 
+    fault = environment_fault()
+    if fault:
+        raise EnvironmentFault(fault)
     try:
         ros.open()
     except RecordingError as error:

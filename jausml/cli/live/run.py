@@ -157,7 +157,8 @@ def command(
     Ctrl-C again is safe, and stops the processes more forcefully.
 
     Exit status: 0 all ended normally or were stopped, 1 a process failed, 2 OUT is not a generated
-    workspace, or rclpy or a message package is missing, 3 internal error.
+    workspace, rclpy or a message package is missing, or the environment keeps from ROS, 3 internal
+    error.
     """
     folder = workspace_of(out)
     process, arguments = split_arguments(rest)
@@ -167,7 +168,7 @@ def command(
         passed = _with_frequency(entries, passed, frequency)
     environment = _environment(folder)
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
-        _require_rclpy()
+        _require_ros()
         require_packages(entries, folder, environment["PYTHONPATH"])
         build_before_run(folder, [entry["module"].partition(".")[0] for entry in entries])
     supervisor = Supervisor(
@@ -223,11 +224,16 @@ def _chosen(
     return chosen
 
 
-def _require_rclpy() -> None:
+def _require_ros() -> None:
+    from jausml.runtime.bridge.ros.environment import environment_fault
+
     if importlib.util.find_spec("rclpy") is None:
         raise EnvironmentFault(
             "rclpy is missing: source a ROS 2 installation, or pip install 'jausml[ros]'"
         )
+    fault = environment_fault()
+    if fault:
+        raise EnvironmentFault(fault)
 
 
 def _command(entry: Mapping[str, Any], folder: Path, passed: ProcessArguments) -> Command:

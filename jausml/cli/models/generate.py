@@ -237,10 +237,10 @@ def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
 def _check_frequency(frequency: float | None) -> None:
     if frequency is None:
         return
-    from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
+    from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 
-    if not 0 < frequency <= MAXIMUM_RATE:
-        raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
+    if not LEAST_RATE <= frequency <= MAXIMUM_RATE:
+        raise click.UsageError(f"--frequency is {LEAST_RATE:g} to {MAXIMUM_RATE:g} hertz")
 
 
 def _has_fallen_behind(result: Result, mode: str, *, strict: bool) -> bool:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.connections.limits import LONGEST_TIME
 from jausml.language.semantics.jaus.services import (
     is_known,
     provides_access_control,
@@ -16,7 +16,6 @@ from jausml.language.validation.rule import Finding, Note
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
@@ -85,10 +84,13 @@ def uncontrollable(
 
 
 def time_findings(
-    element: jaus.ServiceConnection | bridge.Connection | bridge.AttributeMap, feature: str
+    element: jaus.ServiceConnection | bridge.Connection | bridge.AttributeMap | bridge.Stop,
+    feature: str,
 ) -> Iterator[Finding]:
-    """Yields a finding where a time is stated that is not finite, or negative."""
+    """Yields a finding where a time is stated that is negative, or that no parameter takes."""
     value = getattr(element, feature)
-    if value is not None and not 0 <= value < math.inf:
-        message = f"{feature} {value:g} of '{element.name}' is no time in seconds"
+    if value is not None and not 0 <= value <= LONGEST_TIME:
+        named = element.eContainer() if isinstance(element, bridge.Stop) else element
+        name = "" if named is None else named.name
+        message = f"{feature} {value:g} of '{name}' is not 0 to {LONGEST_TIME:g} s"
         yield Finding(element, message, feature)

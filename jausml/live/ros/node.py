@@ -8,6 +8,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from jausml.language.semantics.names import is_identifier
+from jausml.runtime.bridge.ros.environment import environment_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,6 +47,9 @@ class QuietNode:
 
     def open(self, prepare: Callable[[Any], object] | None = None) -> Self:
         """Enters ROS."""
+        fault = environment_fault()
+        if fault:
+            raise RosFault(fault)
         try:
             import rclpy  # noqa: PLC0415 - it is on robots, not everywhere
             from rclpy.context import Context  # noqa: PLC0415

@@ -112,7 +112,9 @@ class Bridge:
         self._list_drivers.clear()
         self.exchanges = Exchanges(self.component)
         self._load_core(ros.parameter(parameters.COMPILED.of(value=True)))
-        frequency = parameters.DIAGNOSTICS_FREQUENCY.of(min(self.settings.frequency, 1.0))
+        frequency = parameters.DIAGNOSTICS_FREQUENCY.of(
+            min(max(self.settings.frequency, parameters.LEAST_DIAGNOSTICS), 1.0)
+        )
         period = 1 / ros.parameter(frequency)
         usual = ros.parameter(parameters.FREQUENCY.of(self.settings.frequency))
         self.settings = replace(self.settings, frequency=usual)
@@ -121,6 +123,11 @@ class Bridge:
         with self.loop.lock:
             self._side.begin_control(active)
             self._open_connections()
+            self._measure_latency(
+                ros.parameter(parameters.ALL_LATENCY.of(value=False), self._measure_latency)
+            )
+            ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
+            ros.check_parameters()
             self.is_active = self.component.control_available = active
             self.component.start()
             self.standing = self._present_standing()
@@ -128,10 +135,6 @@ class Bridge:
             for connection in self.connections:
                 connection.watch()
                 connection.follow(self.standing, None)
-            self._measure_latency(
-                ros.parameter(parameters.ALL_LATENCY.of(value=False), self._measure_latency)
-            )
-            ros.parameter(parameters.lift_emergency(self._check_lift), self._lift_emergency)
             self._diagnosing = Diagnosing(self, period)
             self._diagnosing.start()
 

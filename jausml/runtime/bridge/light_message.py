@@ -33,7 +33,7 @@ MessageT = TypeVar("MessageT", bound="LightMessage")
 Layout: TypeAlias = Mapping[str, str]
 """Types of fields by name."""
 
-_BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError)
+BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError)
 
 
 class LightMessage:
@@ -79,7 +79,7 @@ class LightMessage:
         parts = [cdr.HEADER]
         try:
             self._write(parts.append, len(cdr.HEADER))
-        except _BAD_VALUES as error:
+        except BAD_VALUES as error:
             raise EncodeError(self.TYPE, str(error)) from error
         return b"".join(parts)
 

@@ -29,6 +29,7 @@ from .ends import parameters
 from .ends.guarding import ros_of
 from .ends.parameters import ParameterError
 from .messages.limits import RosLostError, RosTypeError
+from .ros.environment import environment_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -173,11 +174,13 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         The exit code: 0 after a clean shutdown, 1 when the bridge could not run or has lost ROS, 2
-        when a parameter has a value with which it cannot.
+        when a parameter, or the environment, has a value with which it cannot.
 
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
+    if not _permits_ros(bridge.settings.name):
+        return EXIT_USAGE
     # Components that are no bridges, and their computers, need no ROS.
     from .ros.lifecycle import without_ros_arguments  # noqa: PLC0415
     from .ros.node import RosNode  # noqa: PLC0415
@@ -203,7 +206,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             finally:
                 node.close()
     except ParameterError as error:
-        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
+        for problem in str(error).splitlines():
+            LOGGER.error("%s cannot run: %s", bridge.settings.name, problem)
         return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
@@ -228,8 +232,11 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
             when None.
 
     Returns:
-        The exit code: 0, or 2 when a parameter has a value with which the node cannot be made.
+        The exit code: 0, or 2 when a parameter, or the environment, has a value with which the node
+        cannot be made.
     """
+    if not _permits_ros("the node"):
+        return EXIT_USAGE
     from .ros.lifecycle import spin  # noqa: PLC0415
 
     try:
@@ -238,6 +245,15 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
         LOGGER.error("the node cannot run: %s", error)
         return EXIT_USAGE
     return EXIT_OK
+
+
+def _permits_ros(who: str) -> bool:
+    """Whether the environment does; if not, the libraries of ROS would end the process."""
+    fault = environment_fault()
+    if fault:
+        configure_log("error")  # the wanted level is not known yet
+        LOGGER.error("%s cannot run: %s", who, fault)
+    return not fault
 
 
 def _parser(model: BridgeSettings) -> argparse.ArgumentParser:
@@ -282,6 +298,7 @@ def _configure(
             ),
         ),
     )
+    node.check_parameters()
     try:
         return from_arguments(options, model.transport)
     except ValueError as error:

@@ -104,7 +104,10 @@ class VirtualRosNode:
             self._followers[name] = changed
         if name not in self._given:
             return parameter.default
-        return _checked(parameter, self._given[name])
+        return _taken(parameter, self._given[name])
+
+    def check_parameters(self) -> None:
+        """Checks nothing more: each wrong value was an error at once."""
 
     def set_parameter(self, name: str, value: Any) -> None:
         """Changes a parameter, as `ros2 param set` does.
@@ -117,8 +120,8 @@ class VirtualRosNode:
             raise ParameterError(f"{self.name} has no parameter {name}")
         if name not in self._followers:
             raise ParameterError(f"{name} cannot change while the bridge runs")
-        self._given[name] = _checked(parameter, value)
-        self._followers[name](value)
+        self._given[name] = taken = _taken(parameter, value)
+        self._followers[name](taken)
 
     def _tell_unknown(self) -> None:
         """Counts parameters that nobody declared: they are misspelt, or mean nothing here."""
@@ -225,21 +228,13 @@ def _needs_ros(what: str) -> NotImplementedError:
     return NotImplementedError(f"{what}: in virtual time there are topics and actions, no services")
 
 
-def _checked(parameter: Parameter, value: Any) -> Any:
-    """Returns a value that a parameter can have, as rclpy takes it.
+def _taken(parameter: Parameter, value: Any) -> Any:
+    """Returns a value that a parameter can have, as it takes it.
 
     Raises:
         ParameterError: It is of another type, out of its range, or does not do.
     """
-    if type(value) is not type(parameter.default):
-        wanted = type(parameter.default).__name__
-        raise ParameterError(f"{parameter.name} is {value!r}; it must be a {wanted}")
-    if parameter.limits is not None and not parameter.limits[0] <= value <= parameter.limits[1]:
-        low, high = parameter.limits
-        raise ParameterError(f"{parameter.name} is {value!r}; it must lie in {low:g}..{high:g}")
     try:
-        if parameter.check is not None:
-            parameter.check(value)
+        return parameter.taken(value)
     except ValueError as error:
-        raise ParameterError(f"{parameter.name}: {error}") from error
-    return value
+        raise ParameterError(str(error)) from error

@@ -46,6 +46,13 @@ def test_velocities_go_to_their_joints(translator: Callable[[str], Translator]) 
     assert not back.position
 
 
+def test_a_joint_that_is_missing_is_named(translator: Callable[[str], Translator]) -> None:
+    maps = translator("joint_positions")
+    arm = JointState(name=ARM[:4], position=[0.1, 0.2, 0.3, 0.4])
+    with pytest.raises(absent_error(), match="position: 'joint_5', 'joint_6' is not among"):
+        maps.to_jaus("joint_positions", arm)
+
+
 def test_a_joint_that_slides_is_not_taken_for_one_that_turns(
     translator: Callable[[str], Translator],
 ) -> None:

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.language.validation.rules.bridge import joins as rules
+from jausml.language.semantics.connections import limits
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.bridge import Bridge
@@ -321,9 +321,19 @@ def test_a_pace_that_is_none_is_refused():
     check(0.001)
     with pytest.raises(ValueError, match=r"0\.0001 Hz is neither 0 nor 0\.001 Hz or more"):
         check(0.0001)
-    limits = parameters.DECIMATION.limits, parameters.AGE_LIMIT.limits
-    assert limits == ((1, rules.GREATEST_DECIMATION), (0.0, rules.LONGEST_TIME))
-    assert rules.LEAST_RATE == parameters.LEAST_MAX_RATE
+
+
+def test_limits_are_those_of_the_rules():
+    assert parameters.RATE.limits == (limits.LEAST_RATE, limits.MAXIMUM_RATE)
+    assert parameters.FRESHNESS.limits == (limits.SHORTEST_TIME, limits.LONGEST_FRESHNESS)
+    assert parameters.TIMEOUT.limits == (limits.SHORTEST_TIME, limits.LONGEST_TIME)
+    assert parameters.DECIMATION.limits == (1, limits.GREATEST_DECIMATION)
+    assert parameters.LEAST_MAX_RATE == limits.LEAST_PACE
+    for each in (parameters.SILENCE_TIMEOUT, parameters.AGE_LIMIT):
+        assert each.limits == (0.0, limits.LONGEST_TIME)
+    for each in (parameters.MAX_RATE, parameters.RATE_CAP):
+        with pytest.raises(ValueError, match="neither 0 nor"):
+            each.of(limits.LEAST_PACE / 2, "x").taken(limits.LEAST_PACE / 2)
 
 
 def test_latency_is_measured_behind_the_shaping(world, setting):

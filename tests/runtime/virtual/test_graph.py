@@ -216,10 +216,15 @@ class TestParameters:
         node, got = world.ros_node("bridge"), []
         assert node.parameter(self.RATE, got.append) == 10.0
         node.set_parameter("rate", 20.0)
-        assert got == [20.0]
+        node.set_parameter("rate", 30)
+        assert got == [20.0, 30.0]
 
     @pytest.mark.parametrize(
-        ("value", "words"), [(1, "must be a float"), (1000.0, r"lie in 0\.1\.\.100")]
+        ("value", "words"),
+        [
+            ("1", "rate is 1: write a number, such as 0.5, without quotes"),
+            (1000.0, r"lie in 0\.1\.\.100"),
+        ],
     )
     def test_values_that_do_not_do(self, world, value, words):
         node = world.ros_node("bridge", {"rate": value})
@@ -228,7 +233,7 @@ class TestParameters:
 
     def test_a_check_of_its_own(self, world):
         node = world.ros_node("bridge", {"count": 4})
-        with pytest.raises(ParameterError, match="count: even"):
+        with pytest.raises(ParameterError, match="count is 4: even"):
             node.parameter(Parameter("count", 3, "Count.", check=self.odd))
 
     def test_a_parameter_that_nobody_declares(self, world, caplog):

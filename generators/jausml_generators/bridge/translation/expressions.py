@@ -243,11 +243,16 @@ class Encode:
 
 @dataclass(frozen=True)
 class ByName:
-    """The elements of a list in the order of constant names; none for a name that is missing."""
+    """The elements of a list in the order of constant names; none for a name that is missing.
+
+    Attributes:
+        needed: The list of which no element may be missing, to be told; empty where some may.
+    """
 
     names: str
     keys: Expression
     items: Expression
+    needed: str = ""
     kind: str = LIST
 
 

@@ -139,7 +139,8 @@ class _ListSteps:
         if self._outer.to_ros:
             return self._named_in_ros(items, keys, constant, len(names), must=must)
         key_list = Read(self._outer.source.many(keys).place, LIST)
-        local = self._body.local("items", ByName(constant, key_list, items.value))
+        needed = self._many.path if must else ""
+        local = self._body.local("items", ByName(constant, key_list, items.value, needed))
         counts = (len(names), len(names))
         return _Items(Read(Place(local), LIST), Place(constant), counts, may_be_none=True)
 

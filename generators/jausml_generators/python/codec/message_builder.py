@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation import literals as docs
 from jausml.generation.errors import GenerationError
+from jausml.generation.python.modules import STANDARD
 from jausml.language import wire
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
@@ -28,6 +29,7 @@ from jausml_generators.python.codec.members import (
     VariantValue,
 )
 from jausml_generators.python.codec.messages import MessageScope, MessageView
+from jausml_generators.python.package import runtime_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -62,7 +64,9 @@ def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ..
 
 def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageDef, MessageView]:
     """Returns the views of `build_messages` by model element."""
-    scope = names.Scope(names.RESERVED_CLASSES, separator="")
+    # Modules that use messages import these too.
+    taken = {*names.WIRE, *runtime_names(), *STANDARD}
+    scope = names.Scope(frozenset(taken), separator="")
     classes: dict[MessageView, MessageView] = {}
     found: dict[jaus.MessageDef, MessageView] = {}
     for element in sorted(

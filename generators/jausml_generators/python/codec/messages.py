@@ -126,13 +126,6 @@ class MessageView:
                     yield from item.members
 
 
-_WIRE = """
-    DecodeError EncodeError Message Number RowLayout Stamp StampedMessage check_count check_presence
-    exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up sized take
-    take_text unpadded whole whole_of write_records
-"""
-
-
 @dataclass(frozen=True)
 class MessagesModule:
     """A module of messages.
@@ -166,7 +159,7 @@ class MessagesModule:
     @property
     def imports(self) -> Imports:
         """What the module may import."""
-        return Imports(offered(f"{self.runtime}.wire", *_WIRE.split()))
+        return Imports(offered(f"{self.runtime}.wire", *names.WIRE))
 
 
 class MessageScope:

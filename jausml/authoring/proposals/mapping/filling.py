@@ -15,7 +15,7 @@ from jausml.authoring.proposals.mapping.assigning import candidates
 from jausml.authoring.proposals.mapping.assignments import OF_AUTHORS, innermost, statement, steps
 from jausml.authoring.proposals.mapping.members import Member, corresponding, leaves
 from jausml.authoring.proposals.mapping.trial import additions, judge, judge_together, tabled
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import Measure, attribute_measure
 from jausml.language.semantics.connections.exchanges import TO_ROS
@@ -91,7 +91,11 @@ def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -
     for to_ros in directions:
         sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
         alike = corresponding(sources, targets)
-        children += _assignments(scope, used, alike.pairs)
+        is_alone = len(sources) == len(targets) == len(leaves(used, is_jaus=not to_ros)) == 1
+        # What a call does is said by its service, and its only field may be another thing.
+        is_of_call = used.type is not None and isinstance(used.type.eContainer(), ros.ServiceType)
+        only = ((sources[0], targets[0]),) if is_alone and not is_of_call else ()
+        children += _assignments(scope, used, alike.pairs or only)
         children += variances(scope, used, sources, targets)
         doubtful += alike.doubtful
     judged = judge_together(scope.model.metamodels, used, children)

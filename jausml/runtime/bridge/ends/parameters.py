@@ -37,11 +37,23 @@ GREATEST_SPEED = 327.67
 LONGEST_TIME = 3600.0
 """Longest time in seconds that a parameter takes."""
 
+LONGEST_FRESHNESS = 1e9
+"""Longest time in seconds in which a joined message is fresh: for ever, where it holds a state."""
+
+SHORTEST_TIME = 0.001
+"""Shortest freshness, and shortest time of a call, in seconds."""
+
+LEAST_RATE = 0.02
+"""Least rate in hertz of an event or a query."""
+
 LEAST_MAX_RATE = 0.001
 """Least rate in hertz above which messages are thinned out, besides 0."""
 
 GREATEST_DECIMATION = 1_000_000
 """Most messages of which one passes."""
+
+LEAST_DIAGNOSTICS = 0.01
+"""Least number of diagnostics each second."""
 
 QUEUE_AGE_LIMIT = 2.0
 """Seconds that a ROS message may have waited in the queue of the bridge.
@@ -180,7 +192,7 @@ AUTHORITY = Known(
     "jaus_authority", "Authority that control of JAUS components is requested with.", (0, 255)
 )
 DIAGNOSTICS_FREQUENCY = Known(
-    "diagnostics_frequency", "Diagnostics published each second (Hz).", (0.01, 100.0)
+    "diagnostics_frequency", "Diagnostics published each second (Hz).", (LEAST_DIAGNOSTICS, 100.0)
 )
 FREQUENCY = Known(
     "frequency",
@@ -197,7 +209,9 @@ QUEUE_AGE = Known(
 )
 COMPILED = Known("compiled", "Whether compiled translations are used where they are built.")
 
-RATE = Known("{}.rate", "Messages of the connection {} each second (Hz).", (0.02, MAX_EVENT_RATE))
+RATE = Known(
+    "{}.rate", "Messages of the connection {} each second (Hz).", (LEAST_RATE, MAX_EVENT_RATE)
+)
 SILENCE_TIMEOUT = Known(
     "{}.silence_timeout",
     "Seconds without a message that count as silence of the source of {}.",
@@ -228,7 +242,7 @@ ALL_LATENCY = Known("latency", "Whether the latency of all is measured.")
 FRESHNESS = Known(
     "{}.freshness",
     "Seconds after which the latest message of {} is stale.",
-    (0.001, LONGEST_TIME),
+    (SHORTEST_TIME, LONGEST_FRESHNESS),
 )
 SPEED = Known(
     "{}.speed", "Speed at which the lists of {} are executed (m/s).", (0.0, GREATEST_SPEED)
@@ -236,7 +250,7 @@ SPEED = Known(
 TIMEOUT = Known(
     "{}.timeout",
     "Seconds after which a call of {} without an answer has failed.",
-    (0.001, LONGEST_TIME),
+    (SHORTEST_TIME, LONGEST_TIME),
 )
 
 

@@ -83,6 +83,9 @@ class RosSide(Protocol):
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value; `changed` takes each later one."""
 
+    def check_parameters(self) -> None:
+        """Raises ParameterError, with a line for each value so far that does not do."""
+
     def codec(self, ros_type: type[Any]) -> RosCodec:
         """Returns what makes objects of rclpy of serialized messages, and the reverse."""
 

@@ -135,11 +135,60 @@ class Parameter:
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
 
+    def taken(self, value: Any) -> Any:
+        """Returns what the parameter becomes by a value that somebody gives: 10 is 10.0.
+
+        Args:
+            value: As rclpy has it: None for an empty list.
+
+        Raises:
+            ValueError: It does not do; the text names the parameter, the value and the cure.
+        """
+        if isinstance(self.default, float) and type(value) is int:
+            value = float(value)
+        if type(value) is not type(self.default) or (isinstance(value, list) and not value):
+            raise ValueError(f"{self.name} is {_as_yaml(value)}: {self._cure(value)}")
+        if self.limits is not None and not self.limits[0] <= value <= self.limits[1]:
+            low, high = self.limits
+            raise ValueError(f"{self.name} is {value!r}; it must lie in {low:g}..{high:g}")
+        try:
+            if self.check is not None:
+                self.check(value)
+        except ValueError as error:
+            raise ValueError(f"{self.name} is {_as_yaml(value)}: {error}") from error
+        return value
+
+    def _cure(self, value: Any) -> str:
+        """Returns what to write instead of a value of another type."""
+        if isinstance(self.default, bool):
+            return "write true or false"
+        if isinstance(self.default, list):
+            return "write one text or more in brackets, such as [a, b]"
+        if isinstance(self.default, str):
+            word = "y" if value is True else "n" if value is False else value
+            quoted = "" if value is None else f"; YAML needs quotes here, {self.name}:='\"{word}\"'"
+            return f"write a text{quoted}"
+        kind = (
+            "an integer, such as 10" if isinstance(self.default, int) else "a number, such as 0.5"
+        )
+        return f"write {kind}" + ", without quotes" * isinstance(value, str)
+
+
+def _as_yaml(value: Any) -> str:
+    """Returns a value as YAML has it."""
+    if value is None:
+        return "[]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
 
 INCOMPATIBLE = "incompatible_qos"
 OTHER_TYPE = "other_type"
 DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
+LARGE = "too_large_for_best_effort"
+
+LATELY = 10.0
+"""Seconds for which a loss is told."""
 
 
 @dataclass(frozen=True)
@@ -189,6 +238,8 @@ class EndpointHealth:
     until nobody is any more.
 
     Attributes:
+        counts: What happened to the messages of a subscription whose messages may be of any size;
+            None for others.
         strangers: Returns names and types of the nodes at the other end that have another type,
             while there are no others: ROS connects neither, and tells nobody.
     """
@@ -200,6 +251,9 @@ class EndpointHealth:
     others: Callable[[], Iterable[tuple[str, Qos]]]
     clock: Callable[[], float] = time.monotonic
     strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
+    counts: TopicCounts | None = None
+    _underway: int = field(default=0, init=False)
+    _underway_at: float = field(default=-math.inf, init=False)
     _suspected: str = field(default="", init=False)
     _was_seen: bool = field(default=False, init=False)
     _missed: float = field(default=-math.inf, init=False)
@@ -242,7 +296,23 @@ class EndpointHealth:
             lease = f"within the lease of {self.qos.lease_duration:g} s"
             text = f"no publisher of {self.topic} showed that it is alive {lease}"
             found.append(TopicFault(LIVELINESS, text))
+        if self._loses_large(now):
+            cure = (
+                f"set qos: {{ reliability: reliable }} or {self.parameter('reliability')}:=reliable"
+            )
+            text = f"messages of {self.topic} are lost on the way: it is best_effort, which loses"
+            found.append(TopicFault(LARGE, f"{text} what is larger than 512 kB; {cure}"))
         return found
+
+    def _loses_large(self, now: float) -> bool:
+        """Whether messages were lost before the queue, of a publisher that would repeat them."""
+        if self.counts is None or self.qos.reliability != "best_effort":
+            return False
+        underway = self.counts.missed - self.counts.lost
+        if underway > self._underway:
+            self._underway, self._underway_at = underway, now
+        is_late = now - self._underway_at < LATELY
+        return is_late and any(qos.reliability == "reliable" for _, qos in self.others())
 
     def _incompatible(self) -> list[TopicFault]:
         found = [

@@ -18,23 +18,33 @@ from ...base.api import JausError
 from ...conversions.types import UnevenError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence, Sized
+    from collections.abc import Callable, Collection, Sequence, Sized
 
     from ...conversions import Quaternion, Time
 
 
-def by_name(names: Iterable[str], keys: Sequence[str], values: Sequence[T]) -> list[T | None]:
+def by_name(
+    names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str = ""
+) -> list[T | None]:
     """Returns values in the order of names.
 
     Args:
         names: The names, in the order that is wanted.
         keys: The name of each value; those of sensor_msgs/JointState, for example.
         values: The values; a value less than there are keys is missing, as ROS allows.
+        needed: What the values are, where none may be missing.
 
     Returns:
         One for each name; None where no key is that name.
+
+    Raises:
+        AbsentFieldError: One is missing and needed; it is named.
     """
     found = dict(zip(keys, values, strict=False))
+    missing = [name for name in names if name not in found] if needed else ()
+    if missing:
+        told = ", ".join(map(ascii, missing))
+        raise AbsentFieldError(f"{needed}: {told} is not among the names of the message")
     return [found.get(name) for name in names]
 
 

@@ -26,6 +26,7 @@ from ..ends.ros_side import Outcome
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .parameters import as_parameter_error
+from .values import checked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -185,7 +186,7 @@ class NodeGoal:
             if fill is not None:
                 with client.work.loop.lock:
                     fill(message)
-            self._distances = client.messages.distances(message)
+            self._distances = client.messages.distances(checked(message))
             self._servers = client.servers()
             self._guard()
             named = CancelGoal.Request().goal_info.goal_id

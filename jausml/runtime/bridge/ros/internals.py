@@ -24,6 +24,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from ..light_message import installed, installed_class, is_light
 from ..messages.limits import RosLostError
+from .values import checked
 
 internals: Any = rclpy_implementation
 """The extension module of rclpy."""
@@ -123,12 +124,13 @@ class Codec:
         return deserialize_message(data, self.message_class)
 
     def encode(self, message: Any) -> bytes:
-        """Returns the serialized form of an object.
+        """Returns the serialized form of an object, whose values are checked first.
 
         Raises:
             TypeError: It is of another class.
+            EncodeError: A value does not fit its field.
         """
         if not isinstance(message, self.message_class):
             raise TypeError(f"{self.message_class.__name__} expected, not {type(message).__name__}")
-        data: bytes = serialize_message(message)
+        data: bytes = serialize_message(checked(message))
         return data

@@ -155,11 +155,20 @@ class RosNode:
             changed: Takes each later value, on the thread of the executor; without it the parameter
                 cannot change.
 
+        A value that does not do leaves it at that of the model, and `check_parameters` tells it.
+
         Raises:
-            ParameterError: The command line or a parameter file gives it a value of another type,
-                or one that does not do.
+            ParameterError: Another parameter has its name.
         """
         return self._parameters.declare(parameter, changed)
+
+    def check_parameters(self) -> None:
+        """Tells the values of all parameters so far that do not do.
+
+        Raises:
+            ParameterError: There are some; its text has a line for each.
+        """
+        self._parameters.check()
 
     def codec(self, ros_type: type[Any]) -> Codec:
         """Returns what makes objects of serialized messages, and the reverse.

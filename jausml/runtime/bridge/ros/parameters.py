@@ -20,6 +20,7 @@ from rcl_interfaces.msg import (
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -33,7 +34,7 @@ from ..ends.parameters import ParameterError, nearest
 from ..ends.topics import Parameter, Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 
     from ..ends.topics import EndpointHealth
 
@@ -82,8 +83,20 @@ class LazyParameters(Node):
         return found
 
     def _declare_set(self, parameters: list[Any]) -> list[Any]:
+        """Returns parameters that are to be set, once they are there: 10 is 10.0."""
         self._declare(*(each.name for each in parameters))
-        return parameters
+        return [self._as_declared(each) for each in parameters]
+
+    def _as_declared(self, parameter: Any) -> Any:
+        wanted = RclpyParameter.Type.DOUBLE
+        is_integer = parameter.type_ == RclpyParameter.Type.INTEGER
+        if (
+            is_integer
+            and self.has_parameter(parameter.name)
+            and self.get_parameter(parameter.name).type_ == wanted
+        ):
+            return RclpyParameter(parameter.name, wanted, float(parameter.value))
+        return parameter
 
     def _declare(self, *names: str) -> None:
         for name in names:
@@ -95,32 +108,33 @@ class NodeParameters:
     """The parameters of one node.
 
     Attributes:
-        given: Names of those that the command line and parameter files give.
+        given: Parameters that the command line and parameter files give, by name.
     """
 
     def __init__(self, node: Any) -> None:
         """Follows changes from now on; the node is one of `LazyParameters`."""
-        self.given = frozenset(_given(node))
+        self.given = _given(node)
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
         self._present: set[str] = set()
         self._declared: set[str] = set()
+        self._problems: list[str] = []
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
 
     def declare(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Returns the value of a parameter, which is declared at once only if it is given.
 
-        One that was declared before the node was released has its present value.
+        One that was declared before the node was released has its present value. One that is given
+        a value that does not do has that of the model, until `check` tells it with all others.
 
         Args:
             changed: Takes each later value, on the thread of the executor; without it the parameter
                 cannot change.
 
         Raises:
-            ParameterError: The command line or a parameter file gives it a value of another type,
-                or one that does not do; or another parameter has its name.
+            ParameterError: Another parameter has its name.
         """
         name = parameter.name
         if name in self._present:
@@ -132,24 +146,39 @@ class NodeParameters:
             self._followers[name] = changed
         if name in self._declared:
             return self._node.get_parameter(name).value
-        declare = partial(self._declare, parameter, is_fixed=changed is None)
-        if name in self.given or not _does(parameter):
-            return declare()
-        self._node.offered[name] = declare
-        return parameter.default
+        given = self.given.get(name)
+        try:
+            value = parameter.taken(parameter.default if given is None else given.value)
+        except ValueError as error:
+            self._problems.append(str(error))
+            return parameter.default
+        declare = partial(self._declare, parameter, value, is_fixed=changed is None)
+        if given is None:
+            self._node.offered[name] = declare
+            return value
+        return declare()
+
+    def check(self) -> None:
+        """Tells which values do not do.
+
+        Raises:
+            ParameterError: There are some; its text has a line for each.
+        """
+        if self._problems:
+            raise ParameterError("\n".join(self._problems))
 
     def release(self) -> None:
         """Follows none any more, until they are declared again."""
         self._present.clear()
         self._followers.clear()
+        self._problems.clear()
 
-    def _declare(self, parameter: Parameter, *, is_fixed: bool) -> Any:
+    def _declare(self, parameter: Parameter, value: Any, *, is_fixed: bool) -> Any:
+        descriptor = _descriptor(parameter, is_fixed=is_fixed)
         with as_parameter_error():
-            declared = self._node.declare_parameter(
-                parameter.name, parameter.default, _descriptor(parameter, is_fixed=is_fixed)
-            )
+            self._node.declare_parameter(parameter.name, value, descriptor, ignore_override=True)
         self._declared.add(parameter.name)
-        return declared.value
+        return value
 
     def _check(self, parameters: Sequence[Any]) -> SetParametersResult:
         for each in parameters:
@@ -189,21 +218,10 @@ def as_parameter_error(about: str = "") -> Iterator[None]:
         raise ParameterError(about + " ".join(str(error).split())) from error
 
 
-def _given(node: Any) -> Iterable[str]:
+def _given(node: Any) -> Mapping[str, Any]:
     # rclpy keeps what command line and files say here, and has no other way to ask for it.
-    names: Iterable[str] = node._parameter_overrides  # noqa: SLF001
-    return names
-
-
-def _does(parameter: Parameter) -> bool:
-    """Whether the value of the model does, as it must for a declaration that comes later."""
-    low, high = parameter.limits or (parameter.default, parameter.default)
-    try:
-        if parameter.check is not None:
-            parameter.check(parameter.default)
-    except ValueError:
-        return False
-    return bool(low <= parameter.default <= high)
+    found: Mapping[str, Any] = node._parameter_overrides  # noqa: SLF001
+    return found
 
 
 def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:

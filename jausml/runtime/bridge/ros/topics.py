@@ -38,6 +38,7 @@ from .parameters import (
     tell_unknown,
 )
 from .taking import Subscription
+from .values import checked, is_of_any_size
 from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
@@ -157,7 +158,7 @@ class NodePublisher:
         """Publishes an object of the class of rclpy, from any thread."""
         if not isinstance(message, self._class):
             raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
-        self.handle.publish(message)
+        self.handle.publish(checked(message))
 
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
@@ -228,6 +229,7 @@ class NodeTopics:
         handle = self._made(internals.Subscription, found, topic, health)
         self._subscriptions.append(handle)
         self._watch_types(health, found, handle.get_publisher_count)
+        health.counts = counts if is_of_any_size(found) else None
         qos = health.qos
         # What is latched is as old as it is.
         age_limit = self._age_limit if qos.durability == "volatile" else 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
+from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
 from jausml.language.semantics.jaus.commands import is_command, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
@@ -255,10 +255,10 @@ def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Fi
 
     Good: `timeout="2.5"`
     """
-    longest = 3600.0
     seconds = connection.timeout
-    if not (math.isfinite(seconds) and 0.001 <= seconds <= longest):
-        message = f"timeout {seconds:g} of '{connection.name}' is not in 0.001..{longest:g} s"
+    if not SHORTEST_TIME <= seconds <= LONGEST_TIME:
+        allowed = f"{SHORTEST_TIME:g}..{LONGEST_TIME:g} s"
+        message = f"timeout {seconds:g} of '{connection.name}' is not in {allowed}"
         yield Finding(connection, message, "timeout")
 
 

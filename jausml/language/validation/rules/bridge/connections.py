@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
+from jausml.language.semantics.connections.limits import LEAST_RATE
 from jausml.language.semantics.connections.topics import find_loops, flow_of
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import (
@@ -146,16 +147,21 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     "JML425", "rate of a bridge's connection out of range", each=bridge.Connection, needs=("name",)
 )
 def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
+    """The rate of periodic events and queries is 0.02 to 1092 per second (AS5710).
 
-    A rate of 0, the default, means the frequency of the bridge, which is then not 0. Times in
-    seconds are finite and not negative.
+    A rate of 0, the default, means the frequency of the bridge, which is then not 0. A time is 0 to
+    3600 seconds.
 
     Bad: `exchange="periodicEvent" rate="2000"`
 
     Good: `exchange="periodicEvent" rate="25.0"`
     """
     yield from time_findings(connection, "silenceTimeout")
+
+
+@rate_range.also(bridge.Stop)
+def _rate_range_stop(_: Subject, stop: bridge.Stop) -> Iterator[Finding]:
+    yield from time_findings(stop, "silenceTimeout")
 
 
 @rate_range.also(bridge.Connection, needs=_TIMES)
@@ -165,6 +171,10 @@ def _rate_range_connection(_: Subject, connection: bridge.Connection) -> Iterato
     owner = connection.eContainer()
     if is_timed and connection.rate != 0:
         yield from rate_finding(connection)
+    elif is_timed and owner is not None and 0 < owner.frequency < LEAST_RATE:
+        message = f"frequency {owner.frequency:g} of '{owner.name}', the rate of"
+        message += f" '{connection.name}', is not {LEAST_RATE:g} or more"
+        yield Finding(connection, message, "rate", "state a rate")
     elif is_timed and owner is not None and owner.frequency == 0:
         message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
         yield Finding(connection, message, "rate", "state one of them")

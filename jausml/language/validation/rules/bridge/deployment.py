@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.connections.limits import LEAST_PACE
 from jausml.language.semantics.connections.topics import endpoints, policies
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.commands import is_command
@@ -112,10 +113,6 @@ def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
     if quantity.name in PARAMETERS:
         message = f"every bridge has a parameter '{quantity.name}'"
         yield Finding(quantity, message, "name", "choose another name")
-
-
-LEAST_RATE = 0.001
-"""Least rate in hertz that a cap can have, as the runtime has it."""
 
 
 @rule("JML477", "allowed host that is none", each=bridge.Bridge, needs=("name", "allowedHosts"))
@@ -223,9 +220,9 @@ def rate_caps(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """
     if each.rateCap == 0:
         return
-    if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_RATE):
+    if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_PACE):
         message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
-        yield Finding(each, f"{message} {LEAST_RATE:g} or more", "rateCap")
+        yield Finding(each, f"{message} {LEAST_PACE:g} or more", "rateCap")
     if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
         message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
         yield Finding(each, message, "rateCap", "state a maxRate")

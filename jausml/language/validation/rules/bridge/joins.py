@@ -8,6 +8,13 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections.limits import (
+    GREATEST_DECIMATION,
+    LEAST_PACE,
+    LONGEST_FRESHNESS,
+    LONGEST_TIME,
+    SHORTEST_TIME,
+)
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
 from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import RosPlace
@@ -99,8 +106,9 @@ def join_findings(
         main: Whether the map is for a `message` or a `type`, whose fields have names too.
         used: What the source paths of the map begin with.
     """
-    if not 0 < join.freshness < math.inf:
-        message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
+    if not SHORTEST_TIME <= join.freshness <= LONGEST_FRESHNESS:
+        message = f"freshness {join.freshness:g} of '{join.name}' is not"
+        message += f" {SHORTEST_TIME:g} to {LONGEST_FRESHNESS:g} s"
         yield Finding(join, message, "freshness")
     if join.name in fields:
         message = f"{kind} '{join.name}' has the name of a field of the main {main}"
@@ -199,12 +207,6 @@ def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> It
         yield Finding(connection, message, "freshness", "keep one of them")
 
 
-LEAST_RATE = 0.001
-GREATEST_DECIMATION = 1_000_000
-LONGEST_TIME = 3600.0
-"""What parameters of the runtime take too."""
-
-
 @rule("JML490", "shaping out of range", each=bridge.Connection, needs=("name",))
 def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is 0 or at least 0.001 Hz, a decimation 1 to 1000000, an ageLimit 0 to 3600 s.
@@ -214,8 +216,8 @@ def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
     Good: `decimation="5"`
     """
     rate, seconds = each.maxRate, each.ageLimit
-    if rate != 0 and not (math.isfinite(rate) and rate >= LEAST_RATE):
-        message = f"maxRate {rate:g} of '{each.name}' is neither 0 nor {LEAST_RATE:g} or more"
+    if rate != 0 and not (math.isfinite(rate) and rate >= LEAST_PACE):
+        message = f"maxRate {rate:g} of '{each.name}' is neither 0 nor {LEAST_PACE:g} or more"
         yield Finding(each, message, "maxRate")
     if not 1 <= each.decimation <= GREATEST_DECIMATION:
         message = f"decimation {each.decimation} of '{each.name}' is not 1 to"

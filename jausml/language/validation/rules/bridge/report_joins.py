@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.connections.reports import joined_reports, report_join_of
 from jausml.language.semantics.jaus.services import (
     attributes,
@@ -17,7 +18,6 @@ from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
-from jausml.language.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -178,8 +178,8 @@ def _rate_findings(report: JoinedReport) -> Iterator[Finding]:
     name, rate = report.join.name, report.rate
     if report.exchange not in {"periodicEvent", "query"}:
         return
-    if not 0 < rate <= MAXIMUM_RATE:
-        hint = f"above 0 and at most {MAXIMUM_RATE:g}"
+    if not LEAST_RATE <= rate <= MAXIMUM_RATE:
+        hint = f"{LEAST_RATE:g} to {MAXIMUM_RATE:g}"
         yield _finding(
             report, f"rate {rate:g} of report join '{name}' is out of range", "rate", hint
         )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (
@@ -28,12 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.semantics.subject import Subject
-
-MAXIMUM_RATE = 1092.0
-"""Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
-
-RATE_STEP = MAXIMUM_RATE / 65535
-"""Step of that rate on the wire in Hz: a scaled uint16."""
 
 _ENDS = ("name", "provider", "search", "message", "query")
 _LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
@@ -338,11 +333,7 @@ def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 def rate_finding(
     connection: jaus.ServiceConnection | bridge.Connection,
 ) -> Iterator[Finding]:
-    """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
-    message = f"rate {connection.rate:g} of '{connection.name}'"
-    if not 0 < connection.rate <= MAXIMUM_RATE:
-        hint = f"above 0 and at most {MAXIMUM_RATE:g}"
-        yield Finding(connection, f"{message} is out of range", "rate", hint)
-    elif connection.rate < RATE_STEP / 2:
-        message += f" is 0 on the wire, where the step is {RATE_STEP:.3g}"
-        yield Finding(connection, message, "rate", "ask for a rate that a provider accepts")
+    """Yields a finding when an event cannot have the rate of a connection."""
+    if not LEAST_RATE <= connection.rate <= MAXIMUM_RATE:
+        message = f"rate {connection.rate:g} of '{connection.name}' is out of range"
+        yield Finding(connection, message, "rate", f"{LEAST_RATE:g} to {MAXIMUM_RATE:g}")

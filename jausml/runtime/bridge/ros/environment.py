@@ -1,0 +1,48 @@
+"""What of the environment keeps a process from ROS: its C libraries would end the process."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+
+LARGEST_DOMAIN = 232
+"""Largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535."""
+
+LARGEST_SAFE_DOMAIN = 101
+"""Largest ROS_DOMAIN_ID whose ports Linux does not give away."""
+
+
+def domain_fault() -> tuple[str, str] | None:
+    """Returns why ROS_DOMAIN_ID does not do, and the cure; None where it does."""
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    if not text or (text.isascii() and text.isdigit() and int(text) <= LARGEST_DOMAIN):
+        return None
+    return f"ROS_DOMAIN_ID is {text!a}", f"set a number from 0 to {LARGEST_SAFE_DOMAIN}"
+
+
+def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
+    """Returns why a middleware cannot be had, and the cure; None where it can.
+
+    Args:
+        name: Its name, such as `rmw_fastrtps_cpp`.
+        distribution: Release of ROS 2 whose package is named, such as `jazzy`.
+    """
+    if find_spec(name) is not None:
+        return None
+    shares = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
+    places = [Path(each, "share", name) for each in shares if each]
+    places += [Path(each, f"lib{name}.so") for each in libraries if each]
+    if any(each.exists() for each in places):
+        return None
+    package = f"ros-{distribution}-{name.replace('_', '-')}"
+    return f"{name} is not installed", f"apt install {package}, or unset RMW_IMPLEMENTATION"
+
+
+def environment_fault() -> str:
+    """Returns why ROS cannot be used in this environment, with the cure; empty where it can."""
+    name = os.environ.get("RMW_IMPLEMENTATION", "")
+    release = os.environ.get("ROS_DISTRO", "jazzy")
+    faults = (domain_fault(), middleware_fault(name, release) if name else None)
+    return "; ".join(f"{text}: {cure}" for text, cure in filter(None, faults))

@@ -1,0 +1,169 @@
+"""Values of objects of rclpy, checked as light classes check theirs.
+
+The classes of ROS take any object for any field, and what serializes them reads memory: -1 in a
+field of real numbers arrives as not a number, 200 in an int8 as -56, a list that is longer than its
+bound not at all. So what users give is made what its field carries before rclpy has it.
+"""
+
+# ROS is typed in parts; whoever checks generated code reads this module too.
+# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
+
+from __future__ import annotations
+
+import operator
+import struct
+from array import array
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, TypeAlias
+
+from rclpy.publisher import Publisher
+from rosidl_parser.definition import (
+    AbstractGenericString,
+    AbstractNestedType,
+    AbstractWString,
+    Array,
+    BasicType,
+    NamespacedType,
+    UnboundedSequence,
+)
+
+from ...wire.message import EncodeError
+from ..light_message import BAD_VALUES, installed
+from ..messages import cdr
+
+Check: TypeAlias = Callable[[Any], Any]
+"""Returns the value that a field carries for what stands in it; raises one of BAD_VALUES."""
+
+
+def checked(message: Any) -> Any:
+    """Returns an object of rclpy with the values that its serialized form will have.
+
+    What light classes take for a field is made what the field carries, in the object itself: an
+    integer becomes a real number.
+
+    Raises:
+        EncodeError: A value does not fit its field, whose path is named.
+    """
+    kind: Any = type(message)
+    for name, check in _checks(kind):
+        value = getattr(message, name)
+        found = _at(name, check, value)
+        if found is not value:
+            setattr(message, name, found)
+    return message
+
+
+class CheckedPublisher(Publisher):  # type: ignore[misc, type-arg, unused-ignore]
+    """A publisher of rclpy that checks the values of what it publishes."""
+
+    def publish(self, msg: Any) -> None:
+        """Publishes an object, or a serialized message as it is."""
+        super().publish(msg if isinstance(msg, bytes) else checked(msg))
+
+
+def checked_answers(answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Returns a method that answers requests of a service, with its responses checked."""
+    return lambda request, response: checked(answer(request, response))
+
+
+def is_of_any_size(kind: Any) -> bool:
+    """Whether messages of a class have a sequence without a bound."""
+    for slot in kind.SLOT_TYPES:
+        inner = slot.value_type if isinstance(slot, AbstractNestedType) else slot
+        is_part = isinstance(inner, NamespacedType)
+        if isinstance(slot, UnboundedSequence) or (is_part and is_of_any_size(_class_of(inner))):
+            return True
+    return False
+
+
+class _MisfitError(EncodeError):
+    """A value that does not fit its field, which is named by its path."""
+
+
+def _at(place: str, check: Check, value: Any) -> Any:
+    try:
+        return check(value)
+    except _MisfitError as error:
+        raise _MisfitError(f"{place}.{error.field}", error.reason) from error
+    except (EncodeError, *BAD_VALUES) as error:
+        shown = " ".join(repr(value).split())
+        raise _MisfitError(place, f"{shown:.80} does not fit: {error}") from error
+
+
+@cache
+def _checks(kind: Any) -> tuple[tuple[str, Check], ...]:
+    """Returns the fields of a class, and what checks each."""
+    names = kind.get_fields_and_field_types()
+    return tuple((name, _check(slot)) for name, slot in zip(names, kind.SLOT_TYPES, strict=True))
+
+
+def _check(slot: Any) -> Check:
+    if isinstance(slot, AbstractNestedType):
+        is_fixed = isinstance(slot, Array)
+        count = slot.size if is_fixed else slot.maximum_size if slot.has_maximum_size() else None
+        return partial(_elements, _check(slot.value_type), count, is_fixed)
+    if isinstance(slot, AbstractGenericString):
+        encoded = cdr.wide if isinstance(slot, AbstractWString) else cdr.encoded
+        return partial(_text, encoded, slot.maximum_size if slot.has_maximum_size() else 0)
+    if isinstance(slot, BasicType):
+        return _OF_PRIMITIVES.get(slot.typename, _as_it_is)
+    return partial(_message, _class_of(slot))
+
+
+def _class_of(slot: Any) -> Any:
+    return installed("/".join(slot.namespaced_name()))
+
+
+def _elements(check: Check, count: int | None, is_fixed: bool, values: Any) -> Any:  # noqa: FBT001
+    if is_fixed and count is not None:
+        cdr.exactly(values, count)
+    elif count is not None:
+        cdr.at_most(values, count)
+    if isinstance(values, array) or hasattr(values, "dtype"):
+        return values  # of rclpy, which has made numbers of the field of them
+    found = [_at(str(index), check, each) for index, each in enumerate(values)]
+    return values if all(map(operator.is_, found, values)) else found
+
+
+def _text(encoded: Callable[[str, int], bytes], most: int, value: Any) -> Any:
+    encoded(value, most)
+    return value
+
+
+def _message(kind: Any, value: Any) -> Any:
+    if not isinstance(value, kind):
+        raise TypeError(f"{kind.__name__} of {kind.__module__.partition('.')[0]} expected")
+    return checked(value)
+
+
+def _number(layout: struct.Struct, kind: type[float], value: Any) -> Any:
+    (found,) = layout.unpack(layout.pack(value))
+    return value if type(value) is kind else kind(found)
+
+
+def _octet(value: Any) -> Any:
+    return bytes([cdr.octet(value)])
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+_CODES = {
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+}
+_OF_PRIMITIVES: dict[str, Check] = {
+    **{name: partial(_number, struct.Struct(f"<{code}"), int) for name, code in _CODES.items()},
+    "float": partial(_number, struct.Struct("<f"), float),
+    "double": partial(_number, struct.Struct("<d"), float),
+    "boolean": bool,
+    "octet": _octet,
+}
