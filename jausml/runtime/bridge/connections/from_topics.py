@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
 from ..light_message import is_light
-from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
+from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
-from .connection import FILTERED, Connection
+from .connection import Connection
 from .translations import Form, JoinedTopic, ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..reports.diagnostics import FAILURES, NOT_LOST, THINNED, ConnectionStatus
+from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ class Reported:
     name: str
     statistics: Statistics
     is_command: bool
+    filters: bool
     stopped: StopReason | None
     form: Form
     override: list[tuple[str, str]]
@@ -172,7 +173,7 @@ class Reporter:
         present = _Totals(
             now,
             counts.arrivals,
-            sum(counts.drops.values()),
+            sum(n for why, n in counts.drops.items() if why != FILTERED or not connection.filters),
             self.note_losses(),
             counts.errors,
             counts.limited,

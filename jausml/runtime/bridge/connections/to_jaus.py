@@ -44,17 +44,20 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         control: Guard = Guard.ANY,
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
+        filters: bool = False,
         **options: Any,
     ) -> None:
         """Prepares the connection.
 
         Args:
             translate: Makes the JAUS message, or None to pass nothing on.
+            filters: Whether values out of range choose the messages that pass.
             control: What the peers demand of a sender that they obey. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
         """
         super().__init__(name, translate, **options)
+        self.filters = filters
         self._peers = ControlledPeers(peers, control)
         self._priority = priority
         self._acknowledge = acknowledge
