@@ -200,7 +200,8 @@ def emergencies_explained(_: Subject, connection: bridge.Connection) -> Iterator
 
     SetEmergency presses a stop, and nothing but a ClearEmergency releases it: a connection that
     carries one makes that possible, and without one it stays pressed. The `holdReason` says who may
-    release it, and how, where it is pressed, and why that is safe, where it is released.
+    release it, and how, where it is pressed, and why that is safe, where it is released; of a
+    service that is called, the documentation of the connection says it.
 
     Bad: SetEmergency to the topic e_stop/set without a word
 
@@ -211,3 +212,14 @@ def emergencies_explained(_: Subject, connection: bridge.Connection) -> Iterator
         does = "presses" if message.name == "SetEmergency" else "releases"
         text = f"'{connection.name}' {does} an emergency stop, and nobody says what may release it"
         yield Finding(connection, text, "holdReason", "say it in holdReason, as the robot is built")
+
+
+@emergencies_explained.also(bridge.RosServiceConnection)
+def _calls_explained(subject: Subject, call: bridge.RosServiceConnection) -> Iterator[Finding]:
+    asking = calls.asking(call) if subject.is_intact(call) else None
+    if asking is None or calls.serves(call) or not subject.is_intact(asking):
+        return
+    if is_emergency(asking) and not is_reason(call.documentation or ""):
+        text = f"'{call.name}' calls an emergency stop, and nobody says what may release it"
+        hint = "say it in the documentation of the connection, as the robot is built"
+        yield Finding(call, text, "documentation", hint)
