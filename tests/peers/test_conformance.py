@@ -153,9 +153,7 @@ def test_who_does_not_say_who_controls_it_is_judged_by_what_it_grants(peer, netw
 
 
 @pytest.mark.parametrize("default", [150, 256])
-def test_authority_that_is_not_told_is_found_by_asking_with_more(
-    peer, network, catalogue, default
-):
+def test_authority_that_is_not_told_is_found_by_asking_with_more(peer, network, catalogue, default):
     target = peer("says not who controls it", "says not which authority")
     target.authority = target.default = default
     with opened(network, TARGET, catalogue, **QUICK) as session:

@@ -28,6 +28,8 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
+_OF_MANY = ("sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticStatus")
+
 _BUSY = 3.0
 """Seconds after a message in which its receivers should be heard, if nothing was before."""
 
@@ -301,6 +303,11 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             changed(message)
 
         return put
+
+    @property
+    def has_one_source(self) -> bool:
+        """A report is of one sensor; messages that name what they are of may come from many."""
+        return str(getattr(self._type, "TYPE", "")) not in _OF_MANY
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """Reports go to whoever asks."""

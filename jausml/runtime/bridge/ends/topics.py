@@ -140,6 +140,7 @@ INCOMPATIBLE = "incompatible_qos"
 OTHER_TYPE = "other_type"
 DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
+SEVERAL = "several_publishers"
 
 
 @dataclass(frozen=True)
@@ -191,6 +192,7 @@ class EndpointHealth:
     Attributes:
         strangers: Returns names and types of the nodes at the other end that have another type,
             while there are no others: ROS connects neither, and tells nobody.
+        count: Returns how many ends are connected at the other side.
     """
 
     publishes: bool
@@ -200,6 +202,7 @@ class EndpointHealth:
     others: Callable[[], Iterable[tuple[str, Qos]]]
     clock: Callable[[], float] = time.monotonic
     strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
+    count: Callable[[], int] = lambda: 0
     _suspected: str = field(default="", init=False)
     _was_seen: bool = field(default=False, init=False)
     _missed: float = field(default=-math.inf, init=False)
@@ -225,13 +228,20 @@ class EndpointHealth:
         """Notes that a publisher shows that it is alive."""
         self._lost = -math.inf
 
-    def faults(self) -> list[TopicFault]:
+    def faults(self, *, alone: bool = False) -> list[TopicFault]:
         """Returns what is wrong at present.
 
         The next message ends a missed deadline, and a lost liveliness of the bridge's own
         publisher. ROS does not tell of that one, but of each further period without.
+
+        Args:
+            alone: Whether the values of a second node at the other end would make them jump.
         """
         found = self._incompatible() if self._suspected else []
+        names = sorted({name for name, _ in self.others()}) if alone and self.count() > 1 else []
+        if len(names) > 1:
+            text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
+            found.append(TopicFault(SEVERAL, text))
         found += [TopicFault(OTHER_TYPE, self._strange(*each)) for each in self.strangers()]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:
