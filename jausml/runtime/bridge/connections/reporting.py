@@ -239,14 +239,18 @@ class Reporter:
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
         connection = self._connection
         lacking = connection.lacks_peers()
+        lacking = f"searching {lacking}" if lacking else ""
         is_heard = connection.statistics.last_arrival is not None
+        if not is_heard and not lacking and (silent := list(connection.silent_peers())):
+            verb = "does" if len(silent) == 1 else "do"
+            lacking = f"{' and '.join(map(str, silent))} {verb} not answer"
         # Where messages arrive and none has passed yet, what they lack is the point.
         has_begun = is_heard and connection.stopped in (StopReason.START, StopReason.INACTIVE)
         lacks_joins = has_begun and bool(connection.stale_joins())
         return Facts(
             error="values out of range" if present.errors > former.errors else "",
             fault=faults[0].text if faults else "",
-            lacking=f"searching {lacking}" if lacking else "",
+            lacking=lacking,
             failing=self._failing(),
             stopped=None if lacks_joins else connection.stopped,
             forbidden=connection.forbidden(),

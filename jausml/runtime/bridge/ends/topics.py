@@ -142,6 +142,9 @@ DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
 SEVERAL = "several_publishers"
 
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+"""What rclpy calls a node whose end was found before the node itself."""
+
 
 @dataclass(frozen=True)
 class TopicFault:
@@ -238,7 +241,8 @@ class EndpointHealth:
             alone: Whether the values of a second node at the other end would make them jump.
         """
         found = self._incompatible() if self._suspected else []
-        names = sorted({name for name, _ in self.others()}) if alone and self.count() > 1 else []
+        ends = self.others() if alone and self.count() > 1 else ()
+        names = sorted({name for name, _ in ends if not name.endswith(_UNKNOWN)})
         if len(names) > 1:
             text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
             found.append(TopicFault(SEVERAL, text))

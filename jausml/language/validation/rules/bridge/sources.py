@@ -79,9 +79,9 @@ def _sources(
         if not (subject.is_read(each, _ENDS) and is_sound(subject, each) and is_report(each)):
             continue
         query = find_query(each, owner)
-        for topic in each.topics if query is not None else ():
-            if topic.join is None and topic.name:
-                yield code(query), f"topic {topic.name}", each, topic
+        main = [topic for topic in each.topics if topic.join is None and topic.name]
+        if query is not None:
+            yield from ((code(query), f"topic {topic.name}", each, topic) for topic in main)
     for call in owner.serviceConnections:
         asking = calls.asking(call) if subject.is_intact(call) else None
         if asking is not None and subject.is_intact(asking) and not calls.serves(call):
@@ -162,7 +162,9 @@ def core_messages_left(subject: Subject, connection: bridge.Connection) -> Itera
     message, owner = connection.map.message, connection.eContainer()
     service = message.eContainer()
     urn = str(getattr(service, "urn", ""))
-    if urn not in SERVED_BY_RUNTIME - _LEFT_TO_CONNECTIONS or not is_known(subject, owner):
+    if owner is None or not is_known(subject, owner):
+        return
+    if urn not in SERVED_BY_RUNTIME - _LEFT_TO_CONNECTIONS:
         return
     to_ros, by_message = (
         connection.direction.name == "jausToRos",
