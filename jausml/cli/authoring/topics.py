@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from shlex import quote
 from typing import TYPE_CHECKING, TypeAlias
@@ -289,10 +289,31 @@ def _without(
     known = {ros_name(each.type) for each in maps if each.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
+    reason += "".join(f"; {each}" for each in _parts_carried(topic.type, maps))
     if left_out is None:
         ask = f"jausml list maps tells which there are; {command} begins one"
         raise click.UsageError(f"{reason}; {hint or ask}")
     left_out(topic, reason, command)
+
+
+def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[str]:
+    """Yields which elements of a type ready maps carry, one on a topic."""
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.model.names import name_of
+    from jausml.language.project import library
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
+    whole = next((e for e in library().instances(ros.MessageType) if ros_name(e) == kind), None)
+    for each in whole.fields if whole is not None else ():
+        if isinstance(each, ros.MessageField) and each.arrayKind.name != "single":
+            inner = ros_name(each.messageType)
+            carried = (one for one in maps if one.type and one.toJaus)
+            names = [name_of(one) for one in carried if ros_name(one.type) == inner]
+            if names:
+                yield (
+                    f"its {each.name} are {inner}, and of a topic of one of them "
+                    f"{', '.join(names[:_FEW])} makes a report"
+                )
 
 
 def _unsaid(
