@@ -124,8 +124,11 @@ def _second(flow: Flow, topic: str, others: list[Flow]) -> Iterator[Finding]:
 
 
 def is_same_source(flow: Flow, other: Flow) -> bool:
-    """Tells whether two connections to ROS carry the same message of a common peer."""
-    is_same = flow.code == other.code and flow.connection.map is other.connection.map
+    """Tells whether two connections to ROS carry the same message of a common peer alike.
+
+    A copy of a bridge has copies of its maps, which have the same names.
+    """
+    is_same = flow.code == other.code and flow.connection.map.name == other.connection.map.name
     return is_same and bool(flow.peers & other.peers or (flow.is_open and other.is_open))
 
 
