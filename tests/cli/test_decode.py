@@ -463,6 +463,12 @@ def test_encode_takes_an_argument_and_needs_no_name_of_the_one_record(jausml, fi
     assert "argument:1: TravelSpeedRec.Sped: unknown field; did you mean Speed?" in wrong.stderr
 
 
+@pytest.mark.parametrize("fields", ['{"Speed": 1.5}', "Speed=1.5", "TravelSpeedRec.Speed=1.5"])
+def test_encode_takes_a_name_with_fields_in_one_argument(jausml, fields):
+    result = jausml("encode", f"SetTravelSpeed {fields}")
+    assert (result.exit_code, result.stdout) == (0, "0a042c01\n"), result.output
+
+
 def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
     lines = [
         '{"message": "ReportStatus", "fields": {"ReportStatusRec": {"Status": 1, "Reserved": 0}}}',

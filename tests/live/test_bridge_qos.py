@@ -9,6 +9,7 @@ import sys
 
 import needs
 import pytest
+from ros_nodes import SpinningNode
 
 needs.ask("rclpy")
 
@@ -158,6 +159,22 @@ def test_a_topic_of_another_type_is_named_until_it_goes(node, peer, publishes):
     )
     (peer.node.destroy_subscription if publishes else peer.node.destroy_publisher)(other)
     wait_for(lambda: not tested.faults(topic, publishes=publishes), "end of the fault")
+
+
+def test_a_second_node_that_publishes_what_becomes_a_report_is_named_until_it_goes(node, peer):
+    from std_msgs.msg import Float64
+
+    tested, topic, other = node(), Topic("speed"), SpinningNode("other")
+    with other:
+        tested.subscribe(Float64, topic, lambda *_: None)
+        tested.start(pytest.fail)
+        for each in (peer.node, peer.node, other.node):
+            assert tested.faults(topic, publishes=False, alone=True) == []
+            each.create_publisher(Float64, "speed", 1)
+        (fault,) = wait_for(lambda: tested.faults(topic, publishes=False, alone=True), "fault")
+        assert fault.text.startswith("/other and /peer publish on /speed")
+        assert tested.faults(topic, publishes=False) == []
+    wait_for(lambda: not tested.faults(topic, publishes=False, alone=True), "end of the fault")
 
 
 def test_the_cure_that_is_named_cures(node, peer):

@@ -12,6 +12,18 @@ from jausml.live.peers.rendering import shown_fields
 ELEMENT = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
 
 
+def test_a_path_may_begin_where_one_place_has_its_name(catalogue):
+    lamps = catalogue.named("SetIlluminationState")[0]
+    bits = {"Headlights": 1, "FogLights": "OFF"}
+    whole = {"illuminationRec": {"illumination": bits}}
+    assert lamps.completed(bits) == whole
+    assert lamps.completed({"illumination": bits}) == whole
+    assert lamps.completed(whole) == whole
+    with pytest.raises(EncodeError, match="HighBeams: this field is absent") as found:
+        lamps.encode(lamps.completed(bits))
+    assert "unknown" not in str(found.value)
+
+
 @pytest.mark.parametrize(
     ("name", "fields"),
     [

@@ -226,6 +226,8 @@ class FaultyPeer:
         self.send(core.ReportControl(*parts, self.authority), sender)
 
     def on_query_authority(self, _message, sender):
+        if "says not which authority" in self.faults:
+            return
         wrong = "reports another authority" in self.faults
         self.send(core.ReportAuthority(self.authority + wrong), sender)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from jausml.live.peers.conformance.access import requires
 from jausml.live.peers.conformance.evidence import Verdict, describe
 from jausml.live.peers.conformance.run import (
     TargetNotReached,
@@ -149,6 +150,21 @@ def test_who_does_not_say_who_controls_it_is_judged_by_what_it_grants(peer, netw
     )
     assert found["access.preemption"].verdict is Verdict.NOTE
     assert Verdict.FAIL not in {each.verdict for each in others}
+
+
+@pytest.mark.parametrize("default", [150, 256])
+def test_authority_that_is_not_told_is_found_by_asking_with_more(peer, network, catalogue, default):
+    target = peer("says not who controls it", "says not which authority")
+    target.authority = target.default = default
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, only("access.request", "management.resume"), lambda _: None)
+        is_refused = default > 255
+        assert session.sufficient == (255 if is_refused else 205)
+        if is_refused:
+            assert "insufficient authority, even with 255" in requires(session)
+        else:
+            assert requires(session) == ""
+            assert set(verdicts(report).values()) <= {Verdict.PASS, Verdict.NOTE}
 
 
 def test_a_target_that_answers_no_query_fails(peer, network, catalogue):

@@ -130,6 +130,42 @@ def test_a_topic_may_feed_the_join_of_another(rover, jausml, notation):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+def test_a_join_that_nothing_feeds_is_subscribed_to_nothing(rover, jausml):
+    model = rover("text")
+    done = jausml("new", "bridge", "rover", "fix:sensor_msgs/NavSatFix:global_pose")
+    assert done.exit_code == 0, done.output
+    [(topics, *_)] = ways(model)
+    assert topics == ["fix"]
+    assert jausml("validate", "models", "--strict").exit_code == 0
+    assert jausml("generate", model, "-o", "src").exit_code == 0
+
+
+STOP = "e_stop/set:std_msgs/Bool"
+
+
+def test_a_type_alone_says_nothing(rover, jausml):
+    model = rover("text")
+    done = jausml("new", "bridge", "rover", DRIVE, STOP, "fan:std_msgs/Float64", "--yes")
+    assert done.exit_code == 0, done.output
+    assert "left out: e_stop/set is an emergency stop: a person states what presses" in done.output
+    assert "left out: nothing in the name fan says what its std_msgs/Float64 means" in done.output
+    assert [topics for topics, *_ in ways(model)] == [["cmd_vel"]]
+    before = model.read_bytes()
+    done = jausml("new", "connection", STOP, "--yes")
+    assert (done.exit_code, "no topic is left" in done.output) == (2, True), done.output
+    assert model.read_bytes() == before
+    done = jausml("new", "connection", "switch:std_msgs/Bool:set_headlights")
+    assert done.exit_code == 0, done.output
+
+
+def test_a_second_topic_of_one_report_is_left_out(rover, jausml):
+    model = rover("text")
+    done = jausml("new", "bridge", "rover", ODOM, "wheels/odom:nav_msgs/Odometry", "--yes")
+    assert done.exit_code == 0, done.output
+    assert "left out: wheels/odom: odom makes ReportLocalPose already" in done.output
+    assert [topics for topics, *_ in ways(model)] == [["odom"]]
+
+
 def test_it_says_which_numbers_of_the_vehicle_a_map_assumes(rover, jausml):
     rover("text")
     done = jausml("new", "bridge", "rover", DRIVE, "--yes")

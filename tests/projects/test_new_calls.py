@@ -226,7 +226,11 @@ def test_goals_of_an_operator_need_a_speed_that_a_person_states(robot, jausml, n
         (("service-connection", "a:std_srvs/Trigger", "ConfirmDrop"), "nobody asks by it"),
         (("service-connection", *TRIGGER, "--request", "data=Lit"), "nothing has to be carried"),
         (("service-connection", *TRIGGER, "--answer", "ReportLocalPose"), "does not send"),
-        (("action-connection", "a:nav2_msgs/NavigateToPose"), "has no list of messages"),
+        (
+            ("action-connection", "a:nav2_msgs/NavigateToPose"),
+            "has no list of messages, which list drivers have; a single pose goes to a topic, if "
+            "its planner takes one: jausml new connection goal_pose:geometry_msgs/PoseStamped",
+        ),
         (("action-connection", WAYPOINTS, "--element", "own"), "no such driver and map"),
         (("action-connection", WAYPOINTS, "--speed", "1"), "--speed is for --side operator"),
     ],

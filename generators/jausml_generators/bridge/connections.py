@@ -11,7 +11,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import freshness_of, joined_reports
-from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers
+from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers, is_emergency
 from jausml_generators.bridge.ends import (
     JoinView,
     ReportJoinView,
@@ -233,6 +233,8 @@ class ConnectionView:
         found += priority_of(self.connection)
         if self.connection.acknowledge:
             found.append(("acknowledge", "True"))
+        if is_emergency(self.message_element):
+            found.append(("filters", "True"))
         return found
 
     def _telling(self) -> list[tuple[str, str]]:

@@ -25,7 +25,7 @@ from jausml.language.semantics.jaus.commands import (
     answer_alike,
     guard_of_executors,
     guard_of_receivers,
-    is_command,
+    is_steering,
 )
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
@@ -304,7 +304,7 @@ class CallView:
         if message is None:
             return []
         found = []
-        if is_command(message):
+        if is_steering(message):
             found.append(("is_command", "True"))
         if calls.serves(connection):
             guard = guard_of_receivers(message, connection.peers, connection.search)

@@ -71,7 +71,9 @@ class Method:
         *messages, (sender, _) = self.parameters
         what = "".join(f" {{{name}.NAME}}" for name, _ in messages)
         detail = f'f"{self.name}:{what} from {{{sender}}}"'
-        count = call("self.counters.count", '"component.not_implemented"', detail)
+        # A counter of its own: the log tells one name at a time, and reports come often.
+        name = "not_implemented" if messages else "silence_not_implemented"
+        count = call("self.counters.count", f'"component.{name}"', detail)
         return (count, "return None") if self.result != "None" else (count,)
 
     @property

@@ -58,11 +58,12 @@ def add_bridge(
     chosen: Sequence[Crossing],
     topics: Sequence[TopicEnd],
     address: str = "",
+    namespace: str = "",
 ) -> tuple[str, ...]:
     """Adds a bridge with a connection for each way that was chosen.
 
-    `address`: its JAUS id; empty for one that is free. Returns the files that were written,
-    relative to the folder of the project.
+    `address`: its JAUS id; empty for one that is free. `namespace`: that of its topics. Returns the
+    files that were written, relative to the folder of the project.
     """
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
@@ -73,7 +74,8 @@ def add_bridge(
                 f"jausml new connection --bridge {name} adds topics to it"
             )
         check_name(name, whole)
-        return new_bridge(scope, whole, name, ways, topics=topics, address=address)
+        space = namespace.strip("/")
+        return new_bridge(scope, whole, name, ways, topics=topics, address=address, namespace=space)
 
     return _carry(place, f"Add bridge {name}", chosen, made)
 

@@ -14,7 +14,7 @@ from jausml.authoring.proposals.new_elements import free_address, name_among, pa
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (
     code,
@@ -110,8 +110,9 @@ class Draft:
 
     Attributes:
         peer: The component at the JAUS side, None for whoever it is.
-        joins: Topics of the joins of the map by the names of these, which else name them.
+        joins: Topics of the joins of the map by the names of these.
         hold: Why the last command may stand when its source is lost, as a person says it.
+        is_own: Whether the bridge itself is the peer.
     """
 
     offer: Offer
@@ -123,6 +124,7 @@ class Draft:
     qos: Mapping[str, str]
     joins: Mapping[str, str] = field(default_factory=dict)
     hold: str = ""
+    is_own: bool = False
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
         """Returns what makes it."""
@@ -161,14 +163,16 @@ class Draft:
             "name": (name_among(self.name, siblings),),
             "map": (used,),
         }
-        if not self.offer.to_ros:
+        if not self.offer.to_ros or is_emergency(self.offer.message):
             values["direction"] = (self.offer.direction,)
         if self.offer.exchange != MESSAGE:
             values["exchange"] = (self.offer.exchange,)
         if self.hold:
             values |= {"onSilence": ("hold",), "holdReason": (self.hold,)}
         inner: list[Child] = []
-        if self.peer is not None and self._names_peer:
+        if self.is_own:
+            values["peers"] = (place,)
+        elif self.peer is not None and self._names_peer:
             values["peers"] = (scope.ref(self.peer),)
         elif self._names_peer and self.offer.is_provided:
             searched = {"services": (scope.ref(self.offer.service),)}
@@ -176,12 +180,16 @@ class Draft:
         is_commanded = not self.offer.to_ros and is_command(self.offer.message)
         if is_commanded and self.peer is not None and not provides_access_control(self.peer):
             values["control"] = ("false",)
-        inner.append(self._topic(self.topic, self.qos))
+        inner += self._topics(scope)
+        return Add(place, "bridgeConnections", "bridge.Connection", values, tuple(inner))
+
+    def _topics(self, scope: Scope) -> Iterator[Child]:
+        """Yields the topic, and those that feed the joins of the map."""
+        yield self._topic(self.topic, self.qos)
         if self.map is not None and not self.offer.to_ros:
             for each in self.map.joins:
-                topic = self.joins.get(name_of(each), name_of(each))
-                inner.append(self._topic(topic, {}, scope.ref(each)))
-        return Add(place, "bridgeConnections", "bridge.Connection", values, tuple(inner))
+                if topic := self.joins.get(name_of(each)) or needed_topic(each):
+                    yield self._topic(topic, {}, scope.ref(each))
 
     @staticmethod
     def _topic(name: str, qos: Mapping[str, str], join: str = "") -> Child:
@@ -247,10 +255,20 @@ def system_of(scope: Scope) -> system.System | None:
 
 
 def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
-    """Tells whether a command that moves something has no stop in a map, for a lost source."""
+    """Tells whether a command that moves something has no stop in a map, for a lost source.
+
+    So it is with an emergency: what ends it, a person has to say.
+    """
     message = offer.message
+    if is_emergency(message):
+        return True
     moves = offer.exchange == MESSAGE and is_command(message) and message.moves
     return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
+
+
+def needed_topic(join: bridge.Join) -> str:
+    """Returns a topic for a join that cannot do without; empty where its fields are left out."""
+    return "" if join.whenStale.name == "leave" else name_of(join)
 
 
 def qos_of(profile: Mapping[str, str]) -> tuple[Child, ...]:

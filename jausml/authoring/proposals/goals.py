@@ -17,6 +17,7 @@ from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import OpenPoint, open_decisions, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
+from jausml.language.project import library
 from jausml.language.semantics.connections.calls import (
     ELEMENTS,
     PATH_SEGMENTS,
@@ -180,13 +181,26 @@ def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
     """Returns why no list driver can have the goals of an action, with what helps."""
     lists = [f"{member}, each {ros_name(element)}" for member, element in lists_in(kind)]
     if not lists:
-        return f"the goal of {ros_name(kind)} has no list of messages, which list drivers have"
+        reason = f"the goal of {ros_name(kind)} has no list of messages, which list drivers have"
+        return "; ".join((reason, *_as_topics(kind)))
     [element, *_] = (ros_name(each) for _, each in lists_in(kind))
     direction = "to-ros" if to_ros else "to-jaus"
     return (
         f"no map carries an element of its goal ({'; '.join(lists)}) for a list driver; "
         f"begin one: jausml new map NAME SetLocalWaypoint {element} --direction {direction}"
     )
+
+
+def _as_topics(kind: ros.ActionType) -> Iterator[str]:
+    """Yields how a goal of one message goes to a topic, as planners take it too."""
+    known = {ros_name(each.type) for each in library().instances(bridge.AttributeMap) if each.type}
+    for each in kind.goal.fields:
+        if isinstance(each, ros.MessageField) and ros_name(each.messageType) in known:
+            word = f"goal_{each.name}:{ros_name(each.messageType)}"
+            yield (
+                f"a single {each.name} goes to a topic, if its planner takes one: jausml new "
+                f"connection {word} (no feedback, and what stops it you state)"
+            )
 
 
 def opens_of(

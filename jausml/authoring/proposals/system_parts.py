@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Command, Set
-from jausml.authoring.proposals.bridging import Draft, has_message, peer_of
+from jausml.authoring.proposals.bridging import Draft, Offer, has_message, peer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope, label_of, service_of, type_of
 from jausml.authoring.proposals.message_words import (
     COMMAND,
@@ -34,18 +34,21 @@ def new_bridge(
     *,
     topics: Sequence[TopicEnd] = (),
     address: str = "",
+    namespace: str = "",
 ) -> list[Command]:
     """Returns what makes a bridge with a connection for each chosen way.
 
     `topics`: all topics, which may feed the joins of maps. `address`: its JAUS id; empty for one
-    that is free.
+    that is free. `namespace`: where the names of its topics are resolved; empty for the root.
     """
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
         "address": (stated_or_free_address(scope.model, address),),
     }
+    if namespace:
+        values["namespace"] = (namespace,)
     for feature, is_used in (("provides", False), ("uses", True)):
-        services = [each.offer.service for each in chosen if each.offer.is_provided is is_used]
+        services = [each.service for each in _offers(chosen) if each.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
     made = Add(scope.ref(whole), "bridges", "bridge.Bridge", values)
@@ -60,12 +63,17 @@ def new_connections(
     made: list[Command] = []
     for feature, is_used in (("provides", False), ("uses", True)):
         known = list(getattr(owner, feature))
-        wanted = [each.offer for each in chosen if each.offer.is_provided is is_used]
+        wanted = [each for each in _offers(chosen) if each.is_provided is is_used]
         missing = [each.service for each in wanted if not has_message(known, each.message)]
         if missing:
             refs = (scope.ref(each) for each in (*known, *missing))
             made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
     return [*made, *_connections(scope, place, chosen, topics, owner)]
+
+
+def _offers(chosen: Sequence[Crossing]) -> list[Offer]:
+    """Returns what is exchanged with others."""
+    return [each.offer for each in chosen if not each.is_own]
 
 
 def _connections(
@@ -106,6 +114,7 @@ def _connections(
             each.qos,
             joins_of(each, topics, fed),
             each.hold_reason,
+            each.is_own,
         )
         found.append(draft.connection(scope, place, used))
     return found

@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from jausml.authoring.proposals.bridging import Offer, is_served, lacks_stop, offer_of
 from jausml.authoring.proposals.named_elements import are_examples, frames_in
+from jausml.authoring.proposals.topic_names import TopicName, is_bare
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
 from jausml.language.project import library
 from jausml.language.semantics.connections.calls import unanswered
 from jausml.language.semantics.connections.exchanges import EVENT
-from jausml.language.semantics.jaus.commands import is_command, told_by_command
+from jausml.language.semantics.jaus.commands import is_command, is_emergency, told_by_command
 from jausml.language.semantics.jaus.services import code
-from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import used_maps
 
 VEHICLE, OPERATOR = "vehicle", "operator"
 SIDES = (VEHICLE, OPERATOR)
 """What the nodes of ROS are behind a bridge: a vehicle that JAUS commands, or who commands one."""
-
-_LONG = {"cmd": "command", "vel": "velocity", "odom": "odometry", "accel": "acceleration"}
-_COMMANDING = frozenset({"command", "goal", "target", "set", "setpoint", "desired"})
-_MEANT = {"goal": "waypoint", "target": "waypoint"}
 
 
 @dataclass(frozen=True)
@@ -60,19 +57,26 @@ class TopicEnd:
 class Crossing:
     """A way in which a bridge can carry a topic.
 
-    `hold_reason`: why the last command may stand when its source is lost, as a person says it.
-    Nothing else may fill it in: what is safe depends on what receives the command.
+    `hold_reason`: why the last command may stand when its source is lost, or what releases an
+    emergency stop, as a person says it. Nothing else may fill it in: what is safe depends on what
+    receives the command. `is_vehicle`: whether the nodes of ROS are those of a vehicle.
     """
 
     topic: TopicEnd
     map: bridge.AttributeMap
     offer: Offer = field(repr=False)
     hold_reason: str = ""
+    is_vehicle: bool = True
 
     @property
     def has_no_stop(self) -> bool:
         """Whether it is a command that nothing in its map stops when its source is lost."""
         return lacks_stop(self.offer, self.map)
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it sets or ends an emergency of the bridge itself, as nodes of a vehicle do."""
+        return not self.offer.to_ros and self.is_vehicle and is_emergency(self.offer.message)
 
     @property
     def lacks_names(self) -> bool:
@@ -115,6 +119,8 @@ class Crossing:
         if self.offer.to_ros:
             how = "asked for as a periodic event" if self.offer.exchange == EVENT else "taken"
             what = f"{message} of {service} is {how} and published"
+        elif self.is_own:
+            what = f"taken as {message} of the bridge itself"
         elif self.offer.exchange == EVENT:
             what = f"reported as {message} of {service} to whoever asks"
         else:
@@ -126,18 +132,22 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
     """Returns the ways of a topic, the likeliest first.
 
     What the name of the topic says decides; where it says nothing, reports come before commands,
-    which move something.
+    which move something. The type alone of a bare value, such as std_msgs/Bool, says nothing: there
+    the name has to say what that of the map does, unless a person has named the map.
     """
-    found = list(_possible(topic, maps, is_vehicle=side == VEHICLE))
-    named = [_LONG.get(each, each) for each in (word.lower() for word in words(topic.name))]
-    commands = not _COMMANDING.isdisjoint(named)
-    meant = {*named, *(_MEANT[each] for each in named if each in _MEANT)}
+    said = TopicName(topic.name)
 
-    def rank(each: Crossing) -> tuple[bool, int, int]:
-        own = [word.lower() for word in words(name_of(each.map))]
-        return is_command(each.offer.message) is not commands, -len(meant & {*own}), len(own)
+    def rank(each: Crossing) -> tuple[bool, bool, int, int, int]:
+        moves = (
+            each.offer.to_ros
+            if is_emergency(each.offer.message)
+            else is_command(each.offer.message)
+        )
+        return moves is not said.commands, *said.distance(each.map)
 
-    return sorted(found, key=rank)
+    found = sorted(_possible(topic, maps, is_vehicle=side == VEHICLE), key=rank)
+    is_open = topic.maps or not is_bare(topic.type)
+    return [each for each in found if is_open or said.names(each.map)]
 
 
 def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -> str:
@@ -169,11 +179,11 @@ def _possible(
             if (
                 offer is not None
                 and topic.to_ros in (None, to_ros)
-                and offer.is_provided is not is_vehicle
-                and not is_served(offer.service)
+                and (offer.is_provided is not is_vehicle or is_emergency(offer.message))
+                and (not is_served(offer.service) or name_of(used) in topic.maps)
                 and _can_carry(used, to_ros=to_ros)
             ):
-                yield Crossing(topic, used, offer)
+                yield Crossing(topic, used, offer, is_vehicle=is_vehicle)
 
 
 def _is_of(used: bridge.AttributeMap, kind: str) -> bool:
@@ -190,6 +200,52 @@ def _can_carry(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
     return len(list(used_maps(used, to_ros=to_ros))) == 1
 
 
+def robots_in(topics: Sequence[TopicEnd]) -> list[str]:
+    """Returns the namespaces of topics that look like several robots; none of one robot.
+
+    They have topics of the same names and types: one that nodes listen to, or at least two. Empty
+    is the root.
+    """
+    spaces: dict[tuple[str, str], set[str]] = defaultdict(set)
+    heard = set()
+    for each in topics:
+        parts = each.name.strip("/").split("/")
+        for at in range(len(parts)):
+            end = "/".join(parts[at:]), each.type
+            spaces[end].add("/".join(parts[:at]))
+            if each.to_ros:
+                heard.add(end)
+    shared = {end: found for end, found in spaces.items() if len(found) > 1}
+    are_several = len(shared) > 1 or not heard.isdisjoint(shared)
+    return sorted(set().union(*shared.values())) if are_several else []
+
+
+def within(topics: Sequence[TopicEnd], namespace: str) -> list[TopicEnd]:
+    """Returns the topics of a namespace, with names relative to it; of the root, all but robots."""
+    own = namespace.strip("/")
+    if own:
+        inner = [each for each in topics if each.name.strip("/").startswith(f"{own}/")]
+        return [replace(each, name=each.name.strip("/").removeprefix(f"{own}/")) for each in inner]
+    others = [f"{each}/" for each in robots_in(topics) if each]
+    return [each for each in topics if not each.name.strip("/").startswith(tuple(others))]
+
+
+def clashes(chosen: Sequence[Crossing]) -> list[tuple[Crossing, Crossing]]:
+    """Returns the ways that no person has named and that repeat one before them, with that one.
+
+    Two topics that make one report are a value that jumps, and one command for two topics moves
+    two things.
+    """
+    first: dict[tuple[int, bool], Crossing] = {}
+    found = []
+    for each in chosen:
+        before = first.setdefault((code(each.offer.message), each.offer.to_ros), each)
+        is_same = before.topic is each.topic or each.map.message.moves is False
+        if before is not each and not is_same and not each.topic.maps:
+            found.append((each, before))
+    return found
+
+
 def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) -> dict[str, str]:
     """Returns which topics the joins of a map are fed by, by the names of the joins.
 
@@ -199,14 +255,23 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
     if crossing.offer.to_ros:
         return found
     for join in crossing.map.joins:
-        if join.type is None:
-            continue
-        for each in topics:
-            if each.type == ros_name(join.type) and each.name not in taken | {crossing.topic.name}:
-                found[name_of(join)] = each.name
-                taken.add(each.name)
-                break
+        free = [each for each in topics if each.name not in taken | {crossing.topic.name}]
+        fitting = [each for each in free if feeds(each, join)]
+        # Of several of a type, one whose name says so.
+        if best := next(
+            (each for each in fitting if TopicName(each.name).feeds(join)),
+            next(iter(fitting), None),
+        ):
+            found[name_of(join)] = best.name
+            taken.add(best.name)
     return found
+
+
+def feeds(topic: TopicEnd, join: bridge.Join) -> bool:
+    """Tells whether a topic can be that of a join: by its type, and a bare value by its name."""
+    if join.type is None or ros_name(join.type) != topic.type:
+        return False
+    return not is_bare(topic.type) or TopicName(topic.name).feeds(join)
 
 
 def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:

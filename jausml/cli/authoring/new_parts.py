@@ -11,6 +11,7 @@ from jausml.cli.authoring.new import add_to, model_option, pairs, place_for, rep
 from jausml.cli.authoring.running import (
     graph_options,
     left_topic,
+    of_one_robot,
     show_left,
     topics_in,
     what_runs_here,
@@ -195,6 +196,12 @@ def node(
 )
 @graph_options
 @click.option("--address", metavar="ID", help="JAUS id; by default, a free one.")
+@click.option(
+    "--namespace",
+    metavar="NAMESPACE",
+    help="Take the topics of one robot of several from ROS: those in this namespace; / is the "
+    "root.",
+)
 @topic_options
 @model_option
 def bridge(
@@ -204,6 +211,7 @@ def bridge(
     from_graph: bool,
     seconds: float,
     address: str | None,
+    namespace: str | None,
     choosing: Choosing,
     model: Path | None,
 ) -> None:
@@ -211,13 +219,14 @@ def bridge(
 
     For each topic, proposes service, map, direction, exchange and quality of service. If several
     maps fit, asks which one to use; --yes takes the likeliest, and TOPIC:TYPE:MAP names one. A
-    topic whose name does not suggest a command becomes a report, which moves nothing.
+    topic whose name does not suggest a command becomes a report, which moves nothing. A value of
+    std_msgs is left out unless its name says what that of a map does, or you name the map.
 
     With --from-graph, lists the running ROS topics, services and actions, the joints and frames
     that messages name, and the parameters that say something for a model. Takes types, directions,
     quality of service and names of joints and frames from them. What no ready map carries is left
     out, with the reason and the command that comes next. Limits and time-outs of the robot are
-    shown and never filled in.
+    shown and never filled in. Where several robots run, --namespace says which one is meant.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
@@ -227,6 +236,8 @@ def bridge(
         raise click.UsageError("--topics and --from-graph exclude each other")
     if not words and not from_graph:
         raise click.UsageError("name topics, such as cmd_vel:geometry_msgs/Twist")
+    if namespace is not None and (words or not from_graph):
+        raise click.UsageError("--namespace goes with --from-graph and without named topics")
     with stopping():
         place = place_for(model)
         scope = scope_of(place)
@@ -235,12 +246,13 @@ def bridge(
             running = what_runs_here(seconds)
             topics = topics_in(running, words)
             if not words:
+                topics = of_one_robot(topics, namespace)
                 show_left(running, scope)
                 left = left_topic(scope)
         else:
             topics = topics_of(words)
         chosen = chosen_crossings(topics, ready_maps(scope), choosing, left)
-        files = add_bridge(place, name, chosen, topics, address or "")
+        files = add_bridge(place, name, chosen, topics, address or "", namespace or "")
     show_chosen(chosen, topics)
     show_unanswered(chosen)
     report(place, files)

@@ -131,6 +131,27 @@ def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> li
     return [_named(word, known) for word in words]
 
 
+def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[TopicEnd]:
+    """Returns the topics of a namespace, or all of them where they look like those of one robot.
+
+    Of several robots, one bridge would command all at once: then somebody has to say which.
+    """
+    from jausml.authoring.proposals.topics import robots_in, within
+
+    if namespace is None and (robots := robots_in(topics)):
+        ways = "".join(f"\n  --namespace {each or '/'}" for each in robots)
+        raise click.UsageError(
+            "several namespaces have topics of the same names, as several robots have; give each "
+            f"robot a bridge of its own:{ways}"
+        )
+    if namespace is None:
+        return list(topics)
+    found = within(topics, namespace)
+    if not found:
+        raise click.UsageError(f"no topic runs in the namespace {namespace!a}")
+    return found
+
+
 def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
     from jausml.language.model.values import suggest
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from shlex import quote
 from typing import TYPE_CHECKING, TypeAlias
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     LeftOut: TypeAlias = Callable[[TopicEnd, str, str], None]
     """Takes a topic without a way, why it has none, and the command that comes next."""
+
+_FEW = 4
 
 
 def side_option(command: Callable[..., None]) -> Callable[..., None]:
@@ -160,29 +162,45 @@ def chosen_crossings(
 
     `left_out`: what tells of a topic without a way, and why; without it, that is an error.
     """
-    from jausml.authoring.proposals.topics import crossings
+    from jausml.authoring.proposals.topics import clashes, crossings, feeds
 
     side, yes = choosing.side, choosing.yes
     reasons = holds_of(choosing.holds, topics)
     topics = _with_joints(topics, choosing.joints)
     offered = {each.name: crossings(each, maps, side) for each in topics}
-    fed = _feeding(offered)
+    joins = [join for each in offered.values() for way in each for join in _fed_joins(way)]
+    waiting = {each.name for each in topics if any(feeds(each, join) for join in joins)}
     found: list[Crossing] = []
     for topic in topics:
         if ways := offered[topic.name]:
             found += _taken(topic, ways, maps, choosing)
-        elif topic.type not in fed:
+        elif topic.name not in waiting:
             _without(topic, maps, side, left_out)
     _check_joints(choosing.joints, found)
     found = [each for each in found if not _lacks_names(each, left_out)]
+    for each, first in clashes(found):
+        found.remove(each)
+        _clash(each, first)
     used = {each for one in joined(found, topics) for each in one.values()}
     for topic in topics:
-        is_left = topic.type in fed and not offered[topic.name] and topic.name not in used
+        is_left = topic.name in waiting and not offered[topic.name] and topic.name not in used
         if is_left and left_out is not None:
             left_out(topic, f"no topic that is carried has a join for {topic.name}", "")
     if not found and left_out is None:
         raise click.UsageError("no topic is left that a bridge could carry")
     return [_decided(each, reasons, yes=yes) for each in found]
+
+
+def _clash(crossing: Crossing, first: Crossing) -> None:
+    """Says of a way that it is left out, since another topic has its message."""
+    from jausml.language.model.names import name_of
+
+    name, message = crossing.topic.name, name_of(crossing.offer.message)
+    does = "is commanded by" if crossing.offer.to_ros else "makes"
+    remark(
+        f"left out: {name}: {first.topic.name} {does} {message} already, and a component has one; "
+        f"a bridge of its own, or {name}:{crossing.topic.type}:MAP, carries it"
+    )
 
 
 def _check_joints(joints: Sequence[str], chosen: Sequence[Crossing]) -> None:
@@ -228,23 +246,22 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
 def _ask_reason(crossing: Crossing) -> str:
     from jausml.language.model.names import name_of
     from jausml.language.semantics.connections.stops import is_reason
+    from jausml.language.semantics.jaus.commands import is_emergency
 
-    click.echo(
-        f"Nothing stops what {name_of(crossing.offer.message)} of {crossing.topic.name} sets in "
-        "motion when its source is lost.",
-        err=True,
-    )
-    question = "Why is it safe that the last command stands then? (empty: decide later)"
+    message, topic = name_of(crossing.offer.message), crossing.topic.name
+    if is_emergency(crossing.offer.message):
+        question = f"What may release the emergency stop ({message} of {topic})? (empty: later)"
+    else:
+        text = f"Nothing stops what {message} of {topic} sets in motion when its source is lost."
+        click.echo(text, err=True)
+        question = "Why is it safe that the last command stands then? (empty: decide later)"
     reason = str(click.prompt(question, "", show_default=False, err=True)).strip()
     return reason if is_reason(reason) else ""
 
 
-def _feeding(offered: dict[str, list[Crossing]]) -> set[str]:
-    """Returns the types that joins of maps take which other topics may have."""
-    from jausml.language.semantics.paths.ros_paths import ros_name
-
-    ways = [way for each in offered.values() for way in each if not way.offer.to_ros]
-    return {ros_name(join.type) for way in ways for join in way.map.joins}
+def _fed_joins(way: Crossing) -> Sequence[bridge.Join]:
+    """Returns the joins of a way that topics feed."""
+    return () if way.offer.to_ros else way.map.joins
 
 
 def _without(
@@ -253,7 +270,10 @@ def _without(
     side: str,
     left_out: LeftOut | None,
 ) -> None:
-    from jausml.authoring.proposals.topics import why_not
+    from jausml.authoring.proposals.bridging import is_served
+    from jausml.authoring.proposals.topic_names import is_emergency_stop
+    from jausml.authoring.proposals.topics import crossings, why_not
+    from jausml.language.model.names import name_of
     from jausml.language.model.values import suggest
     from jausml.language.semantics.names import snake_case
     from jausml.language.semantics.paths.ros_paths import ros_name
@@ -261,16 +281,63 @@ def _without(
     for wanted in topic.maps:
         if found := why_not(wanted, topic, maps, side):
             raise click.UsageError(f"{topic.name}: {found}")
-    known = {ros_name(each.type) for each in maps if each.type is not None}
-    hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
-    reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
     frames = (quote(f'{path}="{name}"') for path, name in topic.own_frames.items())
     stated = "".join(f" --to-ros {each}" for each in frames)
     command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}{stated}"
+    named = crossings(replace(topic, maps=tuple(map(name_of, maps))), maps, side)
+    is_stop = is_emergency_stop(topic.name)
+    if ways := [each for each in named if is_served(each.offer.service) is is_stop]:
+        _unsaid(topic, ways, command, left_out)
+        return
+    known = {ros_name(each.type) for each in maps if each.type is not None}
+    hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
+    reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
+    reason += "".join(f"; {each}" for each in _parts_carried(topic.type, maps))
     if left_out is None:
         ask = f"jausml list maps tells which there are; {command} begins one"
         raise click.UsageError(f"{reason}; {hint or ask}")
     left_out(topic, reason, command)
+
+
+def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[str]:
+    """Yields which elements of a type ready maps carry, one on a topic."""
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.model.names import name_of
+    from jausml.language.project import library
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
+    whole = next((e for e in library().instances(ros.MessageType) if ros_name(e) == kind), None)
+    for each in whole.fields if whole is not None else ():
+        if isinstance(each, ros.MessageField) and each.arrayKind.name != "single":
+            inner = ros_name(each.messageType)
+            carried = (one for one in maps if one.type and one.toJaus)
+            names = [name_of(one) for one in carried if ros_name(one.type) == inner]
+            if names:
+                yield (
+                    f"its {each.name} are {inner}, and of a topic of one of them "
+                    f"{', '.join(names[:_FEW])} makes a report"
+                )
+
+
+def _unsaid(
+    topic: TopicEnd, ways: Sequence[Crossing], command: str, left_out: LeftOut | None
+) -> None:
+    """Says of a topic that its type alone means nothing, and what a person may state."""
+    from jausml.authoring.proposals.topic_names import is_emergency_stop
+    from jausml.language.model.names import name_of
+
+    reason = f"nothing in the name {topic.name} says what its {topic.type} means"
+    if is_emergency_stop(topic.name):
+        reason = f"{topic.name} is an emergency stop: a person states what presses and releases it"
+    names = list(dict.fromkeys(name_of(each.map) for each in ways))
+    options = ", ".join(names[:_FEW])
+    if len(names) > _FEW:
+        options += f" and {len(names) - _FEW} more"
+    hint = f"{topic.name}:{topic.type}:MAP takes one of {options}"
+    if left_out is None:
+        remark(f"left out: {reason}; {hint}")
+    else:
+        left_out(topic, f"{reason}; {hint}", command)
 
 
 def _taken(
@@ -341,6 +408,7 @@ def show_undecided(chosen: Sequence[Crossing]) -> None:
     """Says last of all what a person has to decide before anything is generated."""
     from jausml.authoring.proposals.mapping.opens import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
+    from jausml.language.semantics.jaus.commands import is_emergency
 
     names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
     if not names:
@@ -348,7 +416,10 @@ def show_undecided(chosen: Sequence[Crossing]) -> None:
     click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
     for each in names:
         message = name_of(each.offer.message)
-        click.echo(f"  {each.topic.name}: nothing stops what {message} sets in motion", err=True)
+        stands = f"nothing stops what {message} sets in motion"
+        if is_emergency(each.offer.message):
+            stands = f"nobody says what releases the emergency stop ({message}); JML500 asks for it"
+        click.echo(f"  {each.topic.name}: {stands}", err=True)
         if stops_by_zeros(each.map, [each.offer.to_ros]):
             stop, used = STOPS[each.offer.to_ros], name_of(each.map)
             told = f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
@@ -381,9 +452,14 @@ def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
 
 
 def _crossing_line(crossing: Crossing) -> str:
+    from jausml.language.semantics.jaus.commands import is_emergency
+
     arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
     reason = crossing.hold_reason
-    held = f"; the last command stands when its source is lost: {reason}" if reason else ""
+    stands = "the last command stands when its source is lost"
+    if is_emergency(crossing.offer.message):
+        stands = "what releases it"
+    held = f"; {stands}: {reason}" if reason else ""
     own = f"; joints {', '.join(crossing.names)}" if crossing.names else ""
     own += "".join(f"; the frame {old} is {new}" for old, new in crossing.frames.items())
     return f"{crossing.topic.name}: {arrow}, {crossing.says()}{own}{held}"

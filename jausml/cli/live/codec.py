@@ -44,6 +44,9 @@ _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
 _PART = re.compile(r"(?:0[xX])?(?:[0-9A-Fa-f]{2}){1,14}")
 """Hex that is too short for a datagram: one byte before the message, and its header of 14."""
 
+_NAMED = re.compile(r"[A-Za-z]\w*\s+(\{|[\w.\[\]]+=)")
+"""A message with fields, as `jausml ocu` takes them."""
+
 _ARGUMENT = "argument "
 
 _BEGINNING = 1024
@@ -340,7 +343,7 @@ def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
     failed = False
     catalogue = open_catalogue(models)
     path = " ".join(words) or STDIN
-    is_message = len(words) > 1 or path.lstrip().startswith("{")
+    is_message = len(words) > 1 or path.lstrip().startswith("{") or _is_named(path)
     name = "argument" if is_message else shown_path(path)
     for number, line in enumerate([path] if is_message else read_lines(path), 1):
         if not line.strip():
@@ -352,6 +355,11 @@ def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
             click.echo(f"{name}:{number}: {told(error, models)}", err=True)
     if failed:
         raise click.exceptions.Exit(PROBLEMS)
+
+
+def _is_named(text: str) -> bool:
+    """Tells whether one argument is the name of a message with fields, and no file."""
+    return _NAMED.match(text) is not None and not Path(text).exists()
 
 
 class _LineError(ValueError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -232,11 +233,32 @@ def parsed_address(_context: click.Context, _parameter: click.Parameter, value: 
         raise click.BadParameter(str(error)) from error
 
 
+_FIELDS_BESIDE = "jausml.fields"
+"""Where fields wait that stood in one object with the name of the message."""
+
+
+def _message_name(context: click.Context, _parameter: click.Parameter, word: str) -> str:
+    """Returns the name of a message; fields that stand beside it, as in `jausml encode`, wait."""
+    if not word.lstrip().startswith("{"):
+        return word
+    try:
+        found = json.loads(word)
+    except ValueError as error:
+        raise click.BadParameter(f"the message is no JSON: {error}") from error
+    fields = found.get("fields", {})
+    if not (isinstance(found.get("message"), str) and isinstance(fields, dict)):
+        raise click.BadParameter('an object has a name as "message", and an object as "fields"')
+    context.meta[_FIELDS_BESIDE] = fields
+    return str(found["message"])
+
+
 def _fields(
-    _context: click.Context, _parameter: click.Parameter, words: tuple[str, ...]
+    context: click.Context, _parameter: click.Parameter, words: tuple[str, ...]
 ) -> dict[str, Any] | None:
     if not words:
-        return None
+        return context.meta.get(_FIELDS_BESIDE) or None
+    if _FIELDS_BESIDE in context.meta:
+        raise click.BadParameter("the fields stand in the object of the message already")
     from jausml.live.messages.entries import parse_fields
 
     try:
@@ -287,7 +309,9 @@ def _field_names(context: click.Context, _parameter: click.Parameter, begun: str
 
 
 TARGET = click.argument("target", metavar="ID", callback=parsed_address)
-MESSAGE = click.argument("message", metavar="MESSAGE", shell_complete=_message_names)
+MESSAGE = click.argument(
+    "message", metavar="MESSAGE", callback=_message_name, shell_complete=_message_names
+)
 FIELDS = click.argument(
     "fields", metavar="[FIELDS]...", nargs=-1, callback=_fields, shell_complete=_field_names
 )

@@ -194,13 +194,13 @@ class MessageEntry:
 
         Args:
             fields: The one record of a body need not be named; names may be paths, as they are
-                shown: `NodeList[0].NodeID`.
+                shown: `NodeList[0].NodeID`, or their ends, where one path alone has them.
         """
-        fields = by_name(fields)
         members = self.record.members
-        if len(members) != 1 or members[0].name in fields:
-            return fields
-        return {members[0].name: fields}
+        is_whole = len(members) != 1 or any(_first(each) == members[0].name for each in fields)
+        kind = self.record if is_whole else members[0].kind
+        fields = by_name(_from_ends(kind, fields))
+        return fields if is_whole else {members[0].name: fields}
 
     def shortened(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields without the one record of a body, and without its presence vector."""
@@ -313,6 +313,34 @@ def shortened(value: Any) -> Any:
 _PATH = r"\w+(?:\[\d+\])*(?:\.\w+(?:\[\d+\])*)*"
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")
 _ASSIGNMENT = re.compile(rf"(?:^|(?<=\s))({_PATH})=")
+
+
+def _first(path: str) -> str:
+    return re.split(r"[.\[]", path, maxsplit=1)[0]
+
+
+def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
+    """Returns fields by whole paths, where a path began further in and one place has its name."""
+    places: dict[str, list[str]] = {}
+    for name, path in _named_inside(kind, ""):
+        places.setdefault(name, []).append(path)
+    direct = {each.name for each in kind.members} if isinstance(kind, wire.Record) else set()
+    made = {}
+    for path, value in fields.items():
+        first = _first(str(path))
+        found = [] if first in direct else places.get(first, [])
+        made[f"{found[0]}{path}" if len(found) == 1 else path] = value
+    return made
+
+
+def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
+    """Yields the names of what records and bit fields hold, with the paths before them."""
+    if isinstance(kind, wire.BitField):
+        yield from ((each.name, before) for each in kind.groups)
+    if isinstance(kind, wire.Record):
+        for each in kind.members:
+            yield each.name, before
+            yield from _named_inside(each.kind, f"{before}{each.name}.")
 
 
 def by_name(fields: dict[str, Any]) -> dict[str, Any]:

@@ -13,11 +13,10 @@ import typing
 from functools import partial
 from importlib import import_module
 
-from jausml_runtime.bridge.connections.connection import FILTERED
 from jausml_runtime.bridge.connections.translations import transcoder
 from jausml_runtime.bridge.messages import cdr
 from jausml_runtime.bridge.messages.limits import StaleJoinError
-from jausml_runtime.bridge.reports.diagnostics import reason_of
+from jausml_runtime.bridge.reports.diagnostics import FILTERED, reason_of
 from jausml_runtime.conversions import Time
 
 _NANO = 10**9

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
     from ..services.definitions import ListElement
+    from ..services.dispatch import Take as TakeMessage
     from ..services.list_manager import ElementList
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
@@ -229,6 +230,16 @@ class ComponentBase(Host):
         """Raise what ``lift_emergency`` would, and do nothing else."""
         with self.loop.lock:
             self._jaus_core.management.check_lift(clients)
+
+    def watch_emergency(self, message_class: type[Message], take: TakeMessage) -> None:
+        """Give an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
+
+        Args:
+            message_class: One of the two.
+            take: Takes the encoded message, and whoever made the difference.
+        """
+        with self.loop.lock:
+            self._jaus_core.management.watch_emergency(message_class, take)
 
     # ---- hooks with a default ---------------------------------------------------------------
 

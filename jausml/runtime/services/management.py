@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..wire.message import Message
     from .access_control import AccessControlService
+    from .dispatch import Take
     from .host import Host
 
 
@@ -68,6 +69,7 @@ class ManagementService:
         self._component = component
         self._access = access
         self._emergencies: set[JausAddress] = set()
+        self._watchers: dict[int, list[Take]] = {}
         self._is_1_0 = component.core_version("Management") < VERSION_1_1
         self._interrupted: tuple[Status, JausAddress | None, int] = (Status.STANDBY, None, 0)
         self.status = Status.INITIALIZE
@@ -85,6 +87,21 @@ class ManagementService:
         component.handle(SetEmergency, self._set_emergency)
         component.handle(ClearEmergency, self._clear_emergency)
         component.provide(QueryStatus, ReportStatus, self._report_status)
+
+    def watch_emergency(self, message_class: type[Message], take: Take) -> None:
+        """Give an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
+
+        That is not each such message: others may have set an emergency too, and a person at the
+        robot may lift it. What is given is encoded, from whoever made the difference.
+        """
+        self._watchers.setdefault(message_class.CODE, []).append(take)
+
+    def _tell(self, sender: JausAddress, *, active: bool) -> None:
+        """Tell connections, then the hook, that an emergency has begun or ended."""
+        told = SetEmergency if active else ClearEmergency
+        for take in self._watchers.get(told.CODE, ()):
+            take(told(emergency_code=told.EmergencyCode.STOP).encode(), sender)
+        self._component.call(self._component.on_emergency, active)
 
     def initialize(self) -> None:
         """Pass through Init to Standby."""
@@ -156,7 +173,7 @@ class ManagementService:
         self._enter(Status.INITIALIZE)
         self._access.drop(Reject.CONTROL_RELEASED)
         if was_emergency:
-            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+            self._tell(sender, active=False)
         if self.status is Status.INITIALIZE:  # no hook has reported a failure meanwhile
             self.initialize()
 
@@ -182,7 +199,7 @@ class ManagementService:
                 self._access.kept = True
             else:
                 self._access.drop(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
-            self._component.call(self._component.on_emergency, True)  # noqa: FBT003
+            self._tell(sender, active=True)
 
     def _clear_emergency(self, message: ClearEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES or sender not in self._emergencies:
@@ -192,7 +209,7 @@ class ManagementService:
         if self.status is Status.EMERGENCY and not self._emergencies:
             LOGGER.warning("%s: emergency cleared", self._component.address)
             self._leave_emergency()
-            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+            self._tell(sender, active=False)
 
     def _leave_emergency(self) -> None:
         """Go to Standby without a controller; in v1.0, back to what the emergency interrupted."""
@@ -249,7 +266,7 @@ class ManagementService:
             if self._access.kept:
                 self._access.drop(Reject.CONTROL_RELEASED)
             self._enter(status if status in FINAL else Status.STANDBY)
-            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+            self._tell(self._component.address, active=False)
 
     def _control_lost(self) -> None:
         if self.status is Status.READY:

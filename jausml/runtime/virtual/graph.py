@@ -331,7 +331,9 @@ class RosGraph:
     def _health(self, topic: GraphTopic, qos: Qos, *, publishes: bool) -> EndpointHealth:
         entity = "publisher" if publishes else "subscription"
         others = partial(topic.others, publishers=not publishes)
-        return EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
+        health = EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
+        health.count = lambda: len(others())
+        return health
 
 
 def _full(name: str) -> str:

@@ -181,9 +181,9 @@ class VirtualRosNode:
             if isinstance(each, GraphSubscription):
                 each.link = link
 
-    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
+    def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""
-        return self._health[topic, publishes].faults()
+        return self._health[topic, publishes].faults(alone=alone)
 
     def _encoded(self, ros_type: type[Any], message: Any) -> bytes:
         return self.codec(ros_type).encode(message)

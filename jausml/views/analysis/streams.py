@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
-from jausml.language.semantics.jaus.commands import needs_control
+from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.language.semantics.jaus.services import find_query
 from jausml.views.analysis.sizes import Size, runtime_constants
 
@@ -92,7 +92,7 @@ def keeps_control(connection: bridge.Connection) -> bool:
     if is_to_ros(connection) or not is_single(connection) or not connection.control:
         return False
     service = connection.map.message.eContainer()
-    return service is not None and needs_control(connection.map.message, service)
+    return service is not None and obeys_controller_alone(connection.map.message, service)
 
 
 VERSION_BYTE = 1

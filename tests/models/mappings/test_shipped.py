@@ -43,8 +43,10 @@ def test_the_files_are_free_of_findings() -> None:
 
 
 def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> None:
-    # A bridge with a single map of a service answers for that alone.
-    assert [each for each in findings(system) if "JML367" not in each] == []
+    # A bridge with a single map of a service answers for that alone; this one has all of a report,
+    # and all that go to one topic, to see each of them. What releases a stop nobody has decided.
+    expected = ("JML367", "JML429", "JML450", "JML462", "JML500")
+    assert [each for each in findings(system) if not any(rule in each for rule in expected)] == []
 
 
 @for_each("each", all_maps, ids=lambda each: each.name)

@@ -204,7 +204,7 @@ class Ros:
         with self.loop.lock:
             self._follow(seconds)
 
-    def faults(self, topic, *, publishes):
+    def faults(self, topic, *, publishes, alone=False):  # noqa: ARG002
         return self.found_faults.get((topic.name, publishes), [])
 
     def codec(self, _ros_type):

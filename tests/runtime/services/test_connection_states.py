@@ -146,6 +146,15 @@ def test_the_log_tells_changes_and_not_each_of_many(caplog):
     ]
 
 
+def test_the_log_tells_once_for_whom_a_connection_waits(caplog):
+    log = StateLog("pose")
+    with caplog.at_level(logging.INFO, LOGGER.name):
+        log.note(Judgement(ConnectionPhase.WAITING, "no message yet"), 1.0)
+        for second in range(2, 20):
+            log.note(Judgement(ConnectionPhase.WAITING, "100.1.1 does not answer"), float(second))
+    assert [each.message for each in caplog.records] == ["pose is waiting: 100.1.1 does not answer"]
+
+
 # ------------------------------------------------------------------ the table
 
 

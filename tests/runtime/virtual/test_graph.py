@@ -151,6 +151,18 @@ class TestNode:
         assert wanting.taken == 0
         assert len(node.faults(Topic("/y"), publishes=False)) == 1
 
+    def test_a_second_publisher_is_a_fault_where_there_should_be_one(self, world, node):
+        node.subscribe(Float64, Topic("/x"), lambda *_: None)
+        for name in ("left", "right"):
+            assert node.faults(Topic("/x"), publishes=False, alone=True) == []
+            world.ros_node(name, namespace="car").publisher(Float64, Topic("/x"))
+        (fault,) = node.faults(Topic("/x"), publishes=False, alone=True)
+        assert (fault.kind, fault.text) == (
+            "several_publishers",
+            "/car/left and /car/right publish on /x: the report jumps between them",
+        )
+        assert node.faults(Topic("/x"), publishes=False) == []
+
     def test_a_node_that_is_closed(self, world, node):
         node.subscribe(Float64, Topic("/x"), pytest.fail)
         node.close()

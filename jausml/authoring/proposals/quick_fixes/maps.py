@@ -166,7 +166,14 @@ def table_entry(found: Found) -> Iterator[QuickFix]:
 def unused_join(found: Found) -> Iterator[QuickFix]:
     """Takes away a join that nothing is taken of, or gives one a topic."""
     if found.message.startswith("no assignment takes anything of"):
-        yield QuickFix("take the join away", (Remove(found.ref),))
+        feeding = (
+            topic
+            for each in found.scope.model.instances(bridge.Connection, library=False)
+            for topic in each.topics
+            if topic.join is found.element
+        )
+        topics = (Remove(found.scope.ref(each)) for each in feeding)
+        yield QuickFix("take the join away", (*topics, Remove(found.ref)))
     elif isinstance(found.element, bridge.Connection) and found.hint.startswith("add a topic"):
         name = found.quoted[-1]
         for join in found.element.map.joins:

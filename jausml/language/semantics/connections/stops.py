@@ -42,8 +42,11 @@ def is_reason(text: str) -> bool:
 
 
 def is_command(connection: bridge.Connection) -> bool:
-    """Tells whether a connection carries commands, which set something in motion."""
-    return connection.exchange.name == "message" and commands.is_command(connection.map.message)
+    """Tells whether a connection carries commands, which set something in motion.
+
+    An emergency is none: it passes from anybody, in any state, and stands when its source is lost.
+    """
+    return connection.exchange.name == "message" and commands.is_steering(connection.map.message)
 
 
 def holds(connection: bridge.Connection) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.core_services import CORE, standard_services
+from jausml.language.semantics.jaus.core_services import CORE, is_core_message, standard_services
 from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
     attributes,
@@ -41,6 +41,7 @@ _STANDBY_MESSAGES = frozenset(
     ]
 )
 _WITHOUT_CONTROL = frozenset(["ClearEmergency", "ReleaseControl", "RequestControl", "SetEmergency"])
+_EMERGENCIES = frozenset(["SetEmergency", "ClearEmergency"])
 _FIRST_QUERY = 0x2000
 _OF_STANDARDS = "urn:jaus:jss:"
 _ACCESS_CONTROL = f"{CORE}AccessControl"
@@ -56,6 +57,20 @@ def is_command(message: jaus.MessageDef) -> bool:
     owner = message.eContainer()
     is_of_class = 0 <= code(message) < _FIRST_QUERY
     return message.isCommand or (is_of_class and owner is not None and message in owner.inputs)
+
+
+def is_emergency(message: jaus.MessageDef) -> bool:
+    """Tells whether a message sets or ends an emergency of a component (AS5710, Management).
+
+    The runtime obeys it, from anybody and in any state. A connection carries what becomes of it:
+    that the emergency of the bridge has begun, or has ended.
+    """
+    return message.name in _EMERGENCIES and is_core_message(message)
+
+
+def is_steering(message: jaus.MessageDef) -> bool:
+    """Tells whether a message is a command of who is in control: one that sets no emergency."""
+    return is_command(message) and not is_emergency(message)
 
 
 def needs_control(message: jaus.MessageDef, service: jaus.Service) -> bool:
@@ -105,7 +120,7 @@ def guard_of_receivers(
 ) -> Guard:
     """Returns whom the receivers of a message obey, be they named or searched for."""
     service = message.eContainer()
-    if service is None or not needs_control(message, service):
+    if service is None or is_emergency(message) or not needs_control(message, service):
         return "ANY"
     # A command that a service keeps in Standby moves what listens to a topic at once.
     provided = _provided_by(receivers, search)

@@ -18,7 +18,7 @@ from jausml.live.peers.conformance.check import (
     step,
     take,
 )
-from jausml.live.peers.conformance.session import NOBODY, Authority
+from jausml.live.peers.conformance.session import INSUFFICIENT, NOBODY, Authority
 from jausml.live.peers.discovery import controller_of
 from jausml.runtime.messages import (
     ConfirmControl,
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
 
 ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
-INSUFFICIENT = ConfirmControl.ResponseCode.INSUFFICIENT_AUTHORITY
 BELOW, LOW, MIDDLE, HIGH = Authority
 
 
@@ -65,13 +64,17 @@ def requires(session: Session) -> str:
 
 def _why_no_control(session: Session) -> str:
     """Returns why control cannot be had, found out by asking for it."""
-    session.first.send(RequestControl(authority_code=session.authority(LOW)))
+    authority = session.authority(LOW)
+    session.first.send(RequestControl(authority_code=authority))
     answer = session.first.expect(ConfirmControl, "RequestControl")
     if answer.response_code == ACCEPTED:
         return ""
+    told = f"ConfirmControl {answer.response_code}"
+    if answer.response_code == INSUFFICIENT:
+        told = f"insufficient authority, even with {authority}: {told}"
     return (
-        f"the target gives no control (ConfirmControl {answer.response_code}), and does not answer "
-        "QueryControl, which would say who has it"
+        f"the target gives no control ({told}), and does not answer QueryControl, which would say "
+        "who has it"
     )
 
 

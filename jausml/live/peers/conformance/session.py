@@ -55,6 +55,14 @@ _OTHER_NAMES = {
 """Identifiers under which older sets announce a core service."""
 
 
+USUAL_AUTHORITY = 100
+"""Authority code with which control is requested, where the target has no higher default."""
+
+_HIGHER = (205,)
+HIGHEST_AUTHORITY = 255
+INSUFFICIENT = core.ConfirmControl.ResponseCode.INSUFFICIENT_AUTHORITY
+
+
 class Authority(IntEnum):
     """Authority below the default one, the lowest that suffices, and two above it."""
 
@@ -86,6 +94,7 @@ class Session:
     Attributes:
         services: What the target announces; empty when nobody says.
         latest: What was sent last, in words.
+        sufficient: Authority code that the target does not call insufficient, as far as is known.
     """
 
     probe: Probe
@@ -96,6 +105,7 @@ class Session:
     ping: tuple[Message, type[Message]] = PINGS[0]
     notes: list[str] = field(default_factory=list)
     latest: str = ""
+    sufficient: int = USUAL_AUTHORITY
     _answered: dict[str, bool] = field(default_factory=dict)
     _default_authority: int | None = None
     _tells_controller: bool | None = None
@@ -240,6 +250,7 @@ class Session:
             else:
                 found = self.tried(core.QueryAuthority(), core.ReportAuthority, attempts=2)
                 report = found or core.ReportAuthority(authority_code=0)
+                self.sufficient = USUAL_AUTHORITY if found else self._tried_authority()
             self._default_authority = report.authority_code
         return self._default_authority
 
@@ -249,8 +260,22 @@ class Session:
         if level is Authority.BELOW:
             self.skip_unless(default > 0, "the default authority is 0, or not told")
             return default - 1
-        self.skip_unless(default <= 252, f"the default authority {default} leaves no room above it")
-        return max(default, 100) + level
+        lowest = max(default, self.sufficient)
+        self.skip_unless(
+            lowest + level <= HIGHEST_AUTHORITY,
+            f"the default authority {lowest} leaves no room above it",
+        )
+        return lowest + level
+
+    def _tried_authority(self) -> int:
+        """Returns the least of some authority codes that the target does not call insufficient."""
+        for code in (USUAL_AUTHORITY, *_HIGHER, HIGHEST_AUTHORITY):
+            self.first.send(core.RequestControl(authority_code=code))
+            answer = self.first.find(core.ConfirmControl)
+            self.undo()
+            if answer is None or answer.response_code != INSUFFICIENT:
+                return code
+        return HIGHEST_AUTHORITY
 
     def control(self) -> core.ReportControl:
         """Returns who controls the target."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ...transports.packets.packet import Priority
 from ...wire.message import EncodeError
-from ..connections.connection import FILTERED, NOT_READY
+from ..connections.connection import NOT_READY
 from ..connections.translations import (
     Form,
     override_of,
@@ -20,7 +20,7 @@ from ..connections.translations import (
     uses_ros_classes,
 )
 from ..ends import parameters
-from ..reports.diagnostics import ConnectionStatus, Limiting, Statistics
+from ..reports.diagnostics import FILTERED, ConnectionStatus, Limiting, Statistics
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:

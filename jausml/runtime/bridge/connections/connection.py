@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
 
-FILTERED = "filtered"
 INACTIVE = "inactive"
 NOT_READY = "not_ready"
 NO_PEER = "no_peer"

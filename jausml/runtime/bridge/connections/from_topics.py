@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
 from ..light_message import is_light
-from ..reports.diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
+from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
-from .connection import FILTERED, Connection
+from .connection import Connection
 from .translations import Form, JoinedTopic, ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
@@ -138,6 +138,11 @@ class FromTopics(Connection[SourceT, TargetT]):
         return through(take, find)
 
     @property
+    def has_one_source(self) -> bool:
+        """Whether a second publisher of a topic would make a value jump."""
+        return False
+
+    @property
     def is_latched(self) -> bool:
         """Whether the latest message counts until there is another, as that of a latched topic."""
         latches = any(topic.qos.durability != "volatile" for topic in self._topics)
@@ -167,8 +172,10 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics, those of joins included."""
-        for source in (self._topics, *(each.topics for each in self._topic_joins)):
-            for topic in source:
+        for topic in self._topics:
+            yield from self._ends.ros.faults(topic, publishes=False, alone=self.has_one_source)
+        for joined in self._topic_joins:
+            for topic in joined.topics:
                 yield from self._ends.ros.faults(topic, publishes=False)
 
     def losses(self) -> dict[str, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..reports.diagnostics import FAILURES, NOT_LOST, THINNED, ConnectionStatus
+from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus
 from ..reports.states import Facts, StateLog, StopReason, judge
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ class Reported:
     name: str
     statistics: Statistics
     is_command: bool
+    filters: bool
     stopped: StopReason | None
     form: Form
     override: list[tuple[str, str]]
@@ -172,7 +173,7 @@ class Reporter:
         present = _Totals(
             now,
             counts.arrivals,
-            sum(counts.drops.values()),
+            sum(n for why, n in counts.drops.items() if why != FILTERED or not connection.filters),
             self.note_losses(),
             counts.errors,
             counts.limited,
@@ -238,14 +239,18 @@ class Reporter:
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
         connection = self._connection
         lacking = connection.lacks_peers()
+        lacking = f"searching {lacking}" if lacking else ""
         is_heard = connection.statistics.last_arrival is not None
+        if not is_heard and not lacking and (silent := list(connection.silent_peers())):
+            verb = "does" if len(silent) == 1 else "do"
+            lacking = f"{' and '.join(map(str, silent))} {verb} not answer"
         # Where messages arrive and none has passed yet, what they lack is the point.
         has_begun = is_heard and connection.stopped in (StopReason.START, StopReason.INACTIVE)
         lacks_joins = has_begun and bool(connection.stale_joins())
         return Facts(
             error="values out of range" if present.errors > former.errors else "",
             fault=faults[0].text if faults else "",
-            lacking=f"searching {lacking}" if lacking else "",
+            lacking=lacking,
             failing=self._failing(),
             stopped=None if lacks_joins else connection.stopped,
             forbidden=connection.forbidden(),

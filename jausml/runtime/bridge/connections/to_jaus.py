@@ -28,6 +28,8 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
+_OF_MANY = ("sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticStatus")
+
 _BUSY = 3.0
 """Seconds after a message in which its receivers should be heard, if nothing was before."""
 
@@ -44,17 +46,20 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         control: Guard = Guard.ANY,
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
+        filters: bool = False,
         **options: Any,
     ) -> None:
         """Prepares the connection.
 
         Args:
             translate: Makes the JAUS message, or None to pass nothing on.
+            filters: Whether values out of range choose the messages that pass.
             control: What the peers demand of a sender that they obey. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
         """
         super().__init__(name, translate, **options)
+        self.filters = filters
         self._peers = ControlledPeers(peers, control)
         self._priority = priority
         self._acknowledge = acknowledge
@@ -298,6 +303,11 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             changed(message)
 
         return put
+
+    @property
+    def has_one_source(self) -> bool:
+        """A report is of one sensor; messages that name what they are of may come from many."""
+        return str(getattr(self._type, "TYPE", "")) not in _OF_MANY
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """Reports go to whoever asks."""

@@ -12,10 +12,10 @@ from ..ends import parameters
 from ..ends.ends import Taker
 from ..ends.guarding import topic_stops
 from ..light_message import is_light
-from ..reports.diagnostics import UNHEARD, age_of_stamp
+from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
 from .ages import jaus_age
-from .connection import FILTERED, Connection
+from .connection import Connection
 from .requests import CommandMemory, JoinedReport
 from .shaping import RateCap
 from .translations import Form, ros_encoder, uses_ros_classes

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from ...base.fast_path import fast_path_of, through
 from ...base.settings import TransportSettings
 from ...component.base import COMPONENT_TYPE
+from ...messages import ClearEmergency, SetEmergency
 from ...services.definitions import ComponentSettings, Guard, ServiceIdentity
 from .topics import TopicCounts
 
@@ -251,6 +252,9 @@ class SharedMessages:
     def handle(self) -> None:
         """Begins to take the messages that were asked for."""
         for message, listeners in self._listeners.items():
+            if message.CODE in (SetEmergency.CODE, ClearEmergency.CODE):
+                self._component.watch_emergency(message, listeners.taking())
+                continue
             self._component.on_payload(
                 message,
                 listeners.taking(),

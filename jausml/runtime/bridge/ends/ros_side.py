@@ -126,8 +126,12 @@ class RosSide(Protocol):
     def service_client(self, service: RosService) -> ServiceClient:
         """Returns what calls a service."""
 
-    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does."""
+    def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does.
+
+        Args:
+            alone: Whether a second publisher is a fault.
+        """
 
     def publish_diagnostics(self, data: bytes) -> None:
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""

@@ -186,6 +186,10 @@ OTHER_TYPE = "other_type"
 DEADLINE = "deadline_missed"
 LIVELINESS = "liveliness_lost"
 LARGE = "too_large_for_best_effort"
+SEVERAL = "several_publishers"
+
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+"""What rclpy calls a node whose end was found before the node itself."""
 
 LATELY = 10.0
 """Seconds for which a loss is told."""
@@ -242,6 +246,7 @@ class EndpointHealth:
             None for others.
         strangers: Returns names and types of the nodes at the other end that have another type,
             while there are no others: ROS connects neither, and tells nobody.
+        count: Returns how many ends are connected at the other side.
     """
 
     publishes: bool
@@ -252,6 +257,7 @@ class EndpointHealth:
     clock: Callable[[], float] = time.monotonic
     strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
     counts: TopicCounts | None = None
+    count: Callable[[], int] = lambda: 0
     _underway: int = field(default=0, init=False)
     _underway_at: float = field(default=-math.inf, init=False)
     _suspected: str = field(default="", init=False)
@@ -279,13 +285,21 @@ class EndpointHealth:
         """Notes that a publisher shows that it is alive."""
         self._lost = -math.inf
 
-    def faults(self) -> list[TopicFault]:
+    def faults(self, *, alone: bool = False) -> list[TopicFault]:
         """Returns what is wrong at present.
 
         The next message ends a missed deadline, and a lost liveliness of the bridge's own
         publisher. ROS does not tell of that one, but of each further period without.
+
+        Args:
+            alone: Whether the values of a second node at the other end would make them jump.
         """
         found = self._incompatible() if self._suspected else []
+        ends = self.others() if alone and self.count() > 1 else ()
+        names = sorted({name for name, _ in ends if not name.endswith(_UNKNOWN)})
+        if len(names) > 1:
+            text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
+            found.append(TopicFault(SEVERAL, text))
         found += [TopicFault(OTHER_TYPE, self._strange(*each)) for each in self.strangers()]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:

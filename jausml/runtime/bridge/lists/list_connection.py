@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from ..connections.connection import FILTERED, Connection
+from ..connections.connection import Connection
 from ..connections.translations import Form, uses_ros_classes
 from ..light_message import is_light
+from ..reports.diagnostics import FILTERED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -248,6 +248,7 @@ Made = TypeVar("Made")
 BLOCKED = "blocked"
 FAILED = "translation_failed"
 OUT_OF_RANGE = "out_of_range"
+FILTERED = "filtered"
 STALE_JOIN = "stale_join"
 
 _REASONS: tuple[tuple[type[Exception], str], ...] = (
@@ -279,12 +280,14 @@ class Limiting:
         drop_message: Drops messages with a value out of range.
         error: Does the same, as an error.
         goes_over_lists: Whether lists are gone over as a whole where they can be.
+        filters: Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
     """
 
     name: str
     statistics: Statistics
     counters: Counters
     goes_over_lists: bool = True
+    filters: bool = False
 
     def __init__(self) -> None:
         """Counts in the statistics alone until the bridge is open."""
@@ -379,6 +382,9 @@ class Limiting:
     def _refuse(self, error: limits.OutOfRangeError) -> None:
         """Counts a message that is not passed on because of one of its values."""
         drops = self.statistics.drops
+        if self.filters and error.policy == limits.DROP_MESSAGE:
+            drops[FILTERED] = drops.get(FILTERED, 0) + 1
+            return
         drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
         self.statistics.errors += error.policy == limits.ERROR
         self._note_out_of_range(error.policy, error.field, str(error))

@@ -191,6 +191,9 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
 INTERVAL = 10.0
 """Least seconds between two lines about one connection: its state may come and go."""
 
+PATIENCE = 3.0
+"""Seconds after which the log tells for whom a connection waits that has had no message yet."""
+
 _WARNED = (ConnectionPhase.SILENT, ConnectionPhase.FAILED)
 """States that are warned of; of what degrades a connection its counts warn already."""
 
@@ -203,10 +206,18 @@ class StateLog:
         self._name = name
         self._told = ConnectionPhase.WAITING
         self._next = 0.0
+        self._awaited = StopReason.START.value
+        self._since = 0.0
 
     def note(self, judgement: Judgement, now: float) -> None:
         """Tells the log of a change, unless it was told something a moment ago."""
         phase = judgement.phase
+        if phase is ConnectionPhase.WAITING and judgement.reason != self._awaited:
+            self._awaited, self._since = judgement.reason, now
+        is_due = self._since > 0 and now - self._since >= PATIENCE
+        if phase is self._told is ConnectionPhase.WAITING and is_due:
+            self._since = 0.0
+            LOGGER.info("%s is %s: %s", self._name, phase.value, judgement.reason)
         if phase is self._told or now < self._next:
             return
         self._told, self._next = phase, now + INTERVAL

@@ -205,9 +205,9 @@ class RosNode:
         """Makes a subscription; see `RosSide`. Messages are taken after `start`."""
         return self._present_topics.subscribe(ros_type, topic, take)
 
-    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+    def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> list[TopicFault]:
         """Returns why a topic does not work as it should; see `RosSide`."""
-        return self._present_topics.faults(topic, publishes=publishes)
+        return self._present_topics.faults(topic, publishes=publishes, alone=alone)
 
     @property
     def _present_topics(self) -> NodeTopics:

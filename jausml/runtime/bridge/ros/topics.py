@@ -242,9 +242,9 @@ class NodeTopics:
         )
         return counts
 
-    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+    def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> list[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""
-        return self._health[topic, publishes].faults()
+        return self._health[topic, publishes].faults(alone=alone)
 
     def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
         """Returns what will know how a publisher or subscription fares, with its final quality."""
@@ -275,7 +275,7 @@ class NodeTopics:
             ends = find(health.topic)
             return [(_node_name(each), each.topic_type) for each in ends if each.topic_type != own]
 
-        health.strangers = strangers
+        health.strangers, health.count = strangers, count
 
     def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
         """Returns what finds the other ends of a topic, by its full name."""

@@ -12,7 +12,11 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
-from jausml.language.semantics.jaus.commands import is_command, told_by_command
+from jausml.language.semantics.jaus.commands import (
+    is_emergency,
+    is_steering,
+    told_by_command,
+)
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.jaus.services import (
     attributes,
@@ -122,7 +126,8 @@ def messages_provided(
 
     That is each peer, where the bridge serves a ROS service, and the bridge itself, where it calls
     one. Inherited services count, and so does the same message in another service. The runtime
-    itself answers the messages of core services that come to a bridge.
+    itself answers the messages of core services that come to a bridge; it tells a connection of
+    SetEmergency or ClearEmergency when an emergency of the bridge has begun or ended.
 
     Bad: `peers="sensor"` with SetEmergency, where sensor has `coreServices="none"`
 
@@ -132,7 +137,9 @@ def messages_provided(
         if is_known(subject, provider):
             yield from _provided(connection, provider)
     asking = calls.asking(connection)
-    if not calls.serves(connection) and asking is not None and code(asking) in _CORE_CODES:
+    if calls.serves(connection) or asking is None or is_emergency(asking):
+        return
+    if code(asking) in _CORE_CODES:
         message = f"the runtime itself takes {asking.name} of '{connection.name}'"
         yield Finding(connection, message, _feature(connection, asking), "take another message")
 
@@ -163,7 +170,7 @@ def peers_controllable(
     Good: `control="false"` for this peer
     """
     asking = calls.asking(connection)
-    is_sent = asking is not None and is_command(asking) and calls.serves(connection)
+    is_sent = asking is not None and is_steering(asking) and calls.serves(connection)
     if not is_sent or not connection.control:
         return
     yield from uncontrollable(subject, connection, peers_of(connection))

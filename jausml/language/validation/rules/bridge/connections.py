@@ -10,7 +10,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.limits import LEAST_RATE
 from jausml.language.semantics.connections.topics import find_loops, flow_of
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.semantics.jaus.services import (
     attributes,
     find_input,
@@ -191,7 +191,7 @@ def peers_controllable(subject: Subject, connection: bridge.Connection) -> Itera
 
     Good: `control="false"` for this peer
     """
-    if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
+    if _to_ros(connection) or not connection.control or not is_steering(connection.map.message):
         return
     yield from uncontrollable(subject, connection, peers_of(connection))
 

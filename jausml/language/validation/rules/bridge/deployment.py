@@ -12,7 +12,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_PACE
 from jausml.language.semantics.connections.topics import endpoints, policies
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
         and not owner.allowedHosts
         and used is not None
         and used.message is not None
-        and is_command(used.message)
+        and is_steering(used.message)
     ):
         message = f"'{connection.name}' takes {used.message.name} of anybody in control"
         yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")

@@ -34,8 +34,9 @@ def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
     Source paths begin with the name of the join, so it differs from the fields of the main type. A
-    connection from ROS to JAUS has one topic for each join of its map, and one or more without a
-    join, which the map is for. From JAUS to ROS there is nothing to join.
+    connection from ROS to JAUS has a topic for each join of its map, but for one with `whenStale`
+    leave, whose fields are absent then; and one or more without a join, which the map is for. From
+    JAUS to ROS there is nothing to join.
 
     Bad: a map with the join imu, and a connection whose one topic has no join
 
@@ -136,7 +137,8 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
         message = f"'{connection.name}' has no topic without a join, which the map is for"
         yield Finding(connection, message, "topics")
     for join in known:
-        if all(topic.join is not join for topic in connection.topics):
+        is_needed = join.whenStale.name != "leave"
+        if is_needed and all(topic.join is not join for topic in connection.topics):
             message = f"no topic of '{connection.name}' feeds join '{join.name}'"
             note = Note(join, f"'{join.name}'", "name")
             hint = f"add a topic that has the join {join.name}"

@@ -11,8 +11,10 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.stops import has_stop, is_command
 from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
+from jausml.language.semantics.jaus.commands import is_emergency
 from jausml.language.semantics.paths.scopes import is_sound
 from jausml.language.validation.rule import Finding, Note, rule
+from jausml.language.validation.rules.bridge.sources import is_same_source
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,7 +88,7 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
     Good: `onSilence="hold" holdReason="the planner of the vehicle drives to the goal by itself"`
     """
-    if connection.onSilence.name != "hold":
+    if connection.onSilence.name != "hold" or is_emergency(connection.map.message):
         return
     if not stops.is_command(connection):
         message = f"'{connection.name}' carries no command, so nothing is held"
@@ -291,10 +293,7 @@ def published_once(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _repeats(flow: Flow, other: Flow) -> bool:
-    if not (flow.to_ros and other.to_ros):
-        return False
-    is_same = flow.code == other.code and flow.connection.map is other.connection.map
-    return is_same and bool(flow.peers & other.peers or (flow.is_open and other.is_open))
+    return flow.to_ros and other.to_ros and is_same_source(flow, other)
 
 
 def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterator[Finding]:

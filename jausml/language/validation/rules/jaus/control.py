@@ -11,7 +11,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import driver_messages
-from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.commands import is_emergency, is_steering
 from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.jaus.services import (
     along_inheritance,
@@ -106,7 +106,7 @@ def _takes_commands(subject: Subject, connection: _Connection) -> bool:
         message = (
             used.message if used is not None and connection.exchange.name == "message" else None
         )
-    return message is not None and subject.is_intact(message) and is_command(message)
+    return message is not None and subject.is_intact(message) and is_steering(message)
 
 
 @rule("JML368", "controllers of one authority", severity=Severity.INFO)
@@ -147,12 +147,16 @@ def no_own_peers(
 ) -> Iterator[Finding]:
     """The peers of a connection are other components than the one that has it.
 
+    An emergency alone may be one of the bridge itself: an emergency stop of ROS presses it.
+
     Bad: `peers="front"` in a connection of the bridge front
 
     Good: `peers="vehicle"`
     """
     owner = connection.eContainer()
-    if owner is not None and any(peer is owner for peer in connection.peers):
+    used = connection.map if isinstance(connection, bridge.Connection) else None
+    is_own = used is not None and used.message is not None and is_emergency(used.message)
+    if owner is not None and not is_own and any(peer is owner for peer in connection.peers):
         message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
         yield Finding(connection, message, "peers")
 
@@ -179,7 +183,7 @@ def _all_controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, j
     for connection in component.bridgeConnections:
         sends = connection.direction.name == "rosToJaus" and connection.exchange.name == "message"
         message = connection.map.message if connection.map is not None else None
-        if sends and connection.control and message is not None and is_command(message):
+        if sends and connection.control and message is not None and is_steering(message):
             for peer in connection.peers:
                 yield connection, "peers", peer
     yield from _controlled_for_clients(component)
@@ -189,7 +193,7 @@ def _controlled_for_clients(owner: bridge.Bridge) -> Iterator[tuple[EObject, str
     """Yields whom a bridge controls for the clients of its ROS services and actions."""
     for call in owner.serviceConnections:
         asking = calls.asking(call)
-        if calls.serves(call) and call.control and asking is not None and is_command(asking):
+        if calls.serves(call) and call.control and asking is not None and is_steering(asking):
             for peer in call.peers:
                 yield call, "peers", peer
     for action in owner.actionConnections:

@@ -1,0 +1,102 @@
+"""What the name of a topic says about the ready map that it is for."""
+
+from __future__ import annotations
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.names import name_of
+from jausml.language.semantics.names import words
+
+_LONG = {
+    "cmd": "command",
+    "commands": "command",
+    "vel": "velocity",
+    "odom": "odometry",
+    "accel": "acceleration",
+    "history": "historical",
+    "plan": "planned",
+    "tool": "end_effector",
+    "camera": "visual_sensor",
+}
+"""Words of topics, and what maps write for them."""
+
+_DEVICES = {
+    "digital_video": "visual_sensor",
+    "travel_speed": "speed",
+    "local_vector": "local_velocity",
+    "global_vector": "global_velocity",
+    "skid_steer_wheels": "wheels",
+    "waypoint": "waypoint_pose",
+}
+"""Words of maps, and what topics mostly write for them."""
+
+_JOINED = ("end_effector", "visual_sensor")
+_REPORTING = frozenset({"current", "applied", "report", "state", "states"})
+_COMMANDING = frozenset({"command", "goal", "target", "set", "setpoint", "desired"})
+_MEANT = {"goal": "waypoint", "target": "waypoint"}
+_IDLE = _REPORTING | _COMMANDING | {"local", "stamped", "actual"}
+_VALUES = ("std_msgs", "example_interfaces")
+
+_EMERGENCY = (["emergency"], ["estop"], ["e", "stop"])
+
+
+class TopicName:
+    """The words of the name of a topic.
+
+    Attributes:
+        commands: Whether they say that it is a command, which moves something.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Splits the name of a topic, or of a join, into words."""
+        own = _split("_".join(_LONG.get(each, each) for each in _lower(name)))
+        self._all = {*own, *(_MEANT[each] for each in own if each in _MEANT)}
+        self._told = _told(own)
+        self.commands = not _COMMANDING.isdisjoint(own) and not {"current", "applied"} & {*own}
+
+    def distance(self, used: bridge.AttributeMap) -> tuple[bool, int, int, int]:
+        """Returns how far a map is from what the name says; the least is the likeliest."""
+        own = _of_map(used)
+        missing = self._told - {*own}
+        return not self.names(used), -len(self._all & {*own}), len(missing), len(own)
+
+    def names(self, used: bridge.AttributeMap) -> bool:
+        """Tells whether the name says what the name of a map does, and nothing else."""
+        return self._told == _told(_of_map(used))
+
+    def feeds(self, join: bridge.Join) -> bool:
+        """Tells whether the name has all words of a join."""
+        return _told(_split(name_of(join).lower())) <= self._told
+
+
+def is_bare(kind: str) -> bool:
+    """Tells whether a type such as `std_msgs/Bool` says nothing of what its value means."""
+    return kind.partition("/")[0] in _VALUES
+
+
+def is_emergency_stop(name: str) -> bool:
+    """Tells whether a topic or service is called after an emergency stop."""
+    own = _lower(name)
+    return any(own[at : at + len(each)] == each for each in _EMERGENCY for at in range(len(own)))
+
+
+def _of_map(used: bridge.AttributeMap) -> list[str]:
+    name = "_".join(_lower(name_of(used)))
+    for own, usual in _DEVICES.items():
+        name = name.replace(own, usual)
+    return _split(name)
+
+
+def _lower(name: str) -> list[str]:
+    return [each.lower() for each in words(name)]
+
+
+def _split(name: str) -> list[str]:
+    """Returns words; those of one thing stay together."""
+    for each in _JOINED:
+        name = name.replace(each, each.replace("_", ""))
+    return [each for each in name.split("_") if each]
+
+
+def _told(own: list[str]) -> set[str]:
+    """Returns the words that say which thing is meant; all where none does."""
+    return {each for each in own if each not in _IDLE} or {*own}
