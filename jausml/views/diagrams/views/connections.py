@@ -303,14 +303,8 @@ def when_lost(connection: bridge.Connection) -> str:
             return ""
         return ": ".join(filter(None, ("the last command stands", stops.hold_reason(connection))))
     seconds = stops.silence_timeout(connection)
-    values = ", ".join(_value(each) for each in stops.stop_assignments(connection))
     when = f"after {number(seconds)} s of silence" if seconds else "when control of it is lost"
-    return f"{when}: {values or 'the defaults'}"
-
-
-def _value(assignment: bridge.Assignment) -> str:
-    what = assignment.value if isinstance(assignment, bridge.ConstantAssignment) else "clock"
-    return f"{', '.join(target_paths(assignment))} = {what}"
+    return f"{when}: {stops.told(connection)}"
 
 
 def _words(literal: str) -> str:
