@@ -106,6 +106,13 @@ def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
     return f".{path}".endswith(f".{str(assignment.target).strip()}")
 
 
+def is_held(trip: RoundTrip, side: str, path: str) -> bool:
+    """Whether a constant gives a number of a side its value when it comes back."""
+    given = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
+    constants = (each for each in given if isinstance(each, bridge.ConstantAssignment))
+    return any(path in map(str.strip, str(each.target).split(",")) for each in constants)
+
+
 def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
     """Yields those of fields, in lists too."""
     for each in assignments:
