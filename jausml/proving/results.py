@@ -282,8 +282,8 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
         _MADE_UP: RuleInfo(
             "proof: value that does not come back",
             "A field goes into the other message, and always the same comes back, whatever it was. "
-            "The two directions read and write different members, or one sends a constant. Good: the "
-            "other direction takes the value from where this one puts it.",
+            "The two directions read and write different members, or one sends a constant. Good: "
+            "the other direction takes the value from where this one puts it.",
         ),
         _FAULT: RuleInfo(
             "proof: value that breaks a translation",

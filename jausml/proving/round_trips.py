@@ -107,10 +107,12 @@ def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
 
 
 def is_held(trip: RoundTrip, side: str, path: str) -> bool:
-    """Whether a constant gives a number of a side its value when it comes back."""
-    given = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
-    constants = (each for each in given if isinstance(each, bridge.ConstantAssignment))
-    return any(path in map(str.strip, str(each.target).split(",")) for each in constants)
+    """Whether a number of a side goes over by itself, and a constant comes back in its place."""
+    there, back = trip.to_ros.toRos, trip.to_jaus.toJaus
+    there, back = (there, back) if side == JAUS else (back, there)
+    constants = (each for each in back if isinstance(each, bridge.ConstantAssignment))
+    held = {one.strip() for each in constants for one in str(each.target).split(",")}
+    return path in held and any(path == str(e.source).strip() for e in field_assignments(there))
 
 
 def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
@@ -12,8 +12,10 @@ from jausml.language.semantics.assignments.units import (
     Measure,
     attribute_measure,
     result_measure,
+    sent_through,
     source_range,
 )
+from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import (
     BOOL,
@@ -21,6 +23,7 @@ from jausml.language.semantics.paths.attributes import (
     NUMBERS,
     Attribute,
     compared,
+    is_real,
 )
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
@@ -183,3 +186,40 @@ def _members(owner: FoundPlace) -> Iterable[Part]:
     if isinstance(owner, JausPlace):
         return owner.members() or ()
     return owner.type.fields if isinstance(owner, RosPlace) and owner.type is not None else ()
+
+
+def outcome(
+    placed: Placed[bridge.FieldAssignment],
+    given: Mapping[str, str],
+    expected: bridge.VectorValue,
+) -> float | None:
+    """Returns what an assignment makes of the values of a vector, where that is not as expected.
+
+    Args:
+        given: Values of the source by path, names of enumerated ones among them.
+
+    Returns:
+        None too where a value is no number, is left out, or is limited.
+    """
+    (source,), (target,) = placed.source_attributes, placed.target_attributes
+    texts = given.get(str(placed.assignment.source).strip()), expected.value
+    ends = [
+        dict(one.constants).get(str(text), str(text))
+        for one, text in zip((source, target), texts, strict=True)
+    ]
+    if not all(map(is_real, ends)) or (source.kind, target.kind) != (NUMBER, NUMBER):
+        return None
+    value, wanted = map(float, ends)
+    step = source.step or 0.0
+    try:
+        made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
+    except (NoValueError, OverflowError, ValueError):
+        return None
+    loose = (
+        max(abs(each - made) for each in near) + (target.step or 0.0) + float(expected.tolerance)
+    )
+    return made if abs(made - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
+
+
+_SINGLE = 2.0**-22
+"""Part of a number by which two roundings to single precision may differ."""

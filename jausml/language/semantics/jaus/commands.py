@@ -58,6 +58,12 @@ def is_command(message: jaus.MessageDef) -> bool:
     return message.isCommand or (is_of_class and owner is not None and message in owner.inputs)
 
 
+def is_published(message: jaus.MessageDef) -> bool:
+    """Tells whether a message is one of a service that a standard defines."""
+    owner = message.eContainer()
+    return owner is not None and str(getattr(owner, "urn", "")).startswith(_OF_STANDARDS)
+
+
 def needs_control(message: jaus.MessageDef, service: jaus.Service) -> bool:
     """Tells whether a component obeys a message from its controller alone.
 

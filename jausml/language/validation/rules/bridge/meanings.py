@@ -9,6 +9,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.meanings import (
     by_table,
     crossed,
+    outcome,
     turns,
     unknown_targets,
 )
@@ -18,7 +19,7 @@ from jausml.language.validation.rule import Finding, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.language.semantics.paths.scopes import Directed
+    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
     from jausml.language.semantics.subject import Subject
 
 
@@ -73,3 +74,36 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
                 hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
                 yield Finding(placed.assignment, message, "target", hint)
+
+
+@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, each=bridge.AttributeMap)
+def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
+    """A map makes of what a test vector gives what the vector expects.
+
+    What goes from one number to another is computed here; a generated test of the bridge tries the
+    rest. A vector is the word of a person, and the map mostly what is wrong.
+
+    Bad: `Rudder -> rudder : negate` with `vector ahead JAUS->ROS ( Rudder = 0.2 => rudder = 0.2 )`
+
+    Good: `Rudder -> rudder` with the same vector
+    """
+    for direction in directions_of(subject, used):
+        if direction.owner is not used:
+            continue
+        by_target = {each.assignment.target.strip(): each for each in _single(direction)}
+        way = "jausToRos" if direction.to_ros else "rosToJaus"
+        for vector in used.vectors:
+            given = {each.path: each.value for each in vector.given}
+            for value in vector.expected if vector.direction.name == way else ():
+                placed = by_target.get(value.path)
+                made = None if placed is None else outcome(placed, given, value)
+                if made is not None:
+                    message = f"'{vector.name}' expects {value.value} of '{value.path}', "
+                    yield Finding(value, f"{message}the map makes {made:.9g}", "value")
+
+
+def _single(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        ends = placed.source_attributes, placed.target_attributes
+        if all(len(each) == 1 for each in ends) and not placed.scope.is_nested:
+            yield placed
