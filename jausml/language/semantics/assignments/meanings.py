@@ -118,11 +118,17 @@ def _has_names(sources: list[Attribute], targets: list[Attribute]) -> bool:
     return found is not None and found.is_of_one_enumeration
 
 
+_GEODETIC = frozenset({"latitude", "longitude"})
+"""Coordinates whose signs are north and east on either side (WGS 84)."""
+
+
 def _is_directed(attribute: Attribute) -> bool:
-    """Tells whether a number may be negative, so that its sign means a direction."""
+    """Tells whether a number may be negative, and its sign means a direction."""
     known, measured = source_range(attribute), attribute_measure(attribute)
     is_temperature = measured is not None and dict(measured.unit.dimension).keys() == {"K"}
-    return attribute.kind != BOOL and not is_temperature and (known is None or known[0] < 0)
+    named = {each.casefold() for each in words(attribute.label)}
+    is_free = is_temperature or attribute.kind == BOOL or bool(named & _GEODETIC)
+    return not is_free and (known is None or known[0] < 0)
 
 
 def turns(placed: Placed[bridge.FieldAssignment]) -> bool:
