@@ -180,8 +180,6 @@ def test_what_the_examples_leave_open():
         "sensor/bridge.steering_angle",
         "sensor/operator_control_unit.estimated_pose",
         "unit/bridge.speed_command",
-        "unit/bridge.steering_angle",
-        "unit/bridge.steering_command",
     ]
 
 
