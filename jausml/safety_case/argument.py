@@ -30,8 +30,11 @@ ASSUMPTIONS = (
     "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
     "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
     "A stop that the model states does stop the machine: only who knows the machine can say so.",
+    "Each range, rate and time-out is one that the machine can do with.",
+    "Where both ends state a unit, a frame or a name of a value, neither definition is mistaken.",
+    "A test vector, a reason and an @allow of a person are true, and so is what moves nothing.",
 )
-"""What no part of a model can argue."""
+"""What no part of a model can argue, as no check can know it."""
 
 _ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
 MARGIN = 1.0
