@@ -134,14 +134,16 @@ def _is_quantity(attribute: Attribute) -> bool:
     return attribute.kind == NUMBER and (not attribute.integral or bool(attribute.units))
 
 
+def stated(connection: bridge.Connection) -> str:
+    """Returns what the stop of a connection states, as `thrust = 0`; empty where it is zeros."""
+    stop = stop_of_map(connection)
+    values = connection.safeValue or (stop.values if stop is not None else ())
+    return ", ".join(f"{each.target} = {each.value}" for each in values)
+
+
 def told(connection: bridge.Connection) -> str:
-    """Returns what the stop of a connection sends, in words, as `thrust = 0`."""
-    return ", ".join(map(_told, stop_assignments(connection))) or "zeros and defaults"
-
-
-def _told(assignment: bridge.Assignment) -> str:
-    what = assignment.value if isinstance(assignment, bridge.ConstantAssignment) else "clock"
-    return f"{', '.join(target_paths(assignment))} = {what}"
+    """Returns what the stop of a connection sends, in words."""
+    return stated(connection) or "zeros"
 
 
 def driving(connection: bridge.Connection) -> list[tuple[str, str]]:

@@ -10,6 +10,7 @@ from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.graph import IDLE, JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
 from jausml.views.diagrams.views.context import details, name_of, number
 
@@ -302,8 +303,14 @@ def when_lost(connection: bridge.Connection) -> str:
             return ""
         return ": ".join(filter(None, ("the last command stands", stops.hold_reason(connection))))
     seconds = stops.silence_timeout(connection)
+    values = ", ".join(_value(each) for each in stops.stop_assignments(connection))
     when = f"after {number(seconds)} s of silence" if seconds else "when control of it is lost"
-    return f"{when}: {stops.told(connection)}"
+    return f"{when}: {values or 'the defaults'}"
+
+
+def _value(assignment: bridge.Assignment) -> str:
+    what = assignment.value if isinstance(assignment, bridge.ConstantAssignment) else "clock"
+    return f"{', '.join(target_paths(assignment))} = {what}"
 
 
 def _words(literal: str) -> str:
