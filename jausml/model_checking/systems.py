@@ -233,8 +233,9 @@ def _obeying(
         clock.ticks(demanded),
     )
     name = f"{owner.name}.{connection.name}"
-    is_message = isinstance(connection, bridge.Connection)
-    stop = stops.told(connection) if is_message and held is None else ""
+    stop = ""
+    if isinstance(connection, bridge.Connection) and held is None:
+        stop = stops.told(connection)
     return Subject(name, connection, product, clock.tick, held or "", stop)
 
 

@@ -94,10 +94,10 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 f"look_up a table ( {table} )",
             )
     for looked in _looked_up(subject, directed):
-        if wrong := looked.astray:
+        if astray := looked.astray:
             told = ", ".join(
                 f"{one.name} becomes {given:g}, but {other.name} is {other.number}"
-                for one, other, given in wrong[:_MOST_NAMES]
+                for one, other, given in astray[:_MOST_NAMES]
             )
             message = f"table '{looked.table.name}' leads names astray that both ends have: {told}"
             meant = table_text(looked.ends, to_ros=looked.placed.scope.to_ros)
