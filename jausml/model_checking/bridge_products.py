@@ -117,6 +117,10 @@ class ObeyingProduct:
         """Tells whether the component has come to an end that no message leads out of."""
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
+    def place(self, _state: Obeying) -> str:
+        """Returns nothing: there is no machine."""
+        return ""
+
     def fault(self, state: Obeying, step: Step, after: Obeying) -> str:
         """Returns what must not happen in a transition; empty for nothing."""
         if step.passes and not self._may_command(state.core, step.passes):
@@ -364,6 +368,10 @@ class CommandingProduct:
         """Tells whether one of both has come to an end that no message leads out of."""
         ends = (state.peer, state.own)
         return any(each.status in FINAL or each.interrupted[0] in FINAL for each in ends)
+
+    def place(self, _state: Commanding) -> str:
+        """Returns nothing: there is no machine."""
+        return ""
 
     def fault(self, state: Commanding, step: Step, after: Commanding) -> str:
         """Returns what must not happen in a transition; empty for nothing."""

@@ -140,6 +140,7 @@ def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
         "tick": subject.tick,
         "stop_within": round(subject.product.bound * subject.tick, 3) or None,
         "held": subject.held or None,
+        "stop": subject.stop or None,
         "found": [_found(each) for each in outcome.found],
         "allowed": [{"rule": e.diagnostic.rule, "reason": e.reason} for e in outcome.allowed],
     }
@@ -215,7 +216,8 @@ def _promise(outcome: Outcome) -> str:
         return f"no stop: {subject.held}"
     if not subject.product.bound:
         return "no time-out"
-    return f"stop within {subject.product.bound * subject.tick:g} s"
+    within = f"stop within {subject.product.bound * subject.tick:g} s"
+    return f"{within}, {subject.stop}" if subject.stop else within
 
 
 def _way(example: CounterExample) -> Iterator[str]:

@@ -143,6 +143,9 @@ class CheckedProduct(Product, Protocol):
     def is_over(self, state: Any) -> bool:
         """Tells whether there is nothing left to wait for."""
 
+    def place(self, state: Any) -> str:
+        """Returns in which state of its machine it is; empty for a product without machine."""
+
     def fault(self, state: Any, step: Step, after: Any) -> str:
         """Returns what must not happen in a transition; empty for nothing."""
 
@@ -169,7 +172,7 @@ def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
     """
     found = [_unsafe(product, graph), _late_stop(product, graph)]
     if graph.is_complete:
-        found += [_deadlock(product, graph), _livelock(product, graph)]
+        found += [_deadlock(product, graph) or _trap(product, graph), _livelock(product, graph)]
     return [each for each in found if each is not None]
 
 
@@ -263,6 +266,42 @@ def _deadlock(product: CheckedProduct, graph: Graph) -> Violation | None:
     return Violation(DEADLOCK, "no command can take effect any more", tuple(graph.way_to(stuck)))
 
 
+def _trap(product: CheckedProduct, graph: Graph) -> Violation | None:
+    """Finds the nearest state from which the machine does not come back to where it was before.
+
+    A state that is left at the start and never entered is none to come back to, unless there is
+    one state alone to go to instead.
+    """
+    places = [product.place(state) for state in graph.states]
+    edges = [(state, after) for state, _, after in graph.transitions()]
+    entered = {places[after] for state, after in edges if places[state] != places[after]}
+    origins: list[list[int]] = [[] for _ in places]
+    for state, after in edges:
+        origins[after].append(state)
+    traps = []
+    for place in dict.fromkeys(places):
+        found = _leading(origins, [at for at, each in enumerate(places) if each == place])
+        outside = [at for at in range(len(places)) if at not in found]
+        lost = [at for at in outside if not product.is_over(graph.states[at])]
+        if lost and (place in entered or len({places[at] for at in lost}) == 1):
+            traps.append((lost[0], place))
+    if not traps:
+        return None
+    at, place = min(traps)
+    message = f"{places[at]} is a trap: {place} is never reached again"
+    return Violation(DEADLOCK, message, tuple(graph.way_to(at)))
+
+
+def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
+    """Returns the states from which some states can be reached, these included."""
+    found = set(pending)
+    while pending:
+        fresh = [each for each in origins[pending.pop()] if each not in found]
+        found.update(fresh)
+        pending += fresh
+    return found
+
+
 def _livelock(product: CheckedProduct, graph: Graph) -> Violation | None:
     """Finds a state from which nothing that is asked for happens, though nobody hinders it."""
     stuck = _stuck(product, graph, lambda step: step.is_helpful)
@@ -283,11 +322,7 @@ def _stuck(product: CheckedProduct, graph: Graph, counts: Callable[[Step], bool]
             origins[after].append(state)
             if graph.steps[step].passes:
                 pending.append(state)
-    lively = set(pending)
-    while pending:
-        fresh = [each for each in origins[pending.pop()] if each not in lively]
-        lively.update(fresh)
-        pending += fresh
+    lively = _leading(origins, pending)
     for number, state in enumerate(graph.states):
         if number not in lively and not product.is_over(state):
             return number

@@ -290,6 +290,10 @@ class MachineProduct:
         """Tells whether the component has come to an end that no message leads out of."""
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
+    def place(self, state: Behaving) -> str:
+        """Returns in which state of the machine it is."""
+        return state.path
+
     def fault(self, state: Behaving, step: Step, after: Behaving) -> str:
         """Returns what must not happen in a transition; empty for nothing."""
         core = state.core

@@ -56,6 +56,7 @@ class Subject:
         element: What it is about in the model, at which findings point.
         tick: Seconds of one step of time.
         held: Why the last command may stand when its source is lost; empty where a stop is sent.
+        stop: What that stop sends, in words.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Subject:
     product: CheckedProduct
     tick: float
     held: str = ""
+    stop: str = ""
 
 
 def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
@@ -180,7 +182,8 @@ def _commanding(
     )
     held = "" if has_stop else stops.hold_reason(connection)
     told = f"{owner.name}.{connection.name} to {name}"
-    return Subject(told, connection, product, clock.tick, held)
+    stop = stops.told(connection) if has_stop else ""
+    return Subject(told, connection, product, clock.tick, held, stop)
 
 
 def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> float:
@@ -229,7 +232,11 @@ def _obeying(
         held is None,
         clock.ticks(demanded),
     )
-    return Subject(f"{owner.name}.{connection.name}", connection, product, clock.tick, held or "")
+    name = f"{owner.name}.{connection.name}"
+    stop = ""
+    if isinstance(connection, bridge.Connection) and held is None:
+        stop = stops.told(connection)
+    return Subject(name, connection, product, clock.tick, held or "", stop)
 
 
 def _authorities(

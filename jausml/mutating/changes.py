@@ -9,6 +9,7 @@ from typing import Any
 
 from jausml.language.attributes.units import UnitError, conversion_between, parse_unit
 from jausml.language.metamodel import FeatureTable
+from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import contents, is_set, unset
 from jausml.language.semantics.paths.scopes import Placed, attribute_at
 
@@ -49,6 +50,26 @@ class Change:
         if self.feature.many:
             before, after = _differing(before, after)
         return f"{self.feature.name}: {_shown(before)} -> {_shown(after)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Together:
+    """Changes that are made at once, such as one mistake in both directions."""
+
+    changes: tuple[Change | Together, ...]
+
+    @property
+    def element(self) -> Any:
+        """The element of the first one."""
+        return self.changes[0].element
+
+    def made(self) -> Together:
+        """Makes them, and returns what undoes them."""
+        return Together(tuple(each.made() for each in self.changes)[::-1])
+
+    def words(self) -> str:
+        """Says what each changes."""
+        return "; ".join(each.words() for each in self.changes)
 
 
 def held(element: Any, feature: FeatureTable) -> Any:
@@ -162,6 +183,53 @@ def next_entry(site: Site) -> Iterator[Any]:
     entries = list(site.element.eContainer().entries)
     after = entries[(entries.index(site.element) + 1) % len(entries)]
     yield getattr(after, site.feature.name)
+
+
+def _exchange(site: Site, one: Any, other: Any) -> tuple[Change, Change]:
+    """Returns what gives two elements the values of each other."""
+    feature = site.feature
+    first, second = held(one, feature), held(other, feature)
+    return Change(one, feature, second), Change(other, feature, first)
+
+
+def exchanged_entries(site: Site) -> Iterator[Together]:
+    """Yields what exchanges the values of an entry of a table and of the one behind it."""
+    entries = list(site.element.eContainer().entries)
+    at = entries.index(site.element) + 1
+    if at < len(entries):
+        yield Together(_exchange(site, site.element, entries[at]))
+
+
+def partner(placed: Placed[Any] | None) -> Any:
+    """Returns the assignment to JAUS that leads back what one to ROS gives; None without any."""
+    if placed is None or not placed.scope.to_ros or placed.scope.is_nested:
+        return None
+    goes = placed.assignment
+    found = (
+        each
+        for each in placed.scope.map.toJaus
+        if isinstance(each, bridge.FieldAssignment)
+        and (each.source, each.target) == (goes.target, goes.source)
+    )
+    return next(found, None)
+
+
+def crossed_members(site: Site) -> Iterator[Together]:
+    """Yields what exchanges the targets of two assignments alike, and those of their ways back."""
+    placed = site.placed
+    back = partner(placed)
+    if placed is None or back is None:
+        return
+    siblings = list(placed.scope.map.toRos)
+    own = attribute_at(placed.scope.find_target(site.value))
+    for other in siblings[siblings.index(site.element) + 1 :]:
+        if not isinstance(other, bridge.FieldAssignment):
+            continue
+        its = partner(Placed(other, placed.scope))
+        if its is not None and _is_alike(own, attribute_at(placed.scope.find_target(other.target))):
+            ways = (site.element, other), (back, its)
+            yield Together(tuple(each for way in ways for each in _exchange(site, *way)))
+            return
 
 
 def other_state(site: Site) -> Iterator[Any]:

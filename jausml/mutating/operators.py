@@ -10,7 +10,19 @@ from jausml.language.metamodel import ClassTable
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import NEGATION
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute
-from jausml.mutating.changes import Change, Site, next_entry, other_member, other_state, other_unit
+from jausml.language.semantics.paths.scopes import flattened, has_source, outer_scope
+from jausml.mutating.changes import (
+    Change,
+    Site,
+    Together,
+    crossed_members,
+    exchanged_entries,
+    next_entry,
+    other_member,
+    other_state,
+    other_unit,
+    partner,
+)
 
 
 @dataclass(frozen=True)
@@ -18,7 +30,8 @@ class Operator:
     """A way to break a model.
 
     Attributes:
-        values: Yields what a feature holds afterwards, one value for each mutation.
+        values: Yields what a feature holds afterwards, one value for each mutation; or changes, of
+            other elements too, that are made together.
         features: What it changes: each class, a blank, and names of its features; commas between.
     """
 
@@ -33,10 +46,12 @@ class Operator:
             name, *features = each.split()
             yield name, features
 
-    def changes(self, site: Site) -> Iterator[Change]:
+    def changes(self, site: Site) -> Iterator[Change | Together]:
         """Yields the changes of a feature, of those that change something."""
         for value in self.values(site):
-            if value != site.value:
+            if isinstance(value, Together):
+                yield value
+            elif value != site.value:
                 yield Change(site.element, site.feature, value)
 
 
@@ -56,6 +71,32 @@ def _negated(site: Site) -> Iterator[Any]:
         yield site.value[:at] + site.value[at + 1 :]
     else:
         yield from _followed_by(NEGATION.name)(site)
+
+
+def _negated_both_ways(site: Site) -> Iterator[Together]:
+    back = partner(site.placed)
+    if back is None or any(each.named for each in _ends(site)):
+        return
+    ways = (Site(element, site.feature, site.placed) for element in (site.element, back))
+    for there, behind in zip(*map(_negated, ways), strict=False):
+        elements = zip((site.element, back), (there, behind), strict=True)
+        yield Together(tuple(Change(one, site.feature, value) for one, value in elements))
+
+
+def _one_that_drives(site: Site) -> Iterator[Any]:
+    """Yields a stop that sends 1 in the first number that its map fills and it says nothing of."""
+    used = site.element.eContainer()
+    to_ros = site.element.eContainmentFeature().name == "stopRos"
+    scope = outer_scope(used, to_ros=to_ros)
+    said = {str(each.target) for each in site.value}
+    for each in flattened(used.toRos if to_ros else used.toJaus, scope):
+        for path, target in () if each.scope.is_nested else each.targets:
+            is_number = isinstance(target, Attribute) and target.kind == NUMBER
+            if is_number and has_source(each.assignment) and path not in said:
+                made: Any = bridge.ConstantAssignment()
+                made.target, made.value = path, "1"
+                yield [*site.value, made]
+                return
 
 
 def _followed_by(kind: str, *arguments: float) -> Callable[[Site], Iterator[Any]]:
@@ -164,6 +205,12 @@ OPERATORS = (
         "bridge.FieldAssignment conversions",
     ),
     Operator(
+        "sign both ways",
+        "negates a number, or no longer does, in both directions",
+        _negated_both_ways,
+        "bridge.FieldAssignment conversions",
+    ),
+    Operator(
         "factor",
         "multiplies a number by 1.1",
         _followed_by("scale", 1.1),
@@ -196,6 +243,12 @@ OPERATORS = (
         "bridge.FieldAssignment source target",
     ),
     Operator(
+        "members both ways",
+        "exchanges two members of the same kind in both directions",
+        crossed_members,
+        "bridge.FieldAssignment target",
+    ),
+    Operator(
         "assignment",
         "leaves out an assignment",
         _left_out,
@@ -226,6 +279,12 @@ OPERATORS = (
         "gives an entry the value of the next one",
         next_entry,
         "bridge.TableEntry jaus ros",
+    ),
+    Operator(
+        "entries",
+        "exchanges what two neighbours of a table stand for",
+        exchanged_entries,
+        "bridge.TableEntry ros",
     ),
     Operator(
         "table",
@@ -268,6 +327,12 @@ OPERATORS = (
         "leaves out a value of a stop, or the stop",
         _left_out,
         "bridge.Connection safeValue, bridge.AttributeMap stopRos stopJaus, bridge.Stop values",
+    ),
+    Operator(
+        "stop that drives",
+        "sends 1 in a number of which a stop says nothing",
+        _one_that_drives,
+        "bridge.Stop values",
     ),
     Operator(
         "QoS",

@@ -23,7 +23,7 @@ from jausml.language.validation.engine import check
 from jausml.language.validation.rule import Report
 from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
-from jausml.mutating.changes import Change, Site
+from jausml.mutating.changes import Change, Site, Together
 from jausml.mutating.operators import OPERATORS, Operator
 from jausml.mutating.outcomes import (
     CHECK,
@@ -50,7 +50,7 @@ class Mutation:
     operator: Operator
     place: str
     words: str
-    change: Change
+    change: Change | Together
 
 
 def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:

@@ -65,7 +65,7 @@ class FieldResult:
         drifting: How many are changed again by a second trip.
         largest_drift: The largest change by a second trip, and the value at which it is.
         others: With how many values something else in the message has changed.
-        is_constant: Whether always the same comes back, though an assignment of its own gives it.
+        is_constant: Whether always the same comes back, by an assignment of its own or a constant.
         limited: How many values were cut off, as the Python form tells.
         computed: How many of those that are left to Python come back as others do.
         faults: Errors that no bridge expects, with how many values have them.
@@ -282,8 +282,8 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
         _MADE_UP: RuleInfo(
             "proof: value that does not come back",
             "A field goes into the other message, and always the same comes back, whatever it was. "
-            "The two directions read and write different members. Good: the other direction takes "
-            "the value from where this one puts it.",
+            "The two directions read and write different members, or one sends a constant. Good: "
+            "the other direction takes the value from where this one puts it.",
         ),
         _FAULT: RuleInfo(
             "proof: value that breaks a translation",

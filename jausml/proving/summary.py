@@ -12,7 +12,7 @@ from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
 from jausml.proving.layout import FLOAT, JAUS, Number
 from jausml.proving.plan import Field, some
 from jausml.proving.results import Extreme, FieldResult, MapResult, Mixed, Reached, told, unit_of
-from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone
+from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone, is_held
 from jausml.views.pages import page
 
 _COMPARED = 300
@@ -55,6 +55,8 @@ def summed_up(
     number, tally = planned.number, found.wide or found.tally
     assignment = assignment_of(trip, planned.side, planned.path)
     is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)
+    # A status or mode may be held; a quantity that was carried there is lost.
+    is_lost = bool(planned.units) and is_held(trip, planned.side, planned.path)
     made = FieldResult(
         side=planned.side,
         path=planned.path,
@@ -73,7 +75,7 @@ def summed_up(
         tolerance=_tolerance(planned),
         others=tally.others,
         is_monotonic=not (tally.result.rises and tally.result.falls),
-        is_constant=is_constant and is_alone(assignment, planned.path),
+        is_constant=is_constant and (is_lost or is_alone(assignment, planned.path)),
         reached=_reached(planned, found.tally),
         left_out=tally.left_out,
         left=tally.left,

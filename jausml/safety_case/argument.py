@@ -30,8 +30,11 @@ ASSUMPTIONS = (
     "Who may publish and call in ROS is decided by SROS 2, and not by the model.",
     "Power, kernel, cables and hosts may fail: time-outs in what is commanded have to cover it.",
     "A stop that the model states does stop the machine: only who knows the machine can say so.",
+    "Each range, rate and time-out is one that the machine can do with.",
+    "Where both ends state a unit, a frame or a name of a value, neither definition is mistaken.",
+    "A test vector, a reason and an @allow of a person are true, and so is what moves nothing.",
 )
-"""What no part of a model can argue."""
+"""What no part of a model can argue, as no check can know it."""
 
 _ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
 MARGIN = 1.0
@@ -64,7 +67,7 @@ class Concern:
     def kinds(self) -> list[str]:
         """The kinds of evidence that could show its answers, besides rules."""
         without = [] if self.hazard.properties else [kinds.MODEL_CHECK]
-        if self.answers and all(each.reason for each in self.answers):
+        if _is_of_a_person(self.answers):
             # What stands has no stop that could be seen.
             without += [kinds.TEST_RUN, kinds.FAULT_RUNS, kinds.MUTATIONS]
         return [each for each in self.row.kinds if each not in without]
@@ -190,11 +193,31 @@ _READERS = {
 }
 
 
+SUPPORTED, BY_RULES = "supported by evidence that ran", "held by rules alone"
+OF_A_PERSON, UNDEVELOPED = "held by the word of a person", "undeveloped"
+_STANDINGS = (SUPPORTED, BY_RULES, OF_A_PERSON, UNDEVELOPED)
+
+
+def _is_of_a_person(answers: Sequence[Answer]) -> bool:
+    return bool(answers) and all(each.reason for each in answers)
+
+
+def counted(goals: Sequence[Goal]) -> str:
+    """Returns how many goals rest on what, those that are supported first."""
+    counts = {each: sum(goal.standing == each for goal in goals) for each in _STANDINGS}
+    more = [f"{count} {each}" for each, count in counts.items() if count and each != SUPPORTED]
+    told = f"{counts[SUPPORTED]} of {len(goals)} goals {SUPPORTED}"
+    return f"{told}; {', '.join(more)}" if more else told
+
+
 @dataclass(frozen=True)
 class Goal:
     """That a hazard is answered at an element.
 
     Attributes:
+        answered: Whether the model answers it, without a gap and with nothing against it.
+        supported: Whether it is answered, and evidence that ran shows that: neither the silence of
+            rules nor a reason of a person does.
         gaps: What the model lacks, and decisions that are open.
         lacks: Kinds of evidence that could show it and were not found.
     """
@@ -203,6 +226,7 @@ class Goal:
     number: str
     claim: str
     element: str
+    answered: bool
     supported: bool
     answers: tuple[Answer, ...]
     gaps: tuple[str, ...]
@@ -211,8 +235,17 @@ class Goal:
     location: Location = field(repr=False)
 
     @property
+    def standing(self) -> str:
+        """What it rests on."""
+        if self.supported:
+            return SUPPORTED
+        if not self.answered:
+            return UNDEVELOPED
+        return OF_A_PERSON if _is_of_a_person(self.answers) else BY_RULES
+
+    @property
     def against(self) -> list[str]:
-        """Why it is not supported."""
+        """Why it is not answered."""
         return [*self.gaps, *(each.text for each in self.supports if not each.holds)]
 
 
@@ -223,6 +256,7 @@ class HazardCase:
     id: str
     number: str
     title: str
+    answered: bool
     supported: bool
     goals: tuple[Goal, ...]
 
@@ -251,8 +285,8 @@ class SafetyCase:
 
     @property
     def summary(self) -> str:
-        """How many goals are supported."""
-        return f"{sum(each.supported for each in self.goals)} of {len(self.goals)} goals supported"
+        """How many goals are supported, and what the others rest on."""
+        return counted(self.goals)
 
 
 def to_plain(case: SafetyCase) -> dict[str, Any]:
@@ -283,8 +317,9 @@ def safety_case(
     with remembering():
         for at, each in enumerate(HAZARDS, start=1):
             goals = tuple(_goals(each, f"G{at}", known))
+            answered = all(goal.answered for goal in goals)
             supported = all(goal.supported for goal in goals)
-            hazards.append(HazardCase(each.id, f"G{at}", each.title, supported, goals))
+            hazards.append(HazardCase(each.id, f"G{at}", each.title, answered, supported, goals))
     paths = {each.path: each.sha256 for each in tests}
     own = name_of(model), __version__, digests(model)
     return SafetyCase(*own, ASSUMPTIONS, known.evidence, paths, tuple(hazards))
@@ -298,12 +333,15 @@ def _goals(hazard: Hazard, number: str, known: _Known) -> Iterator[Goal]:
         found = tuple(supports(concern, known.report, known.evidence))
         gaps = tuple(_gaps(row, element, concern.answers))
         shown = {kinds[each.evidence] for each in found if each.holds}
+        answered = not gaps and all(each.holds for each in found)
+        has_run = bool(shown - {RULES}) and not _is_of_a_person(concern.answers)
         yield Goal(
             f"{hazard.id}/{concern.name}",
             f"{number}.{at}",
             f"Upon {hazard.title.lower()}, {row.claim.format(concern.name)}",
             concern.places[0],
-            not gaps and all(each.holds for each in found),
+            answered,
+            answered and has_run,
             concern.answers,
             gaps,
             found,

@@ -26,7 +26,7 @@ CASE_RULES: Mapping[str, RuleInfo] = MappingProxyType(
             "this one. Good: prove, test and run again, and make the case anew.",
         ),
         _ANSWER: RuleInfo(
-            "case: goal that has lost its support",
+            "case: goal that has lost its answer",
             "The model does nothing about the hazard any more, or evidence speaks against it. "
             "Good: give the model its answer again, or have a new case reviewed.",
         ),
@@ -49,7 +49,7 @@ class Former:
 
     Attributes:
         evidence: What it says of its files of evidence, by their paths.
-        goals: Ids and elements of the goals that it shows.
+        goals: Ids and elements of the goals that it answers.
     """
 
     path: str
@@ -71,7 +71,7 @@ def former_case(path: str, text: str) -> Former:
         evidence = {str(e["path"]): e for e in plain["evidence"] if e["path"]}
         known = [e[key] for e in evidence.values() for key in ("sha256", "stale")]
         goals = [goal for each in plain["hazards"] for goal in each["goals"]]
-        shown = [str(goal["id"]) for goal in goals if goal["supported"]]
+        shown = [str(goal["id"]) for goal in goals if goal["answered"]]
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise CaseError(f"is no safety case: {type(error).__name__} {error}") from error
     if not all(isinstance(each, str) for each in known):
@@ -108,7 +108,7 @@ def _of_goals(former: Former, case: SafetyCase) -> Iterator[Diagnostic]:
         if goal is None:
             text = f"goal {id_} is gone: the model has no such element"
             yield _finding(_ANSWER, former.place(id_), text)
-        elif not goal.supported:
+        elif not goal.answered:
             text = f"{goal.claim}: {'; '.join(goal.against)}"
             yield _finding(_ANSWER, goal.location, text, goal.element)
 

@@ -7,22 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.assignments.frames import axis_of, passage
-from jausml.language.semantics.assignments.steps import steps_of
-from jausml.language.semantics.assignments.units import Measure, attribute_measure, result_measure
+from jausml.language.semantics.assignments.meanings import unknown_targets
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.reports import freshness_of, is_report
-from jausml.language.semantics.jaus.commands import is_command, obeys_controller_alone
+from jausml.language.semantics.jaus.commands import (
+    controlled_by_nobody,
+    is_command,
+    is_published,
+    obeys_controller_alone,
+)
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import with_inherited
-from jausml.language.semantics.paths.attributes import NUMBER, NUMBERS
-from jausml.language.semantics.paths.scopes import (
-    Placed,
-    flattened,
-    outer_scope,
-    sound_connections,
-    target_paths,
-)
+from jausml.language.semantics.paths.scopes import sound_connections
 from jausml.language.semantics.subject import Subject
 from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN
 
@@ -102,6 +98,16 @@ def _stated(feature: str, text: str) -> Callable[[Any], Answer | None]:
     return lambda element: _after(float(getattr(element, feature)), text)
 
 
+def _limited(feature: str, text: str) -> Callable[[Any], Answer | None]:
+    """Returns what tells a rate, which is no time."""
+
+    def told(element: Any) -> Answer | None:
+        rate = float(getattr(element, feature))
+        return Answer(text.format(rate)) if rate > 0 else None
+
+    return told
+
+
 def _when(holds: Callable[[Any], object], text: str) -> Callable[[Any], Answer | None]:
     return lambda element: Answer(text) if holds(element) else None
 
@@ -109,13 +115,13 @@ def _when(holds: Callable[[Any], object], text: str) -> Callable[[Any], Answer |
 def _stop(commander: Commander) -> str:
     if isinstance(commander, bridge.RosActionConnection):
         return "cancels its goal"
-    return "sends its stop" if stops.has_stop(commander) else ""
+    return f"sends its stop ({stops.told(commander)})" if stops.has_stop(commander) else ""
 
 
 def _on_silence(commander: Commander) -> Answer | None:
     if not isinstance(commander, bridge.Connection) or not stops.has_stop(commander):
         return None
-    return _after(stops.silence_timeout(commander), "sends its stop after {:g} s of silence")
+    return _after(stops.silence_timeout(commander), f"{_stop(commander)} after {{:g}} s of silence")
 
 
 def _on_lapse(commander: Commander) -> Answer | None:
@@ -136,8 +142,10 @@ def _by_guardian(commander: Commander) -> Answer | None:
 def _held(commander: Commander) -> Answer | None:
     if not isinstance(commander, bridge.Connection) or not stops.holds(commander):
         return None
-    if not commander.map.message.moves:
-        return Answer(f"{commander.map.message.name} sets nothing in motion")
+    message = commander.map.message
+    if not message.moves:
+        own = "" if is_published(message) else "its definition says so (moves false)"
+        return Answer(f"{message.name} sets nothing in motion", reason=own)
     reason = stops.hold_reason(commander).strip()
     return Answer("the last command stands", reason=reason) if stops.is_reason(reason) else None
 
@@ -181,41 +189,10 @@ def _loss_told(connection: bridge.Connection) -> Answer | None:
     return told or _after(deadline, "its topic has a deadline of {:g} s")
 
 
-def _unknown(carrier: Carrier) -> list[str]:
-    """Returns the targets of which no rule knows both ends, and that no test vector expects."""
-    found = []
-    for used, to_ros in _ways(carrier):
-        way = "jausToRos" if to_ros else "rosToJaus"
-        vectors = [each for each in used.vectors if each.direction.name == way]
-        expected = [_steps(value.path) for each in vectors for value in each.expected]
-        scope = outer_scope(used, to_ros=to_ros)
-        for placed in flattened(used.toRos if to_ros else used.toJaus, scope):
-            assignment = placed.assignment
-            if isinstance(assignment, bridge.FieldAssignment):
-                seen = _is_known(Placed(assignment, placed.scope))
-                for target in () if seen else target_paths(assignment):
-                    # The path of an element of a list begins with that of the list.
-                    ways = [each.find(_steps(target)) for each in expected]
-                    if not any(at == 0 or (at > 0 and placed.scope.is_nested) for at in ways):
-                        found.append(target)
-    return found
-
-
-def _steps(path: str) -> str:
-    return f".{path.strip().replace('[', '.[')}."
-
-
-def _is_known(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether rules see a wrong unit, and a wrong sign, of an assignment."""
-    sources, targets = placed.source_attributes, placed.target_attributes
-    numbers = [each for each in targets if each.kind in (NUMBER, NUMBERS) and not each.integral]
-    if numbers and not isinstance(result_measure(placed), Measure):
-        return False
-    if any(attribute_measure(each) is None for each in numbers):
-        return False
-    axes = {axis_of(each) is not None for each in (*sources, *targets)}
-    is_followed = True not in axes or passage(steps_of(placed), sources) is not None
-    return bool(sources and targets) and len(axes) == 1 and is_followed
+def _unknown(carrier: Carrier) -> dict[str, str]:
+    """Returns the targets that nothing can judge, each with what rules lack."""
+    ways = (unknown_targets(used, to_ros=to_ros) for used, to_ros in _ways(carrier))
+    return {target: lack for found in ways for target, lack in found}
 
 
 def _connections(
@@ -273,8 +250,8 @@ def _unfresh(connection: bridge.Connection) -> str:
 
 
 def _meaningless(carrier: Carrier) -> str:
-    targets = ", ".join(_unknown(carrier))
-    return f"nothing says what is right of {targets}: no unit or axis at both ends, no test vector"
+    told = ", ".join(f"{target} (no rule: it lacks {e})" for target, e in _unknown(carrier).items())
+    return f"nothing says what is right of {told}, and no test vector"
 
 
 _STOPS, _OBEYS = "what {} commands stops", "{} obeys it no longer"
@@ -291,24 +268,27 @@ _SHOWN = (TEST_RUN, MODEL_CHECK, FAULT_RUNS, MUTATIONS)
 _keeps_control = _when(lambda e: e.control, "sends only while it has control of the peer")
 _fixed_sources = _when(lambda e: e.fixedSources, "hears each component from one endpoint alone")
 _obeys_controller = _when(
-    lambda e: all(obeys_controller_alone(*each) for each in _moving(e)),
+    lambda e: (
+        all(obeys_controller_alone(*each) for each in _moving(e))
+        and not any(map(controlled_by_nobody, with_inherited(e.provides)))
+    ),
     "obeys what moves it from its controller alone",
 )
 _meaning = _when(
     lambda e: not _unknown(e),
-    "units and axes of both ends are known to rules, or test vectors say what is right",
+    "rules know units, axes and names of both ends, or test vectors say what is right",
 )
 _lapses = _stated("controlTimeout", "its control lapses when it is not renewed for {:g} s")
 _age = _stated("ageLimit", "passes no message older than {:g} s")
 _told = _stated("silenceTimeout", "is told after {:g} s of silence")
-_cap = _stated("rateCap", "takes {:g} messages/s of one source at most")
-_rate = _stated("maxRate", "passes {:g} messages/s at most")
+_cap = _limited("rateCap", "takes {:g} messages/s of one source at most")
+_rate = _limited("maxRate", "passes {:g} messages/s at most")
 
 HAZARDS = (
     Hazard(
         "link",
         "Loss of the link",
-        "JML451 JML452 JML453 JML454 JML497",
+        "JML451 JML452 JML453 JML454 JML497 JML516",
         (
             Row(_STOPS, _obeyed, _NO_STOP, (_on_silence, _on_lapse, _held), _SHOWN),
             Row(_STOPS, _given, _NO_LAPSE, (_peers_lapse, _held), (MODEL_CHECK, FAULT_RUNS)),
@@ -320,7 +300,7 @@ HAZARDS = (
     Hazard(
         "operator",
         "Loss of the operator",
-        "JML451 JML452 JML453 JML454 JML497 JML364 JML366",
+        "JML451 JML452 JML453 JML454 JML497 JML516 JML364 JML366",
         (
             Row(_STOPS, _obeyed, _NO_STOP, (_on_silence, _on_lapse, _held), _SHOWN),
             Row(_STOPS, _given, _NO_STOP, (_on_silence, _held), _SHOWN),
@@ -352,14 +332,15 @@ HAZARDS = (
     Hazard(
         "unit",
         "Wrong unit, sign or frame",
-        "JML431 JML432 JML433 JML434 JML437 JML438 JML441 JML458",
+        "JML431 JML432 JML433 JML434 JML437 JML438 JML440 JML441 JML448 JML449 JML458 JML515 "
+        "JML518",
         (Row("a rule or a test of {} shows it", _carriers, _meaningless, (_meaning,), _MAPPED),),
         checks="*",
     ),
     Hazard(
         "preemption",
         "Preemption",
-        "JML353 JML364 JML368 JML427",
+        "JML353 JML364 JML368 JML427 JML516",
         (
             Row(_STOPS, _obeyed, _NO_STOP, (_on_end, _held), _SHOWN),
             Row("{} commands no longer", _given, "control false: it sends on", (_keeps_control,)),
@@ -370,7 +351,7 @@ HAZARDS = (
     Hazard(
         "foreign",
         "Foreign command",
-        "JML351 JML356 JML477 JML478 JML479",
+        "JML351 JML356 JML362 JML477 JML478 JML479",
         (
             Row("{} does not obey", _commandable, _NO_PEERS, (_known_peers, _known_hosts)),
             Row("{} does not obey", _components, _UNGUARDED, (_obeys_controller,), (MODEL_CHECK,)),
@@ -380,7 +361,7 @@ HAZARDS = (
     Hazard(
         "crash",
         "Crash of the bridge",
-        "JML451 JML452",
+        "JML451 JML452 JML516",
         (
             Row(_STOPS, _obeyed, _NO_GUARDIAN, (_by_guardian, _held), _SHOWN),
             Row(_STOPS, _sent, _NO_GUARDIAN, (_by_guardian, _held), _SHOWN),

@@ -16,6 +16,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
+from jausml.safety_case.argument import SUPPORTED, UNDEVELOPED, counted
 from jausml.views.diagrams.layout.sheet import Box, Course, Engine, Line, Places, Point, Sheet
 from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, opening, text_element
@@ -109,10 +110,8 @@ def _overview(case: SafetyCase) -> _Argument:
     found.add("C2", _CONTEXT, assumed, "G0", "right")
     found.add("S0", _STRATEGY, "over each hazard", "G0")
     for each in case.hazards:
-        good = sum(goal.supported for goal in each.goals)
-        count = f"{good} of {len(each.goals)} goals supported" if each.goals else "concerns nothing"
-        text = f"{each.title}: {count}"
-        found.add(each.number, _GOAL, text, "S0", is_open=not each.supported)
+        text = f"{each.title}: {counted(each.goals) if each.goals else 'concerns nothing'}"
+        found.add(each.number, _GOAL, text, "S0", is_open=not each.answered)
     return found
 
 
@@ -123,8 +122,9 @@ def _hazard(case: SafetyCase, each: HazardCase) -> _Argument:
     found.add(each.number, _GOAL, f"{each.title} is answered")
     found.add(over, _STRATEGY, "over each element", each.number)
     for goal in each.goals:
-        text = "; ".join((goal.claim, *(f"OPEN: {gap}" for gap in goal.gaps)))
-        found.add(goal.number, _GOAL, text, over, is_open=not goal.supported)
+        standing = [] if goal.standing in (SUPPORTED, UNDEVELOPED) else [goal.standing]
+        text = "; ".join((goal.claim, *(f"OPEN: {gap}" for gap in goal.gaps), *standing))
+        found.add(goal.number, _GOAL, text, over, is_open=not goal.answered)
         by = f"S{goal.number[1:]}"
         if goal.answers:
             found.add(by, _STRATEGY, "; ".join(one.text for one in goal.answers), goal.number)

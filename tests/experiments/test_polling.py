@@ -26,13 +26,15 @@ def test_the_newest_is_delivered_once() -> None:
     held = Held(got.append)
     held.look()
     held.put(1)
+    assert held.overwritten == 0
     held.put(2)
+    held.put(3)
     assert got == []
     held.look()
     held.look()
 
-    assert got == [2]
-    assert held.overwritten == 1
+    assert got == [3]
+    assert held.overwritten == 2
 
 
 def test_polls_delay_the_loop(bridged: Workspace) -> None:

@@ -369,7 +369,8 @@ def test_differences_inside_are_told():
 
 
 def test_a_package_that_is_not_installed_is_one_error_with_its_cure():
-    with pytest.raises(RosTypeError, match=r"extreme_msgs/msg/Holder is not installed .*install"):
+    cure = "; install extreme_msgs, or add it"
+    with pytest.raises(RosTypeError, match=rf"extreme_msgs/msg/Holder is not installed .*{cure}"):
         installed_class(extremes().kind("extreme_msgs/msg/Holder"))
 
 

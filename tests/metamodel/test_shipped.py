@@ -66,10 +66,10 @@ def test_bounds_are_in_order():
     assert wrong(lambda each: each.lower <= each.upper or each.upper < 0) == []
 
 
-def test_opposites_are_mutual_and_not_many_to_many():
-    # EMF cannot read a many-to-many opposite of which one end is written.
-    assert wrong(lambda each: each.opposite is None or each.opposite.opposite is each) == []
-    assert wrong(lambda each: not (each.opposite and each.many and each.opposite.many)) == []
+def test_no_feature_has_an_opposite():
+    # EMF cannot read a many-to-many opposite of which one end is written; no check of one is here.
+    assert FEATURES
+    assert wrong(lambda each: each.opposite is None) == []
 
 
 def test_values_may_repeat_in_lists():

@@ -59,14 +59,20 @@ IN_WINCH = {
 }
 TABLES = """\
 lamps {
-    JAUS WinchStatus ( uint16 number  float32 v { units: "meter" frame: localUp } )
-    ROS WinchStatus ( uint16 number  float32 v )
+    JAUS WinchStatus ( uint16 number  float32 v { units: "meter" frame: localUp }  float32 w )
+    ROS WinchStatus ( uint16 number  float32 v  float32 w )
     table t ( 1 <-> 4  2 <-> 5 )
-    JAUS->ROS ( number -> number : look_up(t)  v -> v )
+    stopRos: {}
+    JAUS->ROS ( number -> number : look_up(t)  v -> v  w -> w )
+    ROS->JAUS ( number -> number : look_up(t)  v -> v  w -> w )
 }
 """
 IN_TABLES = {
     ("table entry", "ros: 4 -> 5"),
+    ("entries", "ros: 4 -> 5; ros: 5 -> 4"),
+    ("sign both ways", "conversions: nothing -> negate; conversions: nothing -> negate"),
+    ("members both ways", "target: v -> w; target: w -> v; target: v -> w; target: w -> v"),
+    ("stop that drives", "values: nothing -> number"),
     ("table entry", "jaus: 1 -> 2"),
     ("table", "entries: 1 -> nothing"),
     ("frame", "frame: localUp -> localDown"),

@@ -222,6 +222,8 @@ class ConnectionView:
             found.append(("silence_timeout", python_literal(self.silence_timeout)))
         if self.has_safe_value:
             found.append(("safe_value", f"self.safe_{self.name}"))
+            if values := stops.stated(self.connection):
+                found.append(("stop", python_string(values)))
         elif self.is_command and stops.holds(self.connection):
             found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
         return found

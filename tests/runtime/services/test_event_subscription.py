@@ -190,6 +190,7 @@ class TestSharing:
         statuses(client, Inbox())
         statuses(client, periodic, rate=10)
         world.run(1.0)
+        assert len(periodic) == pytest.approx(10, abs=2)
         kill(world, first)
         periodic.clear()
         world.run(3.0)

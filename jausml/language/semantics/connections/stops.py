@@ -7,8 +7,18 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.units import measure
 from jausml.language.semantics.jaus import commands
-from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.names import words
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute, is_real
+from jausml.language.semantics.paths.scopes import (
+    Placed,
+    attribute_at,
+    flattened,
+    outer_scope,
+    parse_path,
+    target_paths,
+)
 
 SILENCE_TIMEOUT = 1.0
 """Seconds of silence that a command with a safe value stands when nobody says how long.
@@ -92,8 +102,8 @@ def silence_timeout(connection: bridge.Connection) -> float:
 def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, ...]:
     """Returns what fills the stop or safe value of a connection.
 
-    What its map fills without a source, with constants and the clock, comes before the values of
-    the stop itself, which may say otherwise.
+    What its map fills without a source, with the clock and with constants that are no quantity,
+    comes before the values of the stop itself, which may say otherwise.
     """
     stop = stop_of_map(connection)
     values: Iterable[bridge.ConstantAssignment] = connection.safeValue
@@ -106,12 +116,74 @@ def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, 
 def with_constants(
     used: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
 ) -> tuple[bridge.Assignment, ...]:
-    """Returns the values of a stop behind what the map fills without a source."""
+    """Returns the values of a stop behind what the map fills without a source.
+
+    Names of frames, kinds and masks say what a message means, in a stop too. A speed that a map
+    holds constant would make its stop drive, so quantities are what the stop says, else zero.
+    """
     said = {parse_path(path) for value in values for path in target_paths(value)}
+    scope = outer_scope(used, to_ros=to_ros)
     constants = (
         each
         for each in (used.toRos if to_ros else used.toJaus)
         if isinstance(each, (bridge.ConstantAssignment, bridge.ClockAssignment))
         and not said & {parse_path(path) for path in target_paths(each)}
+        and not any(map(_is_quantity, Placed(each, scope).target_attributes))
     )
     return (*constants, *values)
+
+
+def _is_quantity(attribute: Attribute) -> bool:
+    return attribute.kind == NUMBER and (not attribute.integral or bool(attribute.units))
+
+
+def stated(connection: bridge.Connection) -> str:
+    """Returns what the stop of a connection states, as `thrust = 0`; empty where it is zeros."""
+    stop = stop_of_map(connection)
+    values = connection.safeValue or (stop.values if stop is not None else ())
+    return ", ".join(f"{each.target} = {each.value}" for each in values)
+
+
+def told(connection: bridge.Connection) -> str:
+    """Returns what the stop of a connection sends, in words."""
+    return stated(connection) or "zeros"
+
+
+def driving(connection: bridge.Connection) -> list[tuple[str, str]]:
+    """Returns paths and values that the stop of a connection sends though they move a vehicle.
+
+    They are rates (m/s, rad/s), accelerations, forces, torques and efforts that are not 0, those
+    of brakes excepted; a value that a ROS type gives a member by default counts as well.
+    """
+    to_ros = connection.direction.name == "jausToRos"
+    scope, found = outer_scope(connection.map, to_ros=to_ros), dict[str, str]()
+    units = dict[str, str]()
+    for each in flattened(connection.map.toRos if to_ros else connection.map.toJaus, scope):
+        known = next((one.units for one in each.source_attributes if one.units), "")
+        for path, target in () if each.scope.is_nested else each.targets:
+            if isinstance(target, Attribute):
+                units[path] = target.units or known
+                default = getattr(target.field, "defaultValue", None)
+                found[path] = str(default or "") if to_ros else ""
+    for value in stop_assignments(connection):
+        said = value.value if isinstance(value, bridge.ConstantAssignment) else ""
+        found.update((path, str(said)) for path in target_paths(value))
+    return [
+        (path, value)
+        for path, value in found.items()
+        if is_real(value)
+        and float(value)
+        and isinstance(target := attribute_at(scope.find_target(path)), Attribute)
+        and _moves(target, units.get(path, "") or target.units)
+    ]
+
+
+_BRAKING = frozenset({"brake", "braking", "resistive"})
+
+
+def _moves(target: Attribute, units: str) -> bool:
+    named = {each.casefold() for each in words(target.label)}
+    known = measure(units)
+    power = dict(known.unit.dimension).get("s", 0) if known is not None else 0
+    is_motion = power in (-1, -2) or "effort" in named
+    return target.kind == NUMBER and is_motion and not named & _BRAKING

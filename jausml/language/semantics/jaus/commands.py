@@ -73,6 +73,12 @@ def is_steering(message: jaus.MessageDef) -> bool:
     return is_command(message) and not is_emergency(message)
 
 
+def is_published(message: jaus.MessageDef) -> bool:
+    """Tells whether a message is one of a service that a standard defines."""
+    owner = message.eContainer()
+    return owner is not None and str(getattr(owner, "urn", "")).startswith(_OF_STANDARDS)
+
+
 def needs_control(message: jaus.MessageDef, service: jaus.Service) -> bool:
     """Tells whether a component obeys a message from its controller alone.
 
@@ -101,6 +107,37 @@ def needs_ready(service: jaus.Service, provided: Iterable[jaus.Service]) -> bool
     """
     own = lineage(service)
     return _has(_MANAGEMENT, own if _has(_ACCESS_CONTROL, own) else provided)
+
+
+CONTROLLER = "isControllingClient"
+"""Condition of guards that holds for the controller of a component alone."""
+
+_NO_COMMANDS = ("Query", "Report", "Confirm", "Reject", "Event")
+
+
+def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
+    """Returns the inputs of an own service that anybody may send, though others need control.
+
+    Whoever sends a query or a report commands nothing, nor who sends what guards let pass from the
+    controller alone.
+    """
+    is_published = str(service.urn).startswith(_OF_STANDARDS)
+    if is_published or not any(needs_control(each, service) for each in service.inputs):
+        return []
+    told = {query_name(each) for one in lineage(service) for each in one.outputs}
+    return [
+        each
+        for each in service.inputs
+        if not is_command(each)
+        and each.name not in told
+        and not str(each.name).startswith(_NO_COMMANDS)
+        and not _is_guarded(each, service)
+    ]
+
+
+def _is_guarded(message: jaus.MessageDef, service: jaus.Service) -> bool:
+    guards = [str(each.guard or "") for each in _taking(message, service)]
+    return bool(guards) and all(CONTROLLER in each for each in guards)
 
 
 def guard_of(
@@ -268,11 +305,17 @@ def told_after(message: jaus.MessageDef, service: jaus.Service) -> Answer | None
 
 
 def _sent_by_machine(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.MessageDef]:
+    for each in _taking(message, service):
+        yield from (done.sends for done in each.actions if done.sends is not None)
+
+
+def _taking(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.Transition]:
+    """Yields the transitions of the machines of a service that a message triggers."""
     for machine in service.machines:
         for _, state in states_of(machine):
             for each in (*state.transitions, *state.defaults):
                 if each.message is not None and same_code(each.message, message):
-                    yield from (done.sends for done in each.actions if done.sends is not None)
+                    yield each
 
 
 def _topic(answer: jaus.MessageDef) -> str:

@@ -61,7 +61,8 @@ _PRODUCT = {
     "JML931": RuleInfo(
         "product: deadlock",
         "jausml model-check has found a way to a state in which nothing that was asked for can "
-        "happen any more, whatever anybody does. States of Failure and Shutdown count as ends.",
+        "happen any more, whatever anybody does, or from which a machine never comes back to a "
+        "state that it has left: a trap. States of Failure and Shutdown count as ends.",
     ),
     "JML932": RuleInfo(
         "product: livelock",

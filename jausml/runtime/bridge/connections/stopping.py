@@ -55,11 +55,13 @@ class Stopping:
         is_command: bool = False,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], Any] | None = None,
+        stop: str = "",
         hold_reason: str = "",
     ) -> None:
         """Minds nothing before `watch`.
 
         Args:
+            stop: What the model states for the safe value, in words; empty where it is zeros.
             hold_reason: Why the last command may stand then, for one that has no safe value.
         """
         self.name = name
@@ -68,6 +70,7 @@ class Stopping:
         self.is_command = is_command
         self.stopped: StopReason | None = None
         self._halt: StopReason | None = None
+        self._stop = stop
         self._hold_reason = hold_reason
         self._safe_value = safe_value
         self._next_log = 0.0
@@ -283,5 +286,5 @@ class Stopping:
     def when_lost(self) -> str:
         """What happens on the target side when the source of a command is lost."""
         if self._safe_value is not None:
-            return "the stop is sent"
+            return f"the stop is sent ({self._stop})" if self._stop else "the stop is sent"
         return f"the last message stands ({self._hold_reason or 'nobody says why'})"

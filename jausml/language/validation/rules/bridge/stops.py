@@ -106,6 +106,38 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
 
 @rule(
+    "JML516",
+    "stop that drives",
+    severity=Severity.WARNING,
+    each=bridge.Connection,
+    given=is_sound,
+)
+def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
+    """A stop sends zeros in what moves a vehicle: speeds, turning rates, accelerations, efforts.
+
+    A number that a stop states is sent when the source of a command is lost, and a default that a
+    ROS type gives a member is sent where a stop says nothing of it. Where a vehicle stops by
+    something else than 0, such as a propeller that has to turn back, whoever knows it says so in an
+    `@allow` with the reason. Brakes may be on.
+
+    Bad: `stopRos: { values: { target: linear.x  value: 3 } }`
+
+    Good: `stopRos: {}`, or `@allow JML516 until 2030-01-31: it hovers by this thrust`
+    """
+    if not stops.is_command(connection) or not stops.has_stop(connection):
+        return
+    if values := stops.driving(connection):
+        text = ", ".join(f"{path} {value}" for path, value in values)
+        stop = stops.stop_of_map(connection)
+        place = connection if connection.safeValue or stop is None else stop
+        feature = "safeValue" if connection.safeValue else None
+        message = f"the stop of '{connection.name}' sends {text}"
+        hint = "a stop of 0, or an @allow with the reason why this stops the vehicle"
+        note = Note(connection, f"'{connection.name}'")
+        yield Finding(place, message, feature, hint, (note,))
+
+
+@rule(
     "JML453",
     "stop that silence does not send",
     severity=Severity.WARNING,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.attributes import Comparison
+    from jausml.language.semantics.paths.attributes import Comparison, NamedValue
     from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
@@ -40,7 +41,8 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
     which means its number. Of several entries with one value the first counts; one whose values
     both stand in earlier entries is never found. Each enumerated value of the source should be in
-    the table, and each constant of a ROS field, since one that is not drops the message.
+    the table, and each constant of a ROS field, since one that is not drops the message. Where both
+    ends name their values, a number that no constant of the ROS type has means nothing there.
 
     Bad: a table `OPEN <-> true` for a JAUS field with the values Opened and Closed
 
@@ -58,6 +60,11 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
                     if key not in reported:
                         reported.add(key)
                         yield finding
+    for looked in _looked_up(subject, directed):
+        for finding in _unnamed(looked):
+            if (finding.element, finding.message) not in reported:
+                reported.add((finding.element, finding.message))
+                yield finding
 
 
 @rule("JML448", "named value with another number", each=DIRECTED)
@@ -65,7 +72,8 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """What both ends of an assignment call alike has one number, or a table maps the names.
 
     Without a conversion numbers pass as they are. Where `CLOSED` is 0 in ROS and `closed` is 1 in
-    JAUS, a closed gate would be told as something else. Names are compared without case and
+    JAUS, a closed gate would be told as something else. A table that is written leads each of
+    these names to its namesake, by name or by number. Names are compared without case and
     separators; constants of a ROS type that begin with the name of a field belong to that field.
 
     Bad: `State -> state`, with open 0 and closed 1 in JAUS, CLOSED 0 and OPEN 1 in ROS
@@ -85,6 +93,15 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 "source",
                 f"look_up a table ( {table} )",
             )
+    for looked in _looked_up(subject, directed):
+        if astray := looked.astray:
+            told = ", ".join(
+                f"{one.name} becomes {given:g}, but {other.name} is {other.number}"
+                for one, other, given in astray[:_MOST_NAMES]
+            )
+            message = f"table '{looked.table.name}' leads names astray that both ends have: {told}"
+            meant = table_text(looked.ends, to_ros=looked.placed.scope.to_ros)
+            yield Finding(looked.placed.assignment, message, "conversions", f"it is ( {meant} )")
 
 
 @rule("JML449", "named value that drops the message", severity=Severity.WARNING, each=DIRECTED)
@@ -119,6 +136,50 @@ def _enumerated(
             found = compared(ends[0][0], ends[1][0])
             if found is not None:
                 yield placed, found
+
+
+@dataclass(frozen=True)
+class _LookedUp:
+    """An assignment by a table alone, between ends that both name values."""
+
+    placed: Placed[bridge.FieldAssignment]
+    table: bridge.ValueTable
+    ends: Comparison
+
+    @property
+    def given(self) -> list[tuple[bridge.TableEntry, str, str]]:
+        """The entries, each with what it takes and gives, names as their numbers."""
+        taken, given = map(
+            _Meaning, (self.placed.source_attributes[0], self.placed.target_attributes[0])
+        )
+        sides = ("jaus", "ros") if self.placed.scope.to_ros else ("ros", "jaus")
+        return [
+            (each, taken.of(_side(each, sides[0])), given.of(_side(each, sides[1])))
+            for each in self.table.entries
+        ]
+
+    @property
+    def astray(self) -> list[tuple[NamedValue, NamedValue, float]]:
+        """What both ends have by name, with the number that the table gives instead."""
+        first = {taken: given for _, taken, given in reversed(self.given) if is_real(given)}
+        pairs = ((one, other, first.get(str(one.number))) for one, other in self.ends.common)
+        return [
+            (one, other, float(given))
+            for one, other, given in pairs
+            if given is not None and float(given) != other.number
+        ]
+
+
+def _looked_up(subject: Subject, directed: Directed) -> Iterator[_LookedUp]:
+    for direction in directions_of(subject, directed):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            steps = placed.assignment.conversions
+            ends = placed.source_attributes, placed.target_attributes
+            if len(steps) != 1 or any(len(each) != 1 for each in ends):
+                continue
+            table, found = steps[0].table, compared(ends[0][0], ends[1][0])
+            if steps[0].kind.name == LookUp.name and table is not None and found is not None:
+                yield _LookedUp(placed, table, found)
 
 
 def _is_legal(number: int, attribute: Attribute) -> bool:
@@ -170,6 +231,20 @@ def _repeated(
             message = f"{entry.jaus!a} and {entry.ros!a} stand in earlier entries, which count"
             note = Note(firsts[0], "the earlier entry", "jaus")
             yield Finding(entry, message, "jaus", related=(note,), severity=Severity.WARNING)
+
+
+def _unnamed(looked: _LookedUp) -> Iterator[Finding]:
+    """Yields findings for entries with a number that the ROS enumeration does not name."""
+    if not looked.ends.is_of_one_enumeration:
+        return
+    to_ros = looked.placed.scope.to_ros
+    named = (looked.ends.target if to_ros else looked.ends.source).values()
+    known = {str(each.number) for each in named}
+    for entry, taken, given in looked.given:
+        if (given if to_ros else taken) not in known:
+            message = f"no constant of the ROS type is {entry.ros!a}"
+            hint = f"it has {', '.join(each.name for each in named)}"
+            yield Finding(entry, message, "ros", hint, severity=Severity.WARNING)
 
 
 def _side(entry: bridge.TableEntry, feature: str) -> str:

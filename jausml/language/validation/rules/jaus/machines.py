@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.guards import Guard, GuardError, conditions, parse_guard
+from jausml.language.attributes.guards import Guard, GuardError, parse_guard
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
@@ -22,7 +22,6 @@ from jausml.language.semantics.jaus.machines import (
     trigger,
 )
 from jausml.language.semantics.jaus.services import (
-    ACCESS_CONTROL,
     find_same,
     lineage,
 )
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.language.semantics.subject import Subject
-
-_CONTROLLER = "isControllingClient"
 
 
 @rule("JML341", "not exactly one initial state", each=jaus.Service)
@@ -277,37 +274,6 @@ def core_messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 hint = "entry and exit actions of the core states tell what has happened"
                 is_management = owner.name in ("AccessControl", "Management")
                 yield Finding(transition, text, "message", hint if is_management else "")
-
-
-@rule("JML351", "command that anyone may give", severity=Severity.WARNING, each=jaus.Service)
-def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
-    """In a machine that extends the core, the guard says who may give a command.
-
-    Without `isControllingClient`, every component may. An independent machine needs no such guard:
-    there, as without a machine, the component obeys only its controller, and mostly only in Ready.
-
-    Bad: `<transitions message="SetSpeed" target="Moving"/>` in ReceiveFSM
-
-    Good: the same with `guard="isControllingClient"`
-    """
-    for behaviour in behaviours_of(subject, service):
-        services = lineage(behaviour.service)
-        if not behaviour.machine.extends_core or all(s.name != ACCESS_CONTROL for s in services):
-            continue
-        for _, transition in behaviour.transitions():
-            message = transition.message
-            if message is None or not message.isCommand:
-                continue
-            owner = message.eContainer()
-            if owner is not None and owner.urn in SERVED_BY_RUNTIME:
-                continue
-            try:
-                asked = set(conditions(parse_guard(transition.guard)))
-            except GuardError:
-                continue
-            if _CONTROLLER not in asked:
-                text = f"the command {message.name} is obeyed from every component"
-                yield Finding(transition, text, "guard", f"add {_CONTROLLER} to the guard")
 
 
 def _element(behaviour: Behaviour, path: str) -> jaus.State | jaus.StateMachine:

@@ -1,0 +1,231 @@
+"""Meanings: what of an assignment rules or a person can judge, and members that are crossed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.frames import axis_of, passage
+from jausml.language.semantics.assignments.steps import steps_of
+from jausml.language.semantics.assignments.units import (
+    Measure,
+    attribute_measure,
+    result_measure,
+    sent_through,
+    source_range,
+)
+from jausml.language.semantics.conversions import NoValueError
+from jausml.language.semantics.names import words
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    NUMBER,
+    NUMBERS,
+    Attribute,
+    compared,
+    is_real,
+)
+from jausml.language.semantics.paths.jaus_paths import JausPlace
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import (
+    Placed,
+    attribute_at,
+    flattened,
+    outer_scope,
+    target_paths,
+)
+
+if TYPE_CHECKING:
+    from jausml.language.semantics.paths.attributes import Part
+    from jausml.language.semantics.paths.scopes import FoundPlace
+
+
+def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, str]]:
+    """Yields the targets of a map whose meaning no rule can judge and no test vector expects.
+
+    A vector of one use of a table says what the table means for all.
+
+    Yields:
+        Paths of targets, each with what is not known of it.
+    """
+    way = "jausToRos" if to_ros else "rosToJaus"
+    vectors = [each for each in used.vectors if each.direction.name == way]
+    expected = [_steps(value.path) for each in vectors for value in each.expected if value.path]
+    placed = [
+        (Placed(each.assignment, each.scope), target_paths(each.assignment))
+        for each in flattened(
+            used.toRos if to_ros else used.toJaus, outer_scope(used, to_ros=to_ros)
+        )
+        if isinstance(each.assignment, bridge.FieldAssignment)
+    ]
+    # The path of an element of a list begins with that of the list.
+    shown = {
+        target
+        for each, targets in placed
+        for target in targets
+        for at in (one.find(_steps(target)) for one in expected)
+        if at == 0 or (at > 0 and each.scope.is_nested)
+    }
+    tables = {table for each, targets in placed if shown & {*targets} for table in _tables(each)}
+    for each, targets in placed:
+        lack = lacking(each)
+        if lack and not (by_table(each) and _tables(each) <= tables):
+            yield from ((target, lack) for target in targets if target not in shown)
+
+
+def _steps(path: str) -> str:
+    return f".{path.strip().replace('[', '.[')}."
+
+
+def lacking(placed: Placed[bridge.FieldAssignment]) -> str:
+    """Returns what rules lack to see a wrong unit, sign or name in an assignment; empty if nothing.
+
+    A number without an axis has no direction where it cannot be negative.
+    """
+    sources, targets = placed.source_attributes, placed.target_attributes
+    if not sources or not targets:
+        return "ends that rules can read"
+    if by_table(placed) and not _has_names(sources, targets):
+        return "names at both ends of its table"
+    numbers = [each for each in targets if each.kind in (NUMBER, NUMBERS) and not each.integral]
+    known = [*map(attribute_measure, numbers), *([result_measure(placed)] if numbers else [])]
+    if not all(isinstance(each, Measure) for each in known):
+        return "a unit at both ends"
+    axes = {axis_of(each) is not None for each in (*sources, *targets)}
+    if axes == {True}:
+        return "" if passage(steps_of(placed), sources) is not None else "a sign that is followed"
+    is_directed = any(map(_is_directed, numbers)) and all(map(_is_directed, sources))
+    if True in axes or is_directed:
+        return "an axis at both ends"
+    return ""
+
+
+_LEAST_ENTRIES = 2
+"""Of fewer none can be exchanged."""
+
+
+def by_table(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Tells whether an assignment looks its value up in a table of several entries."""
+    return any(len(each.entries) >= _LEAST_ENTRIES for each in _tables(placed))
+
+
+def _tables(placed: Placed[bridge.FieldAssignment]) -> set[bridge.ValueTable]:
+    return {each.table for each in placed.assignment.conversions if each.table is not None}
+
+
+def _has_names(sources: list[Attribute], targets: list[Attribute]) -> bool:
+    found = compared(sources[0], targets[0]) if len(sources) == len(targets) == 1 else None
+    return found is not None and found.is_of_one_enumeration
+
+
+_GEODETIC = frozenset({"latitude", "longitude"})
+"""Coordinates whose signs are north and east on either side (WGS 84)."""
+
+
+def _is_directed(attribute: Attribute) -> bool:
+    """Tells whether a number may be negative, and its sign means a direction."""
+    known, measured = source_range(attribute), attribute_measure(attribute)
+    is_temperature = measured is not None and dict(measured.unit.dimension).keys() == {"K"}
+    named = {each.casefold() for each in words(attribute.label)}
+    is_free = is_temperature or attribute.kind == BOOL or bool(named & _GEODETIC)
+    return not is_free and (known is None or known[0] < 0)
+
+
+def turns(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Tells whether an assignment changes the sign of a number."""
+    sign = 1
+    for each in steps_of(placed):
+        if each.conversion.frames or each.sign is None:
+            return False
+        sign *= each.sign
+    return sign < 0
+
+
+def crossed(placed: Placed[bridge.FieldAssignment]) -> tuple[str, str] | None:
+    """Returns the namesakes that an assignment of one member to another passes by.
+
+    Returns:
+        The member of the target side that is called as the source is, and the one of the source
+        side that is called as the target is; None unless there are both, of the same kind. Members
+        with axes have rules of their own.
+    """
+    ends = placed.sources, placed.targets
+    if any(len(each) != 1 for each in ends):
+        return None
+    ((path, source),), ((other, target),) = ends
+    if not isinstance(source, Attribute) or not isinstance(target, Attribute):
+        return None
+    if _name(path) == _name(other) or axis_of(source) or axis_of(target):
+        return None
+    scope = placed.scope
+    there = _namesake(scope.find_target(_owner(other)), _name(path), target)
+    here = _namesake(scope.find_source(_owner(path)), _name(other), source)
+    return (there, here) if there and here else None
+
+
+def _owner(path: str) -> str:
+    return path.rpartition(".")[0] or "."
+
+
+def _name(path: str) -> str:
+    return "".join(each.casefold() for each in words(path.rpartition(".")[2]))
+
+
+def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:
+    """Returns the name of a member that is called so and could stand in the place of another."""
+    for each in _members(owner):
+        if _name(str(each.name)) == name:
+            found = attribute_at(_at(owner, str(each.name)))
+            same = ("kind", "integral", "units")
+            is_alike = isinstance(found, Attribute) and all(
+                getattr(found, one) == getattr(like, one) for one in same
+            )
+            return str(each.name) if is_alike else ""
+    return ""
+
+
+def _at(owner: FoundPlace, name: str) -> FoundPlace:
+    return owner.follow(name) if isinstance(owner, JausPlace | RosPlace) else None
+
+
+def _members(owner: FoundPlace) -> Iterable[Part]:
+    if isinstance(owner, JausPlace):
+        return owner.members() or ()
+    return owner.type.fields if isinstance(owner, RosPlace) and owner.type is not None else ()
+
+
+def outcome(
+    placed: Placed[bridge.FieldAssignment],
+    given: Mapping[str, str],
+    expected: bridge.VectorValue,
+) -> float | None:
+    """Returns what an assignment makes of the values of a vector, where that is not as expected.
+
+    Args:
+        given: Values of the source by path, names of enumerated ones among them.
+
+    Returns:
+        None too where a value is no number, is left out, or is limited.
+    """
+    (source,), (target,) = placed.source_attributes, placed.target_attributes
+    texts = given.get(str(placed.assignment.source).strip()), expected.value
+    ends = [
+        dict(one.constants).get(str(text), str(text))
+        for one, text in zip((source, target), texts, strict=True)
+    ]
+    if not all(map(is_real, ends)) or (source.kind, target.kind) != (NUMBER, NUMBER):
+        return None
+    value, wanted = map(float, ends)
+    step = source.step or 0.0
+    try:
+        made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
+    except (NoValueError, OverflowError, ValueError):
+        return None
+    loose = (
+        max(abs(each - made) for each in near) + (target.step or 0.0) + float(expected.tolerance)
+    )
+    return made if abs(made - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
+
+
+_SINGLE = 2.0**-22
+"""Part of a number by which two roundings to single precision may differ."""

@@ -1,0 +1,109 @@
+"""Rules about what members mean: those that are crossed, and what only a person can judge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.assignments.meanings import (
+    by_table,
+    crossed,
+    outcome,
+    turns,
+    unknown_targets,
+)
+from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, target_paths
+from jausml.language.validation.rule import Finding, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
+    from jausml.language.semantics.subject import Subject
+
+
+@rule("JML515", "members that are crossed", severity=Severity.WARNING, each=DIRECTED)
+def members_crossed(subject: Subject, directed: Directed) -> Iterator[Finding]:
+    """A member goes to the one that is called as it is, where both sides have both names.
+
+    Two members that are exchanged in both directions come back unchanged, so that no round trip
+    shows it. Names are compared without case and separators; members whose axes are known are
+    judged by these. A map that is meant to exchange them says so in an `@allow`.
+
+    Bad: `PortTemp -> star_temp` and `StarTemp -> port_temp`
+
+    Good: `PortTemp -> port_temp` and `StarTemp -> star_temp`
+    """
+    for direction in directions_of(subject, directed):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            if names := crossed(placed):
+                source, target = placed.assignment.source, placed.assignment.target
+                message = f"'{source}' goes to '{target}', though there is '{names[0]}'"
+                message += f", and '{names[1]}' beside it"
+                hint = f"{source} -> {names[0]}, or an @allow with the reason"
+                yield Finding(placed.assignment, message, "target", hint)
+
+
+@rule(
+    "JML517",
+    "meaning that nothing can judge",
+    severity=Severity.INFO,
+    is_decision=True,
+    each=bridge.AttributeMap,
+)
+def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
+    """What turns a sign or looks up a table has axes or names at both ends, or a test vector.
+
+    Where rules know neither, a map that is wrong in both directions looks like one that is right.
+    A test vector by a person who has looked at the vehicle, or at its manual, says which it is.
+    A [safety case](../how-to/safety-case.md) leaves it undeveloped until then.
+
+    Bad: `Rudder -> rudder : negate` between fields without a frame, and no vector
+
+    Good: the same with `vector starboard JAUS->ROS ( Rudder = 0.2 => rudder = -0.2 ~ 1e-4 )`
+    """
+    for direction in directions_of(subject, used):
+        if direction.owner is not used:
+            continue
+        unknown = dict(unknown_targets(used, to_ros=direction.to_ros))
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            lacks = [each for each in target_paths(placed.assignment) if each in unknown]
+            if lacks and (turns(placed) or by_table(placed)):
+                does = "turns the sign" if turns(placed) else "looks up a table"
+                message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
+                hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
+                yield Finding(placed.assignment, message, "target", hint)
+
+
+@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, each=bridge.AttributeMap)
+def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
+    """A map makes of what a test vector gives what the vector expects.
+
+    What goes from one number to another is computed here; a generated test of the bridge tries the
+    rest. A vector is the word of a person, and the map mostly what is wrong.
+
+    Bad: `Rudder -> rudder : negate` with `vector ahead JAUS->ROS ( Rudder = 0.2 => rudder = 0.2 )`
+
+    Good: `Rudder -> rudder` with the same vector
+    """
+    for direction in directions_of(subject, used):
+        if direction.owner is not used:
+            continue
+        by_target = {each.assignment.target.strip(): each for each in _single(direction)}
+        way = "jausToRos" if direction.to_ros else "rosToJaus"
+        for vector in used.vectors:
+            given = {each.path: each.value for each in vector.given}
+            for value in vector.expected if vector.direction.name == way else ():
+                placed = by_target.get(value.path)
+                made = None if placed is None else outcome(placed, given, value)
+                if made is not None:
+                    message = f"'{vector.name}' expects {value.value} of '{value.path}', "
+                    yield Finding(value, f"{message}the map makes {made:.9g}", "value")
+
+
+def _single(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        ends = placed.source_attributes, placed.target_attributes
+        if all(len(each) == 1 for each in ends) and not placed.scope.is_nested:
+            yield placed

@@ -1,0 +1,75 @@
+"""Rules about whom a component obeys: commands that anyone may give."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.guards import GuardError, conditions, parse_guard
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.jaus.commands import CONTROLLER, controlled_by_nobody, needs_control
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.machines import behaviours_of
+from jausml.language.semantics.jaus.services import ACCESS_CONTROL, lineage
+from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.language.semantics.subject import Subject
+
+
+@rule("JML351", "command that anyone may give", severity=Severity.WARNING, each=jaus.Service)
+def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
+    """In a machine that extends the core, the guard says who may give a command.
+
+    Without `isControllingClient`, every component may. An independent machine needs no such guard:
+    there, as without a machine, the component obeys only its controller, and mostly only in Ready.
+
+    Bad: `<transitions message="SetSpeed" target="Moving"/>` in ReceiveFSM
+
+    Good: the same with `guard="isControllingClient"`
+    """
+    for behaviour in behaviours_of(subject, service):
+        services = lineage(behaviour.service)
+        if not behaviour.machine.extends_core or all(s.name != ACCESS_CONTROL for s in services):
+            continue
+        for _, transition in behaviour.transitions():
+            message = transition.message
+            if message is None or not message.isCommand:
+                continue
+            owner = message.eContainer()
+            if owner is not None and owner.urn in SERVED_BY_RUNTIME:
+                continue
+            try:
+                asked = set(conditions(parse_guard(transition.guard)))
+            except GuardError:
+                continue
+            if CONTROLLER not in asked:
+                text = f"the command {message.name} is obeyed from every component"
+                yield Finding(transition, text, "guard", f"add {CONTROLLER} to the guard")
+
+
+@rule(
+    "JML362",
+    "message that anybody may send beside commands",
+    severity=Severity.WARNING,
+    each=jaus.Service,
+)
+def controlled_alike(_: Subject, service: jaus.Service) -> Iterator[Finding]:
+    """What makes a component do something is a command, where its service has others.
+
+    A message with a code of 2000h and above is a command if it says so (`isCommand`), or is obeyed
+    as one if each transition that takes it has the guard `isControllingClient`. Anybody may send
+    another one, without control. Queries and reports are no commands.
+
+    Bad: a service with the command FreeHatch and an input LockHatch without `isCommand`
+
+    Good: `isCommand: true` of LockHatch, or its guard
+    """
+    for message in controlled_by_nobody(service):
+        sibling = next(each for each in service.inputs if needs_control(each, service))
+        text = f"anybody may send {message.name}, without control of the component"
+        note = Note(sibling, f"{sibling.name} is obeyed from the controller alone")
+        hint = f"say isCommand of it, or {CONTROLLER} in the guards that take it"
+        yield Finding(message, text, "isCommand", hint, (note,))

@@ -1,0 +1,101 @@
+"""A bar against evidence that is green by silence: each planted mistake is noticed by who must."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from for_each import for_each
+from planted import FOR_PROOFS, PLANTED, UNKNOWABLE
+
+from jausml.generation.errors import NoSystemError
+from jausml.generation.native import compiler
+from jausml.generation.target import system_of
+from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.project import OneDocument
+from jausml.language.validation.engine import check
+from jausml.model_checking.checking import check_system
+from jausml.proving.results import PROOF_RULES, with_proofs
+from jausml.proving.round_trips import round_trips
+from jausml.proving.running import Settings, prove
+from jausml.safety_case.argument import ASSUMPTIONS, BY_RULES, safety_case
+
+GUARDS = ("jausml/language/validation", "jausml/model_checking", "jausml/safety_case")
+
+FERRY = Path(__file__).with_name("ferry.ros2jaus")
+VERBS = ("validate", "case", "model-check")
+GUARDING = [*list(PLANTED)[::4], "a trap with a door into itself"]
+
+
+@cache
+def library():
+    return LibraryCache()
+
+
+def report_of(changes=()):
+    text = FERRY.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text, f"{old} is not in the model"
+        text = text.replace(old, new)
+    return check(OneDocument(FERRY, text).read(library()))
+
+
+def noticing(changes=()):
+    """Who notices something in the model, and what."""
+    report = report_of(changes)
+    found = {"validate": [f"{e.rule} {e.message}" for e in report.diagnostics]}
+    cases = safety_case(report, (), ()).goals
+    found["case"] = [f"{each.id}: {each.standing}" for each in cases if each.standing != BY_RULES]
+    try:
+        products = check_system(system_of(report.model), 20_000, lambda: False)
+    except NoSystemError:
+        products = []
+    found["model-check"] = [
+        f"{example.rule} {example.message}" for each in products for example in each.found
+    ]
+    return {verb: told for verb, told in found.items() if told}
+
+
+def test_nothing_is_noticed_without_a_mistake():
+    assert noticing() == {}
+    goals = safety_case(report_of(), (), ()).goals
+    assert len(goals) > 10
+    assert not any(each.supported for each in goals)
+
+
+@for_each("name", GUARDING)
+def test_a_planted_mistake_is_noticed(name):
+    holds_to(name)
+
+
+@pytest.mark.slow
+@for_each("name", [each for each in PLANTED if each not in GUARDING])
+def test_each_other_planted_mistake_is_noticed(name):
+    holds_to(name)
+
+
+def holds_to(name):
+    verbs, changes = PLANTED[name]
+    found = noticing(changes)
+    assert tuple(each for each in VERBS if each in found) == tuple(
+        each for each in VERBS if each in verbs
+    ), found
+
+
+@for_each("name", UNKNOWABLE)
+def test_what_no_check_can_know_is_an_assumption_of_the_case(name):
+    word, changes = UNKNOWABLE[name]
+    assert noticing(changes) == {}
+    assert any(word in each for each in ASSUMPTIONS)
+
+
+@pytest.mark.needs("compiler")
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FOR_PROOFS)
+def test_a_proof_finds_what_does_not_come_back(name):
+    report = report_of(FOR_PROOFS[name])
+    trips = [each for each in round_trips(report.model) if each.name == "drive"]
+    proved = list(prove(report.model, trips, Settings(str(compiler()), 0.01, 1)))
+    judged = with_proofs(report, trips, proved)
+    assert [each.rule for each in judged.diagnostics if each.rule in PROOF_RULES]
