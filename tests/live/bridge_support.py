@@ -12,7 +12,7 @@ import threading
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ros_nodes import SpinningNode
 from workspaces import kept, packages_of
@@ -24,6 +24,9 @@ from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
@@ -92,10 +95,16 @@ class Process:
     """A process whose stdout is read line by line as JSON."""
 
     def __init__(
-        self, arguments: list[str], path: list[str], log: Path, *, stdin: bool = False
+        self,
+        arguments: list[str],
+        path: list[str],
+        log: Path,
+        *,
+        stdin: bool = False,
+        environment: Mapping[str, str] | None = None,
     ) -> None:
         module_path = os.pathsep.join([*path, SUPPORT])
-        environment = {**os.environ, "PYTHONPATH": module_path, "PYTHONUNBUFFERED": "1"}
+        own = {"PYTHONPATH": module_path, "PYTHONUNBUFFERED": "1", **(environment or {})}
         self.log = log
         self._log_file = log.open("ab")
         self.popen = subprocess.Popen(
@@ -103,7 +112,7 @@ class Process:
             stdin=subprocess.PIPE if stdin else None,
             stdout=subprocess.PIPE,
             stderr=self._log_file,
-            env=environment,
+            env={**os.environ, **own},
             text=True,
         )
         self.lines: queue.SimpleQueue[dict] = queue.SimpleQueue()

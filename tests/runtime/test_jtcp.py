@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import random
 import socket
+import subprocess
+import sys
 import threading
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import ports
@@ -31,6 +35,7 @@ from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from pathlib import Path
 
     from conftest import Station
 
@@ -131,6 +136,82 @@ def tcp(station) -> Callable[..., Station]:
         return station(**{"transport": TransportKind.JTCP, "takeover_interval": 0.1, **settings})
 
     return make
+
+
+LIMITED = """
+import json, os, resource, sys, time
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.jtcp import JtcpTransport
+
+port, limit = int(sys.argv[1]), int(sys.argv[2])
+resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
+stated = {JausAddress(400, 1, 1): ("127.0.0.9", port)}
+received, held = [], []
+with Loop() as loop:
+    transport = JtcpTransport(TransportSettings(port=port, address_book=stated), loop)
+    transport.open()
+    transport.attach(JausAddress(100, 1, 1), received.append)
+    loop.start()
+    print("runs", flush=True)
+    for line in sys.stdin:
+        what, count = line.split()
+        if what == "fill":
+            try:
+                while True:
+                    held.append(os.dup(0))
+            except OSError:
+                pass
+        while what == "free" and held:
+            os.close(held.pop())
+        counter = loop.counters.snapshot
+        has = {
+            "received": lambda: len(received),
+            "failed": lambda: counter().get("jtcp.accept_failed", 0),
+        }.get(what, lambda: int(count))
+        end = time.monotonic() + 20
+        while has() < int(count) and time.monotonic() < end:
+            time.sleep(0.002)
+        print(json.dumps({"received": len(received), **counter()}), flush=True)
+    transport.close()
+"""
+
+
+class Limited:
+    """A process that may have few descriptors."""
+
+    def __init__(self, folder: Path, limit: int) -> None:
+        self.port, self._log, self._held = ports.free_port(), folder / "log", ExitStack()
+        line = [sys.executable, "-c", LIMITED, str(self.port), str(limit)]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
+        errors = self._held.enter_context(self._log.open("w"))
+        self._process = self._held.enter_context(subprocess.Popen(line, stderr=errors, **pipes))
+        assert self._process.stdout.readline() == "runs\n"
+
+    @property
+    def log(self) -> str:
+        return self._log.read_text(encoding="utf-8")
+
+    def connect(self, host: str = "127.0.0.1") -> socket.socket:
+        made = socket.create_connection(("127.0.0.1", self.port), 5, (host, 0))
+        return self._held.enter_context(made)
+
+    def ask(self, what: str, count: int = 0) -> dict[str, int]:
+        """Has it do or wait for something; returns its counters."""
+        self._process.stdin.write(f"{what} {count}\n")
+        return json.loads(self._process.stdout.readline())
+
+    def close(self) -> None:
+        self._process.stdin.close()
+        assert self._process.wait(20) == 0
+        self._held.close()
+
+
+@pytest.fixture
+def limited(tmp_path: Path) -> Iterator[Callable[[int], Limited]]:
+    with ExitStack() as held:
+        yield lambda limit: held.enter_context(contextlib.closing(Limited(tmp_path, limit)))
 
 
 class TestStream:
@@ -346,6 +427,36 @@ class TestBadStreams:
         assert silent.is_closed()
         honest.send(from_peer(sequence=2))
         wait_until(lambda: len(here.received) == 2)
+
+    def test_the_descriptors_of_the_process_bound_connections(self, limited):
+        process = limited(70)
+        assert (
+            "may have 70 descriptors (ulimit -n): 6 TCP connections instead of 256" in process.log
+        )
+        for number in range(6):
+            process.connect().sendall(b"\x02" + from_peer(sequence=number))
+        process.ask("received", 6)
+        assert Stream(process.connect()).is_closed()
+        # Who is in the address book has a place all the same.
+        process.connect("127.0.0.9").sendall(b"\x02" + from_peer(sequence=20))
+        counts = process.ask("received", 7)
+        assert (counts["jtcp.too_many_connections"], counts["jtcp.gave_way"]) == (1, 1)
+
+    def test_a_listener_rests_while_there_are_no_descriptors(self, limited):
+        process = limited(100)
+        used = process.connect()
+        used.sendall(b"\x02" + from_peer(sequence=1))
+        process.ask("received", 1)
+        process.ask("fill")
+        process.connect().sendall(b"\x02" + from_peer(sequence=2))
+        process.ask("failed", 2)
+        used.sendall(from_peer(sequence=3))
+        process.ask("received", 2)
+        process.ask("free")
+        counts = process.ask("received", 3)
+        assert counts["received"] == 3
+        # Without a rest it fails some thousand times between two questions.
+        assert counts["jtcp.accept_failed"] < 50
 
     @pytest.mark.parametrize("fixed", [False, True])
     def test_invented_names_push_out_those_of_their_connection(self, tcp, host, wait_until, fixed):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
 
+    from jausml.authoring.studio.operating.seats import Seat
     from jausml.authoring.studio.session import Session
 
 
@@ -39,6 +40,9 @@ _SECONDS_TO_END = 2
 
 MOST_SOCKETS = 32
 """Sockets that are served at once."""
+
+KEPT_SOCKETS = 8
+"""Further ones, for pages that may command."""
 
 _TRY_AGAIN_LATER = 1013
 
@@ -117,7 +121,7 @@ class Studio:
     served: Served
     page: Path
     token: Token = field(default_factory=Token)
-    _sockets: int = 0
+    _sockets: dict[WebSocket, Seat | None] = field(default_factory=dict)
 
     @property
     def address(self) -> str:
@@ -177,21 +181,39 @@ class Studio:
                 await LanguageSocket(socket, self.session.root).run(self.token)
 
     async def _operator_socket(self, socket: WebSocket) -> None:
-        async with self._accepted(socket) as is_accepted:
+        seat = await asyncio.to_thread(self.session.operating.seat)
+        async with self._accepted(socket, seat) as is_accepted:
             if is_accepted:
-                seat = await asyncio.to_thread(self.session.operating.seat)
                 await PageSocket(socket, seat).run(self.token)
 
     @asynccontextmanager
-    async def _accepted(self, socket: WebSocket) -> AsyncIterator[bool]:
+    async def _accepted(self, socket: WebSocket, seat: Seat | None = None) -> AsyncIterator[bool]:
         """Accepts a socket unless there are too many; yields whether it did."""
         await socket.accept()
-        if self._sockets >= MOST_SOCKETS:
+        if not await self._has_place(seat):
             await socket.close(_TRY_AGAIN_LATER)
             yield False
             return
-        self._sockets += 1
+        self._sockets[socket] = seat
         try:
             yield True
         finally:
-            self._sockets -= 1
+            self._sockets.pop(socket, None)
+
+    async def _has_place(self, seat: Seat | None) -> bool:
+        """Tells whether there is a place, which another one may have to give.
+
+        The kept ones go to pages of the operator unit, which say only then whether they may
+        command. Those that have not said so give way to the next one, the first one first.
+        """
+        if len(self._sockets) < MOST_SOCKETS:
+            return True
+        if seat is None or len(self._sockets) < MOST_SOCKETS + KEPT_SOCKETS:
+            return seat is not None
+        seats = self._sockets.items()
+        looking = next((each for each, held in seats if held and not held.may_command), None)
+        if looking is None:
+            return False
+        del self._sockets[looking]
+        await looking.close(_TRY_AGAIN_LATER)
+        return True

@@ -21,6 +21,7 @@ from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.operating.seats import Operating
 from jausml.authoring.studio.presence import LONGEST, Look, Presence
 from jausml.authoring.studio.rpc import Answering, typed
+from jausml.authoring.studio.sockets import PACE
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
@@ -134,6 +135,11 @@ class SessionPage:
     def revision(self) -> int:
         """The revision of the project now."""
         return self._session.revision
+
+    @property
+    def pace(self) -> float:
+        """Requests each second that the page may go on with."""
+        return PACE
 
     @contextmanager
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import math
 import os
 from contextlib import suppress
 from dataclasses import dataclass
@@ -35,6 +36,15 @@ _POLICY_VIOLATION = 1008
 _LOG = logging.getLogger(__name__)
 
 _MOST_UNSENT = 1024
+
+PACE = 100.0
+"""Requests each second that a page of the models, or its editor, may go on with."""
+
+_AHEAD = 10.0
+"""Seconds whose requests may come at once, as at the beginning of a page."""
+
+_OCTETS_OF_A_REQUEST = 65536
+"""Length for which a request, or what it is answered, counts once more."""
 
 _TRY_AGAIN_LATER = 1013
 
@@ -82,8 +92,29 @@ class Asked(Protocol):
     def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts."""
 
+    @property
+    def pace(self) -> float:
+        """Requests each second that a page may go on with."""
+
     async def answer(self, request: Request) -> object:
         """Returns the result of a request."""
+
+
+class Pace:
+    """What a page may ask of all: some requests each second, and those of a while ahead."""
+
+    def __init__(self) -> None:
+        self._paid = -math.inf
+
+    def wait(self, now: float, requests_each_second: float, octets: int) -> float:
+        """Returns the seconds for which a page is read no further, after so much came or went.
+
+        Args:
+            now: The time in seconds of any steady clock.
+        """
+        cost = (1 + octets / _OCTETS_OF_A_REQUEST) / requests_each_second
+        self._paid = max(self._paid, now - _AHEAD) + cost
+        return max(0.0, self._paid - now)
 
 
 class PageSocket:
@@ -95,6 +126,7 @@ class PageSocket:
         self._loop = asyncio.get_running_loop()
         self._outgoing = Outgoing(socket)
         self._answering: set[asyncio.Task[None]] = set()
+        self._pace = Pace()
 
     async def run(self, token: Token) -> None:
         """Serves the page until it goes."""
@@ -113,6 +145,10 @@ class PageSocket:
     async def _receive_all(self) -> None:
         async for text in received(self._socket):
             self._take(text)
+            await asyncio.sleep(self._charge(text or ""))
+
+    def _charge(self, text: str) -> float:
+        return self._pace.wait(self._loop.time(), self._session.pace, len(text))
 
     def _take(self, text: str | None) -> None:
         try:
@@ -147,6 +183,7 @@ class PageSocket:
             fault = RpcError(rpc.INTERNAL_ERROR, text)
             message = rpc.refusal(fault, request.id)
         if not request.is_notification:
+            self._charge(message)
             self._outgoing.send(message)
 
     # What is told
@@ -226,8 +263,10 @@ class LanguageSocket:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _receive_all(self) -> None:
+        loop, pace = asyncio.get_running_loop(), Pace()
         async for text in received(self._socket):
             self._take(text or "")
+            await asyncio.sleep(pace.wait(loop.time(), PACE, len(text or "")))
 
     def _take(self, text: str) -> None:
         if _is_answer(text):

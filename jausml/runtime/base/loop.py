@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from .counters import Clock, Counters
 from .fast_path import Revision
-from .standstill import Standstill
+from .standstill import Standstill, steady
 
 if TYPE_CHECKING:
     import socket
@@ -66,7 +66,7 @@ class Loop:
 
     def __init__(
         self,
-        clock: Clock = time.monotonic,
+        clock: Clock = steady,
         counters: Counters | None = None,
         wall: Callable[[], int] = time.time_ns,
         stopwatch: Clock = time.perf_counter,

@@ -25,6 +25,9 @@ MAX_FRAGMENT_SIZE = 4079
 LEAST_AMPLIFICATION = 3
 """Least limit that lets a peer prove itself: the question, one repetition, and acknowledgements."""
 
+LEAST_CONNECTIONS = 4
+"""Least number of JTCP connections with which a process can work."""
+
 Endpoint = tuple[str, int]
 """IPv4 address (or host name in static entries) and UDP port."""
 
@@ -80,8 +83,9 @@ class TransportSettings:
             acknowledged a number that it could not guess; 0 for no limit, and no proof.
         max_peers: Components that are remembered, 16 to 65535, besides those of the address book
             and those in control.
-        max_connections: JTCP connections at a time, 4 to 4096. When all are taken, one that nothing
-            came by gives way, then one of the host that has most.
+        max_connections: JTCP connections at a time, 4 to 4096, and no more than the descriptors of
+            the process allow. When all are taken, one that nothing came by gives way, then one of
+            the host that has most.
         idle_timeout: Seconds in which a whole message must come over a JTCP connection that a peer
             has made; 0 for any time. One that has been used stays: TCP itself notices a dead peer.
 
@@ -145,7 +149,7 @@ class TransportSettings:
                 f" {LEAST_AMPLIFICATION}, to leave room for the question and an answer"
             )
         _check("max_peers", self.max_peers, 16, 65535)
-        _check("max_connections", self.max_connections, 4, 4096)
+        _check("max_connections", self.max_connections, LEAST_CONNECTIONS, 4096)
         _check("idle_timeout", self.idle_timeout, 0, 86400)
         _check("takeover_interval", self.takeover_interval, 0.05, 60)
         for address, (_, port) in self.address_book.items():

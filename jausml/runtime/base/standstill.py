@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+steady: Callable[[], float] = partial(
+    time.clock_gettime, getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+)
+"""Returns seconds that never go back, also those for which the computer was suspended.
+
+The usual clock, `time.monotonic`, rests while the computer does: by it nothing has waited then.
+"""
 
 _LOOKS = 4
 """Beats in the shortest time that somebody wants to know of."""
@@ -80,8 +89,8 @@ class Standstill:
     What waits in a socket does not say since when, and to have the kernel tell costs each message.
     But no message of a process that turns has waited long. So a beat notes the time while it
     turns, and whoever reads looks at the beat first: if it is late, all that waits may be as old as
-    that. A process is stopped by a debugger or a frozen container, starved by others, or held
-    up by a callback of its own; the messages are as old in each case.
+    that. A process is stopped by a debugger or a frozen container, suspended with its computer,
+    starved by others, or held up by a callback of its own; the messages are as old in each case.
 
     Attributes:
         due: When the next beat is so late that somebody is to know, by the loop; whoever
@@ -139,7 +148,7 @@ class Standstill:
             self._beat.cancel()
             self._beat = None
         limits = [max(each.limit, _SHORTEST) for each in self._watches if each.limit > 0]
-        is_real = self._loop.now is time.monotonic
+        is_real = self._loop.now is steady
         self._limit = min(limits, default=math.inf) if is_real else math.inf
         self._note_turn()
 

@@ -6,6 +6,7 @@ import json
 import mmap
 import os
 import struct
+import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -21,6 +22,14 @@ MOST_OF_A_FRAME = 1 << 17
 _BEAT, _TAKEN, _SIMULATED, _ARMED, _NUMBERS = 0, 8, 16, 64, 64 + MOST_STOPS
 _SIZE = 4096
 _U64, _I64, _U16 = struct.Struct("<Q"), struct.Struct("<q"), struct.Struct("<H")
+
+
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+def steady_ns() -> int:
+    """Returns nanoseconds that never go back, also those for which the computer was suspended."""
+    return time.clock_gettime_ns(_CLOCK)
 
 
 class Page:
@@ -42,7 +51,7 @@ class Page:
 
     @property
     def beat(self) -> int:
-        """When the bridge was there last, in ns of the monotonic clock; 0 before anything moved."""
+        """When the bridge was there last, by `steady_ns`; 0 before anything moved."""
         return int(_U64.unpack_from(self._memory, _BEAT)[0])
 
     @beat.setter

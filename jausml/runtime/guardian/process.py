@@ -16,7 +16,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from .page import Page, read_frame
+from .page import Page, read_frame, steady_ns
 from .rcl import Publisher, Rcl, RclError
 
 POLL = 0.1
@@ -152,13 +152,13 @@ class Guardian:
         poll = select.poll()
         poll.register(self._channel, select.POLLIN)
         poll.register(self._death, select.POLLIN)
-        last, was_halted = time.monotonic(), False
+        last, was_halted = steady_ns(), False
         while not self._is_over:
             ready = {descriptor for descriptor, _ in poll.poll(POLL * 1000)}
-            now = time.monotonic()
+            now = steady_ns()
             # Who was halted itself, with the bridge perhaps, looks again before it judges; once, as
             # a slow machine must not keep it from that.
-            was_halted, last = now - last > 4 * POLL and not was_halted, now
+            was_halted, last = now - last > 4 * POLL * 1e9 and not was_halted, now
             if self._death in ready:
                 self._read()
                 if not self._is_over:
@@ -226,7 +226,7 @@ class Guardian:
 
     def _age(self) -> float:
         """Seconds since the bridge was there; very long before anything was in motion."""
-        return (time.monotonic_ns() - self._page.beat) / 1e9
+        return (steady_ns() - self._page.beat) / 1e9
 
     def _judge(self) -> None:
         """Says what is due as the bridge does not run its loop."""

@@ -6,13 +6,12 @@ import os
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
-from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame
+from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -269,7 +268,7 @@ class Ward:
         What is armed has a beat, so that a bridge is missed that stands still before its loop ran.
         """
         page.simulated = self._now()
-        page.beat = time.monotonic_ns()
+        page.beat = steady_ns()
 
     def _number(self, page: Page) -> None:
         """Notes the sequence numbers that datagrams should have now."""

@@ -18,7 +18,7 @@ from .packets.duplicates import DuplicateWindow
 from .packets.messenger import Messenger
 from .packets.packet import AckNak, Packet
 from .ports import advice
-from .tcp_connection import TcpConnection, connect, listen, octets_of
+from .tcp_connection import TcpConnection, affordable, connect, listen, octets_of
 from .transport import Transport
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
+_REST_S = 0.5
+"""Seconds without looking for connections, when the system could give none."""
 
 
 class _Line:
@@ -70,7 +72,9 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._lines: dict[Endpoint, _Line] = {}
         self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
+        self._most_connections = settings.max_connections
         self._listener: socket.socket | None = None
+        self._rest = Alarm(loop)
         self._takeover = Alarm(loop)
         self._is_open = False
 
@@ -79,6 +83,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._book = resolve(self._settings.address_book, self.counters)
         with self.loop.lock:
             self._is_open = True
+            self._most_connections = affordable(self._settings.max_connections)
             self._share_port()
 
     def close(self) -> None:
@@ -86,7 +91,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         with self.loop.lock:
             self._send_unsent()
             self._is_open = False
-            for timer in (self._takeover, *(line.retry for line in self._lines.values())):
+            for timer in (
+                self._takeover,
+                self._rest,
+                *(line.retry for line in self._lines.values()),
+            ):
                 timer.cancel()
             if self._listener is not None:
                 self.loop.unregister(self._listener)
@@ -197,6 +206,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 return
             except OSError as error:
                 self.counters.count("jtcp.accept_failed", str(error))
+                self._pause_listening()
                 return
             if not self._allowed.admits(peer):
                 sock.close()
@@ -206,13 +216,23 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             else:
                 self._adopt(sock, peer, connecting=False)
 
+    def _pause_listening(self) -> None:
+        """Look for connections after a while: who waits would have this one called without end."""
+        if self._listener is not None:
+            self.loop.unregister(self._listener)
+            self._rest.set(_REST_S, self._go_on_listening)
+
+    def _go_on_listening(self) -> None:
+        if self._listener is not None:
+            self.loop.register(self._listener, self._accept)
+
     def _has_room_for(self, peer: Endpoint) -> bool:
         """Return whether there is room for a connection, for which another one may be closed.
 
         Those over which nothing has come go first. One that was made from here, or that a
         component with a place of its own uses, gives way to nobody.
         """
-        if len(self._connections) < self._settings.max_connections:
+        if len(self._connections) < self._most_connections:
             return True
         used = {id(way) for address, way in self._routes.items() if self.is_kept(address)}
         used |= {id(line.connection) for line in self._lines.values()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import socket
 import sys
 from collections import deque
@@ -10,6 +11,8 @@ from typing import TYPE_CHECKING
 
 from ..base.api import JausError
 from ..base.clocks import Alarm
+from ..base.counters import LOGGER
+from ..base.settings import LEAST_CONNECTIONS
 from .delivery import report
 from .packets.packet import (
     EMPTY_MESSAGE_SIZE,
@@ -28,6 +31,9 @@ if TYPE_CHECKING:
     from ..base.settings import Endpoint
     from .delivery import OnResult
 
+
+_OTHER_DESCRIPTORS = 64
+"""Descriptors for all but connections; a small bridge on ROS has 24."""
 
 _SIZE_END = 3
 _BACKLOG = 64
@@ -294,6 +300,22 @@ def connect(endpoint: Endpoint) -> socket.socket:
         sock.close()
         raise
     return sock
+
+
+def affordable(wanted: int) -> int:
+    """Return how many connections the system allows this process, at most those that are wanted.
+
+    Fewer are told. The rest of the descriptors is for all else that the process has open.
+    """
+    limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = max(LEAST_CONNECTIONS, limit - _OTHER_DESCRIPTORS)
+    if limit == resource.RLIM_INFINITY or most >= wanted:
+        return wanted
+    LOGGER.warning(
+        "this process may have %d descriptors (ulimit -n): %d TCP connections instead of %d",
+        *(limit, most, wanted),
+    )
+    return most
 
 
 def _keep_alive(sock: socket.socket) -> None:

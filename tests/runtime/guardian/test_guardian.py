@@ -12,8 +12,10 @@ import time
 from pathlib import Path
 
 import pytest
+from suspended_clocks import SuspendedClocks
 from sweeps import sweep
 
+from jausml.generation.native import compiler
 from jausml.runtime.guardian.page import Page, frame, read_frame
 
 ROOT = Path(__file__).parents[3]
@@ -23,7 +25,7 @@ import os, signal, sys, threading
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.guardian.ward import Ward, stops
 
-port, life = int(sys.argv[1]), sys.argv[2]
+port, life, patience = int(sys.argv[1]), sys.argv[2], float(sys.argv[3])
 with Loop() as loop:
     taken, goes_on = [], threading.Event()
     ward = Ward(loop, dict, lambda: 0, lambda: taken.append(1) or print("taken", flush=True))
@@ -31,7 +33,7 @@ with Loop() as loop:
     with loop.lock:
         slot = ward.slot(lambda: 4660)
         content = {"data": b"stop..".hex(), "endpoint": ("127.0.0.1", port), "slot": slot}
-        guarded = ward.guard(lambda: stops(0.2, [], [content]))
+        guarded = ward.guard(lambda: stops(patience, [], [content]))
         if life != "at rest":
             guarded.arm(True)
         print("runs", flush=True)
@@ -54,12 +56,13 @@ print("ended", flush=True)
 class Bridge:
     """A process with a loop, a command to a component and a guardian."""
 
-    def __init__(self, life="under command"):
+    def __init__(self, life="under command", patience=0.2, environment=None):
         self.vehicle = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.vehicle.bind(("127.0.0.1", 0))
         line = [sys.executable, "-c", BRIDGE, str(self.vehicle.getsockname()[1]), life]
+        line.append(str(patience))
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
-        self.process = subprocess.Popen(line, cwd=ROOT, **pipes)
+        self.process = subprocess.Popen(line, cwd=ROOT, env=environment, **pipes)
         assert self.said() == "runs"
         if life == "killed":  # before its guardian has done anything
             self.process.kill()
@@ -115,8 +118,8 @@ class Bridge:
 def bridge():
     made = []
 
-    def start(*life):
-        made.append(Bridge(*life))
+    def start(*life, **given):
+        made.append(Bridge(*life, **given))
         return made[-1]
 
     yield start
@@ -156,6 +159,18 @@ def test_the_stop_is_said_thrice_of_a_bridge_that_stands_still(bridge):
     halted.process.send_signal(signal.SIGSTOP)
     assert [halted.stop(), halted.stop(), halted.stop()] == [STOP] * 3
     assert halted.stop(1.0) is None
+    halted.process.send_signal(signal.SIGCONT)
+    assert halted.said() == "taken"
+
+
+@pytest.mark.needs("compiler")
+def test_the_time_for_which_the_computer_was_suspended_counts(bridge, tmp_path):
+    clocks = SuspendedClocks(tmp_path, compiler())
+    halted = bridge(patience=5 * PATIENCE, environment={**os.environ, **clocks.environment})
+    halted.process.send_signal(signal.SIGSTOP)
+    assert halted.stop(0.5) is None
+    clocks.suspend(int(10 * PATIENCE))
+    assert halted.stop() == STOP
     halted.process.send_signal(signal.SIGCONT)
     assert halted.said() == "taken"
 

@@ -2,28 +2,48 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import time
 from queue import Queue
 
 import pytest
+from suspended_clocks import SuspendedClocks
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.journal import Journal
 from jausml.authoring.studio.operating.sticks import Lease, Stick, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
+from jausml.generation.native import compiler
 from jausml.live.messages import load_catalogue
 from jausml.runtime import JausAddress
+from jausml.runtime.base.standstill import steady
 
 
 def test_a_lease_whose_time_is_up_is_not_renewed_before_its_thread_has_seen_it():
     expired = Queue()
     lease = Lease(0.01, lambda: expired.put("expired"))
     with lease._news:  # its thread waits for this
-        while (left := lease._due - time.monotonic()) > 0:
+        while (left := lease._due - steady()) > 0:
             time.sleep(left)
         assert not lease.renew()
     assert expired.get(timeout=10) == "expired"
     assert not lease.renew()
+
+
+@pytest.mark.needs("compiler")
+def test_a_lease_does_not_outlast_a_suspension_of_the_computer(tmp_path):
+    clocks = SuspendedClocks(tmp_path, compiler())
+    code = "from jausml.authoring.studio.operating.sticks import Lease; lease = Lease(100, print);"
+    code += "print(lease.renew(), flush=True); input(); print(lease.renew(), flush=True)"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    line = [sys.executable, "-c", code]
+    with subprocess.Popen(line, env={**os.environ, **clocks.environment}, **pipes) as process:
+        assert process.stdout.readline() == "True\n"
+        clocks.suspend(200)
+        told, _ = process.communicate("\n")
+    assert told == "False\n"
 
 
 def test_a_lease_that_is_ended_does_not_expire():

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import signal
+import socket
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
 from studio_client import LONGEST, RefusedError, begun, serving
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.operating.unit import OperatorUnit, Powers
+from jausml.authoring.studio.serving import KEPT_SOCKETS, MOST_SOCKETS
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.query_client import NoAnswer
 from jausml.live.recording.mcap_reading import McapRecording
@@ -91,6 +94,38 @@ def test_what_commands_is_not_known_to_the_socket_of_the_models(server: Server) 
         for method in ("take", "stop", "stick.begin", "claim"):
             with pytest.raises(RefusedError, match="no method"):
                 page.ask(method, **COMMANDS.get(method, {}))
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_pages_that_look_leave_places_to_those_that_may_command(server: Server) -> None:
+    with ExitStack() as held:
+        looking = [held.enter_context(server.page("/operate")) for _ in range(MOST_SOCKETS)]
+        late = [held.enter_context(server.page("/operate")) for _ in range(2 * KEPT_SOCKETS)]
+        page = held.enter_context(server.page("/operate"))
+        page.ask("claim", right=server.right, name="person")
+        for _ in range(2 * KEPT_SOCKETS):
+            late.append(held.enter_context(server.page("/operate")))
+        assert page.ask("stop", components=[VEHICLE])["stopped"]
+        with pytest.raises(ConnectionClosed) as closed:
+            looking[0].ask("journal")
+        assert late[-1].ask("journal")["entries"]
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == 1013
+
+
+def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
+    with server.page("/operate") as flooding, server.page("/operate") as other:
+        other.ask("claim", right=server.right, name="person")
+        for _ in range(60):
+            flooding.send("claim", right="wrong" * 50_000, name="")
+
+        def asked() -> int:
+            entries = other.ask("journal")["entries"]
+            return sum(entry["who"] == flooding.project["name"] for entry in entries)
+
+        until(lambda: asked() >= 30)
+        assert max(asked() for _ in range(10)) < 60
+        flooding.socket.socket.shutdown(socket.SHUT_RDWR)  # a close waits until all is read
 
 
 @pytest.mark.parametrize("right", ["", "wrong"])

@@ -84,9 +84,10 @@ inline std::int64_t realtime() {
     return static_cast<std::int64_t>(now.tv_sec) * 1000000000 + now.tv_nsec;
 }
 
-inline double monotonic() {
+// The time by which Python's loop turns, which goes on while the computer is suspended.
+inline double steady() {
     timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(CLOCK_BOOTTIME, &now);
     return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
 }
 
@@ -279,7 +280,7 @@ public:
     // To find that nothing more has come costs more than a datagram, after a pause. So more than one
     // is looked for only when one follows the other.
     Left receive(int sock, Waited& out) {
-        now_ = monotonic();
+        now_ = steady();
         if (now_ - latest_ > PAUSE) burst_ = 1;
         latest_ = now_;
         const auto goes_on = [&](std::size_t done) {
@@ -579,7 +580,7 @@ private:
     static constexpr std::size_t LARGEST_PART = 4079;
 
     bool pass(const MessageInfo& info, Waited& out) {
-        const double now = monotonic();
+        const double now = steady();
         if (now - shared_->to->heard >= shared_->to->lifetime) return false;
         Made made{nullptr, 0};
         const std::int64_t size = shared_->translation->run(message_.data, message_.size, made);
@@ -681,12 +682,12 @@ public:
     std::int32_t wait(double seconds, double due, Waited& out) {
         out.taken_count = out.sent_count = out.ready_count = 0;
         receiver.begin();
-        const double end = seconds < 0 ? 1e300 : monotonic() + seconds;
+        const double end = seconds < 0 ? 1e300 : steady() + seconds;
         for (bool goes_on = true; goes_on;) {
             epoll_event events[AT_ONCE];
             const bool has_passed = out.taken_count + out.sent_count != 0;
             const int found = epoll_wait(epoll_, events, AT_ONCE, milliseconds(end, has_passed));
-            const double now = monotonic();
+            const double now = steady();
             goes_on = found > 0 && now < end;
             const std::lock_guard<std::mutex> guard(passing_);
             const bool is_open = is_open_ && now <= due;
@@ -720,7 +721,7 @@ private:
 
     static int milliseconds(double end, bool has_passed) {
         if (end >= 1e300) return has_passed ? QUIET : -1;
-        const double left = std::ceil((end - monotonic()) * 1e3);
+        const double left = std::ceil((end - steady()) * 1e3);
         return left <= 0 ? 0 : static_cast<int>(std::min(left, has_passed ? QUIET : 1e9));
     }
 

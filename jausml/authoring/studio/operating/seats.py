@@ -42,6 +42,9 @@ LONGEST_HISTORY = 3600.0
 _QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
 """What is answered in its turn, on a thread that waits for nothing else."""
 
+_PACE_OF_COMMANDS, _PACE_OF_LOOKS = 200.0, 20.0
+"""Requests each second: a stick says 25 words, plots ask for values once in a second."""
+
 _DECISIONS = {
     "grant": HandoffDecision.GRANTED,
     "deny": HandoffDecision.DENIED,
@@ -90,7 +93,11 @@ class Operating:
 
 
 class Seat:
-    """A page; `PageSocket` serves it as it serves a session."""
+    """A page; `PageSocket` serves it as it serves a session.
+
+    Attributes:
+        may_command: Whether it has shown the right to.
+    """
 
     revision = 0
 
@@ -100,7 +107,7 @@ class Seat:
         self._subscribers = subscribers
         self._number = number
         self._name = f"page {number}"
-        self._may_command = False
+        self.may_command = False
         looking: Mapping[str, Callable[..., object]] = {
             "hello": self._hello,
             "claim": self._claim,
@@ -141,6 +148,11 @@ class Seat:
         quick = {name: Method(methods[name], in_turn=True) for name in _QUICK}
         self._quick = Answering({**quick, "stop": Method(self._stop)})
 
+    @property
+    def pace(self) -> float:
+        """Requests each second that it may go on with."""
+        return _PACE_OF_COMMANDS if self.may_command else _PACE_OF_LOOKS
+
     @contextmanager
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
         """Tells a listener what happens as long as the context lasts; then the page is gone."""
@@ -158,7 +170,7 @@ class Seat:
 
     async def answer(self, request: rpc.Request) -> object:
         """Returns the result of a request."""
-        if request.method not in self._looking and not self._may_command:
+        if request.method not in self._looking and not self.may_command:
             raise RpcError(UNAUTHORIZED, "this page may look, and not command")
         is_quick = request.method in _QUICK or request.method == "stop"
         try:
@@ -188,7 +200,7 @@ class Seat:
             raise RpcError(UNAUTHORIZED, "this is not the right to command of this studio")
         shown = printable(name.strip())[:LONGEST_NAME]
         self._name = f"{shown} (page {self._number})" if shown else self._name
-        self._may_command = True
+        self.may_command = True
         self._unit.journal.note(self._name, "has the right to command")
         return {"name": self._name}
 

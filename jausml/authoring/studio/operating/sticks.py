@@ -5,12 +5,12 @@ What lasts only while a page says so again and again, such as a stick, has a lea
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from threading import Condition, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError
+from jausml.runtime.base.standstill import steady
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,7 +30,7 @@ class Lease:
         """Begins it (`expired`: is called once, on that thread, when nobody renews it)."""
         self.seconds = seconds
         self._expired = expired
-        self._due = time.monotonic() + seconds
+        self._due = steady() + seconds
         self._is_over = False
         self._news = Condition()
         Thread(target=self._run, name="lease", daemon=True).start()
@@ -38,7 +38,7 @@ class Lease:
     def renew(self) -> bool:
         """Renews it; False when it is over, or the time is up and its thread has yet to see it."""
         with self._news:
-            now = time.monotonic()
+            now = steady()
             if self._is_over or now >= self._due:
                 return False
             self._due = now + self.seconds
@@ -52,7 +52,7 @@ class Lease:
 
     def _run(self) -> None:
         with self._news:
-            while not self._is_over and (left := self._due - time.monotonic()) > 0:
+            while not self._is_over and (left := self._due - steady()) > 0:
                 self._news.wait(left)
             if self._is_over:
                 return

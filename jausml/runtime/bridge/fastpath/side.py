@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-import time
 from functools import partial
 from select import EPOLLIN
 from typing import TYPE_CHECKING, Protocol
 
+from ...base.standstill import steady
 from ...transports.udp.judp import JudpTransport
 from ..ends.ros_side import Other
 from .library import (
@@ -172,7 +172,7 @@ class FastSide:
             code: The library of the core.
         """
         transport, self._loop = component.transport, component.loop
-        if not isinstance(transport, JudpTransport) or self._loop.now is not time.monotonic:
+        if not isinstance(transport, JudpTransport) or self._loop.now is not steady:
             raise NoFastPathError("the network or the clock is not that of the system")
         self._library = library = Library(code)
         self._core = library.core(library.ros, self._loop.descriptor)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import monotonic, time_ns
+from time import time_ns
 from typing import TYPE_CHECKING, Any
+
+from ...base.standstill import steady
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,7 +76,7 @@ def reader(  # noqa: C901 - for two functions that share the number expected
 
     def read() -> None:
         nonlocal expected
-        if monotonic() > standstill.due:
+        if steady() > standstill.due:
             standstill.end()
         left = announced()
         rest = left - AT_ONCE if left > AT_ONCE else 0
@@ -118,7 +120,7 @@ def reader(  # noqa: C901 - for two functions that share the number expected
         if other is None:
             read()
         else:
-            if monotonic() > standstill.due:
+            if steady() > standstill.due:
                 standstill.end()
             counts.taken += 1
             usual = other.number == expected
