@@ -314,7 +314,7 @@ def absent_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding
         if not direction.to_ros:
             continue
         for placed in direction.of_kind(bridge.FieldAssignment):
-            if placed.assignment.whenAbsent.name != "leave":
+            if placed.assignment.whenAbsent.name != "unstated":
                 continue
             absent = next((path for path, found in placed.sources if _is_optional(found)), None)
             origin = next((path for path, found in placed.targets if _is_coordinate(found)), None)

@@ -66,7 +66,7 @@ def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
             each.name: each for each in direction.map.joins if each.whenStale.name == "leave"
         }
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            if placed.assignment.whenAbsent.name == "leave":
+            if placed.assignment.whenAbsent.name == "unstated":
                 yield from _made_up(placed, lenient)
 
 

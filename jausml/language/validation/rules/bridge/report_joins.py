@@ -116,7 +116,7 @@ def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding
             continue
         lenient = [each for each in direction.map.reportJoins if each.whenStale.name == "leave"]
         for placed in direction.of_kind(bridge.FieldAssignment):
-            if lenient and placed.assignment.whenAbsent.name == "leave":
+            if lenient and placed.assignment.whenAbsent.name == "unstated":
                 yield from _made_up(placed, lenient)
 
 
