@@ -249,9 +249,6 @@ def _exchange(source: Axis) -> str:
     return ""
 
 
-_GEODETIC = "geodetic"
-_ALTITUDE = "altitude"
-_COORDINATES = frozenset({"latitude", "longitude", _ALTITUDE})
 _POINTS = frozenset({"Point", "Point32"})
 
 
@@ -276,13 +273,13 @@ def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Findi
 def _exchanged(
     placed: Placed[bridge.FieldAssignment], source: Attribute, target: Attribute
 ) -> Iterator[Finding]:
-    given, wanted = _coordinate(source), _coordinate(target)
+    given, wanted = frames.geodetic(source), frames.geodetic(target)
     from_, to = placed.sources[0][0], placed.targets[0][0]
     if given and wanted:
         if given != wanted:
             message = f"'{from_}' is a {given}, but '{to}' a {wanted}"
             yield Finding(placed.assignment, message, "source")
-    elif _ALTITUDE in (given, wanted):
+    elif frames.ALTITUDE in (given, wanted):
         passage = frames.passage(steps_of(placed), placed.source_attributes)
         axis = frames.axis_of(target if given else source)
         if passage is None or passage.sign is None or axis is None or axis.name != "z":
@@ -324,11 +321,6 @@ def absent_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding
                 yield Finding(placed.assignment, message, "whenAbsent", hint)
 
 
-def _coordinate(attribute: Attribute) -> str:
-    name = attribute.label.lower()
-    return name if attribute.frame == _GEODETIC and name in _COORDINATES else ""
-
-
 def _is_optional(found: object) -> bool:
     return isinstance(found, Attribute) and found.optional
 
@@ -338,7 +330,7 @@ def _is_coordinate(found: object) -> bool:
         return False
     owner = found.field.eContainer()
     is_horizontal = getattr(owner, "name", None) in _POINTS and found.label in ("x", "y")
-    return is_horizontal or bool(_coordinate(found))
+    return is_horizontal or bool(frames.geodetic(found))
 
 
 _HEADER = "std_msgs/Header"

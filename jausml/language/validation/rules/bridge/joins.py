@@ -76,7 +76,7 @@ def _made_up(
     for source in source_paths(placed.assignment):
         join = lenient.get(source.lstrip("/").partition(".")[0])
         found = placed.scope.find_source(source)
-        if join is None and not (isinstance(found, RosPlace) and found.in_sequence):
+        if join is None and not (isinstance(found, RosPlace) and found.may_lack):
             continue
         lacks = f"a fresh '{join.name}'" if join is not None else f"'{source}'"
         hint = "give the assignment a whenAbsent"
