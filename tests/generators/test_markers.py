@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
 from array import array
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from workspaces import packages_of
 
 from jausml.generation.native import SOURCE, State, build, compiler
 from tests.generators.assignment_support import generated
@@ -174,6 +176,15 @@ def absent(message: Any) -> set[str]:
 
 def test_text_is_clean(made: Generated) -> None:
     made.check_text()
+
+
+def test_the_generated_tests_know_markers(made: Generated) -> None:
+    tests = "".join(each.text for path, each in made.artifacts.items() if "/test/" in path)
+    for name in ("down_voltage_without_voltage", "down_time_stamp_without_stamp"):
+        assert f"def test_{name}(" in tests
+    assert "def test_strict_down_needs_status(" in tests
+    path = os.pathsep.join(packages_of(made.folder))
+    made.tool("pytest", "-q", "-p", "no:cacheprovider", "test", PYTHONPATH=path)
 
 
 @pytest.mark.parametrize(

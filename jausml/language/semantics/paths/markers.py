@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from jausml.language.attributes.expressions import (
     EvaluationError,
@@ -15,6 +16,9 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.subject import remembered
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 VALUE = "value"
 """How a condition calls the field itself, or an element of an array."""
@@ -82,20 +86,20 @@ def _is_said_by_default(field: ros.Field, mark: Mark) -> bool:
     values: dict[str, float] = {}
     for name in variables(mark.condition):
         path = str(field.name) if name == VALUE else name
-        value = _default(owner, path) if isinstance(owner, ros.MessageType) else None
+        value = number_as_made(owner, path) if isinstance(owner, ros.MessageType) else None
         if value is None:
             return False
         values[name] = value
-    return _holds(mark.condition, values)
+    return is_said(mark.condition, values)
 
 
-def _default(owner: ros.MessageType, path: str) -> float | None:
-    """The number at a path of a message as it is made; None where there is none."""
+def number_as_made(owner: ros.MessageType, path: str) -> float | None:
+    """Returns the number at a path of a message as it is made; None where there is none."""
     name, _, rest = path.partition(".")
     name, _, index = name.partition("[")
     field = next((each for each in owner.fields if each.name == name), None)
     if isinstance(field, ros.MessageField):
-        return _default(field.messageType, rest) if field.messageType is not None else None
+        return number_as_made(field.messageType, rest) if field.messageType is not None else None
     if not isinstance(field, ros.PrimitiveField):
         return None
     try:
@@ -107,7 +111,8 @@ def _default(owner: ros.MessageType, path: str) -> float | None:
         return None
 
 
-def _holds(condition: Expression, values: dict[str, float]) -> bool:
+def is_said(condition: Expression, values: Mapping[str, float]) -> bool:
+    """Tells whether a marker says of some numbers, by its names for them, that they are none."""
     try:
         return evaluate(condition, values) != 0.0
     except (EvaluationError, KeyError):
