@@ -55,6 +55,14 @@ _OF_VARIANCES: tuple[Mapping[str, str], ...] = ({}, {"whenAbsent": "leave"})
 _LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
 """What optional angles are that a message leaves out: a heading alone is an orientation."""
 
+_WITHOUT = {
+    "useDefault": "an angle that is absent is 0",
+    "receptionTime": "without '{}' it is the time of reception",
+    "leave": "without '{}' it stays as it is made",
+    "dropMessage": "without '{}' the message is dropped",
+}
+"""What is said of a target without its source."""
+
 _MANY = (LIST, NUMBERS)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
 _TO_ROS, _TO_JAUS = "toRos", "toJaus"
@@ -324,14 +332,9 @@ def _why(found: Judged, made: Child, plain: Judged | None, source: Member, targe
     if any(each in OF_AUTHORS for each in names):
         reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
     inner = innermost(found.assignment)
-    if inner.values.get("whenAbsent") == ("useDefault",):
-        reasons.append("an angle that is absent is 0")
-    elif inner.values.get("whenAbsent") == ("receptionTime",):
-        reasons.append(f"without '{source.path}' it is the time of reception")
-    elif inner.values.get("whenAbsent") == ("leave",):
-        reasons.append(f"without '{source.path}' it stays as it is made")
-    elif "whenAbsent" in inner.values:
-        reasons.append(f"without '{source.path}' the message is dropped")
+    [absent] = inner.values.get("whenAbsent", ("",))
+    if absent:
+        reasons.append(_WITHOUT[absent].format(source.path))
     if "outOfRange" in inner.values:
         reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")
     if not found.is_accepted:
