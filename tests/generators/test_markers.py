@@ -93,6 +93,7 @@ plain {
     turning -> Turning
   )
   JAUS->ROS (
+    ignore status
     Latitude -> latitude
     Voltage -> voltage
     Turning -> turning

@@ -68,7 +68,7 @@ def _untouched(ends: Ends) -> Iterator[str]:
         path = assignment.target.strip()
         if not isinstance(assignment, bridge.Ignore):
             continue
-        if ends.written.overlapping(path):
+        if ends.written.overlapping(path) or ends.target.is_told_unset(path):
             continue
         try:
             is_there = ends.is_made(path) and not _is_alternative(ends.target, path)

@@ -30,6 +30,7 @@ from jausml_generators.bridge.translation.printing import (
     place_text,
 )
 from jausml_generators.bridge.translation.steps import conditions
+from jausml_generators.bridge.translation.targets import marked_paths
 from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml_generators.python.names import snake_case
@@ -161,6 +162,11 @@ class JausMessage:
         del path
         return ""
 
+    def is_told_unset(self, path: str) -> bool:
+        """Tells that nothing does: what is not set is left out."""
+        del path
+        return False
+
     def around(self, path: str) -> set[tuple[places.Place, Expression]]:
         """Returns what a new message lacks on the way to a path, with elements before others."""
         return {
@@ -272,6 +278,11 @@ class RosMessage:
         """Returns what a field takes that has no value; empty for what it has as it is made."""
         field = self.field(path).field
         return "" if field is None else unknown(field) or ""
+
+    def is_told_unset(self, path: str) -> bool:
+        """Tells whether something at a path says that it has no value where nothing sets it."""
+        found = marked_paths(self.type)
+        return any(each == path or each.startswith(f"{path}.") for each in found)
 
     def markers(self, path: str) -> list[Marker]:
         """Returns the markers by which a message says that it has no value at a path."""

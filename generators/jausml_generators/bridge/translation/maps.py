@@ -94,7 +94,6 @@ def stop(
         translation = _translation_to_jaus(body, used, message, {}, around)
         class_name = message.class_name
     body.add(Write(TARGET, New(class_name)))
-    translation.say_unset(stop_assignments(connection))
     translation.add(stop_assignments(connection))
     return body
 

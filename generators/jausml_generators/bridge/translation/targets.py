@@ -47,7 +47,7 @@ from jausml_generators.python.codec.members import PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Container, Iterable, Iterator
 
     from jausml_generators.bridge.translation.places import HasValue, RosField
     from jausml_generators.bridge.translation.steps import Body
@@ -148,7 +148,7 @@ class RosTarget:
     def unset(self, taken: Iterable[str]) -> Iterator[str]:
         """Yields the paths of what says that it has no value where no path that is taken leads."""
         if self.start.type is not None:
-            yield from _marked(self.start.type, (), {parse_path(each) for each in taken})
+            yield from marked_paths(self.start.type, {parse_path(each) for each in taken})
 
     def unlimited(self, path: str) -> Iterator[HasValue]:
         """Yields what must hold so that a field does not say that nothing limits it."""
@@ -184,16 +184,23 @@ class RosTarget:
         return RosTarget(self.type, replace(many.start, root=root), self.class_of)
 
 
-def _marked(
-    message: ros.MessageType, around: tuple[str, ...], taken: set[tuple[str, ...]]
+def marked_paths(
+    message: ros.MessageType,
+    taken: Container[tuple[str, ...]] = (),
+    around: tuple[str, ...] = (),
 ) -> Iterator[str]:
-    """Yields the paths of the fields that take a value to say that they have none."""
+    """Yields the paths of the fields that take a value to say that they have none.
+
+    Args:
+        taken: Paths that are left out with all that is in them.
+        around: The path to the message.
+    """
     for name, each in fields_by_name(message).items():
         path = (*around, name)
         if each.arrayKind.name != "single" or path in taken:
             continue
         if isinstance(each, ros.MessageField):
-            yield from _marked(each.messageType, path, taken)
+            yield from marked_paths(each.messageType, taken, path)
         elif unknown(each):
             yield ".".join(path)
 
