@@ -58,6 +58,10 @@ service_set mark {
         fixed_field Status { type: int8 optional: true }
         fixed_field Latitude { type: float64 optional: true }
         fixed_field Voltage { type: float64 optional: true }
+        fixed_field X { type: uint16 optional: true
+          scale: { lower: -100 upper: 100 } units: "meter" }
+        fixed_field Speed_X { type: uint16 optional: true
+          scale: { lower: -100 upper: 100 } units: "meter per second" }
         fixed_field Spread { type: float64 optional: true }
         fixed_field Charge { type: float64 optional: true }
         bit_field TimeStamp { type: uint32 optional: true
@@ -121,6 +125,18 @@ more {
   )
 }
 
+places {
+  JAUS SetMark
+  ROS geometry_msgs/Vector3
+  ROS->JAUS ( x -> X  y -> Speed_X )
+}
+
+kept {
+  JAUS SetMark
+  ROS geometry_msgs/Vector3
+  ROS->JAUS ( x -> X { outOfRange: clamp } )
+}
+
 strict {
   JAUS SetMark
   ROS mark_msgs/State
@@ -142,6 +158,8 @@ bridge marked_bridge {
   connection down { map: plain direction: rosToJaus topic a {} }
   connection more_up { map: more topic c {} }
   connection more_down { map: more direction: rosToJaus topic c {} }
+  connection places { map: places topic d {} }
+  connection kept { map: kept topic d {} }
   connection strict_up { map: strict topic b {} }
   connection strict_down { map: strict direction: rosToJaus topic b {} }
 }
@@ -204,7 +222,7 @@ def test_the_generated_tests_know_markers(made: Generated) -> None:
 def test_what_a_marker_says_is_absent(
     made: Generated, fields: dict[str, Any], names: set[str]
 ) -> None:
-    others = {"charge", "ticks", "total"}
+    others = {"charge", "ticks", "total", "x", "speed_x"}
     found = absent(made.bridge.translate_down(state(made, **fields)))
     assert found - others == names
 
@@ -273,6 +291,15 @@ def test_a_value_does_not_become_no_limit(made: Generated) -> None:
     with pytest.raises(made.error("OutOfRangeError")) as caught:
         up(message(turning=0.0))
     assert (caught.value.field, caught.value.policy) == ("turning", "not_clampable")
+
+
+def test_a_place_is_not_moved_into_its_range(made: Generated) -> None:
+    vector = types(made).Vector3
+    assert made.bridge.translate_places(vector(x=100.0, y=101.0)).speed_x == 100.0
+    with pytest.raises(made.error("OutOfRangeError"), match="101") as caught:
+        made.bridge.translate_places(vector(x=101.0))
+    assert (caught.value.field, caught.value.policy) == ("X", "drop_message")
+    assert made.bridge.translate_kept(vector(x=101.0)).x == 100.0
 
 
 @pytest.fixture(scope="module")
