@@ -312,7 +312,7 @@ HAZARDS = (
     Hazard(
         "sensor",
         "Loss of a sensor",
-        "JML455 JML456 JML457 JML465 JML496",
+        "JML455 JML456 JML459 JML465",
         (
             Row("{} reports no old value", _reports, _unfresh, (_fresh,), (FAULT_RUNS,)),
             Row("readers of {} learn it", _published, _NO_DEADLINE, (_loss_told,), (FAULT_RUNS,)),

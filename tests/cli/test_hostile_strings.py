@@ -32,6 +32,7 @@ FREE = {
     *("Parameter.value", "ConstantAssignment.value", "FieldAssignment.defaultValue"),
     *("TableEntry.ros", "ListAssignment.names", "MapLibrary.name", "ValueTable.name"),
     *("Quantity.name", "Join.name", "ReportJoin.name", "TestVector.name", "OpenDecision.text"),
+    "Marker.stated",
 }
 
 

@@ -19,7 +19,7 @@ bridge sensor_bridge {
       clock -> header.stamp
       "base_link" -> header.frame_id
       Velocity_X -> twist.linear.x { whenAbsent: dropMessage }
-      YawRate -> twist.angular.z : negate
+      YawRate -> twist.angular.z : negate { whenAbsent: dropMessage }
     )
   }
   connection velocity { map: velocity  exchange: periodicEvent  peers: sensor  topic velocity {} }

@@ -18,8 +18,8 @@ velocity {
     ROS nav_msgs/Odometry
     table gear ( PARK <-> 0 )
     JAUS->ROS (
-        Velocity_X -> twist.twist.linear.x
-        Velocity_Y -> twist.twist.linear.y : negate
+        Velocity_X -> twist.twist.linear.x { whenAbsent: leave }
+        Velocity_Y -> twist.twist.linear.y : negate { whenAbsent: leave }
         "🚜" -> child_frame_id
         ignore header
     )
@@ -30,7 +30,7 @@ MAPS = """\
 shared {
     JAUS ReportVelocityState
     ROS geometry_msgs/TwistStamped
-    JAUS->ROS ( Velocity_X -> twist.linear.x  ignore header )
+    JAUS->ROS ( Velocity_X -> twist.linear.x { whenAbsent: leave }  ignore header )
 }
 """
 
@@ -128,7 +128,7 @@ velocity {
     JAUS ReportVelocityState
     ROS geometry_msgs/Twist
     openDecisions: { text: "whose axes are these?" }
-    JAUS->ROS ( Velocity_X -> linear.x )
+    JAUS->ROS ( Velocity_X -> linear.x { whenAbsent: leave } )
 }
 """
 

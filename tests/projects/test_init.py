@@ -204,8 +204,10 @@ def test_a_project_of_the_first_metamodels_is_understood(tmp_path, monkeypatch):
     shutil.copytree(Path(__file__).parent / "golden_1_0", golden)
     (golden / ".git").mkdir()
     monkeypatch.chdir(golden)
-    done = run("validate", "models", "--strict")
+    done = run("validate", "models")
     assert done.exit_code == 0, done.output
+    # Their copies of ready maps do not say what becomes of what is absent.
+    assert {*re.findall(r"warning: (JML\d+)", done.output)} == {"JML459"}
     for model in ("rover.xmi", "boat.ros2jaus"):
         done = run("generate", f"models/{model}", "-o", f"src/{model}")
         assert done.exit_code == 0, done.output

@@ -96,7 +96,7 @@ def test_eclipse_knows_where_each_metamodel_is_that_is_needed(rover, jausml):
     again = "new map again ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_Y"
     assert jausml(*again.split()).exit_code == 0
     assert _places(model) == ["bridge", "system"]
-    assert model.read_bytes().count(b"\n") == before.count(b"\n") + 7
+    assert model.read_bytes().count(b"\n") == before.count(b"\n") + 6
 
 
 def _places(model):

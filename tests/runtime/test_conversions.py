@@ -499,6 +499,11 @@ def test_time_to_timestamp():
         (stamp(29, 23), "2024-03-01T01:00:00", "2024-02-29T23:00:00"),
         (stamp(31), "2026-02-10T00:00:00", "2026-01-31T00:00:00"),
         (stamp(30), "2026-02-27T00:00:00", "2026-01-30T00:00:00"),
+        # Two months back, where the month before has no such day.
+        (stamp(31, 12), "2026-03-01T00:00:00", "2026-01-31T12:00:00"),
+        (stamp(31), "2026-03-03T00:00:00", "2026-03-31T00:00:00"),
+        (stamp(31, 1), "2024-03-01T00:00:00", "2024-01-31T01:00:00"),
+        (stamp(31), "2024-03-01T01:00:00", "2024-03-31T00:00:00"),
         # Before the first clock message of a simulation.
         (stamp(1, 6), "1970-01-01T00:00:00", "1970-01-01T06:00:00"),
         # A peer that leaves the day at 0, around midnight.

@@ -141,8 +141,10 @@ def test_silence_and_control_both_stop_a_lost_operator(tmp_path):
 
 
 def test_a_finding_of_a_rule_speaks_against_a_goal(tmp_path):
-    wrong = 'source="Velocity_Y">\n        <conversions/>'
-    found = goals(changed(CAR, tmp_path, wrong, 'source="Velocity_Y">'))["unit/bridge.odometry"]
+    end = 'source="Velocity_Y" whenAbsent="useDefault" defaultValue="0">'
+    found = goals(changed(CAR, tmp_path, f"{end}\n        <conversions/>", end))[
+        "unit/bridge.odometry"
+    ]
     assert not found.answered
     (against,) = (each for each in found.supports if not each.holds)
     assert against.text.startswith("JML433 ")

@@ -25,10 +25,10 @@ GROUP = """
             JAUS ReportVelocityState
             ROS geometry_msgs/TwistStamped
             JAUS->ROS (
-                TimeStamp -> header.stamp : timestamp_to_time
+                TimeStamp -> header.stamp : timestamp_to_time {{ whenAbsent: receptionTime }}
                 "odom" -> header.frame_id
                 Velocity_X -> twist.linear.x {{ whenAbsent: dropMessage }}
-                YawRate -> twist.angular.z : negate
+                YawRate -> twist.angular.z : negate {{ whenAbsent: dropMessage }}
             )
         }}
 

@@ -22,7 +22,7 @@ MAP = """\
       clock -> header.stamp
       "base_link" -> header.frame_id
       Velocity_X -> twist.linear.x { whenAbsent: dropMessage }
-      YawRate -> twist.angular.z : negate
+      YawRate -> twist.angular.z : negate { whenAbsent: dropMessage }
     )
   }
 """

@@ -46,7 +46,7 @@ system minimal {
                 clock -> header.stamp
                 "base_link" -> header.frame_id
                 Velocity_X -> twist.linear.x { whenAbsent: dropMessage }
-                YawRate -> twist.angular.z : negate
+                YawRate -> twist.angular.z : negate { whenAbsent: dropMessage }
             )
         }
 

@@ -46,7 +46,8 @@ def field(feature, target, source, *conversions, **features):
 
 
 def to_ros(target, source, *conversions, **features):
-    return field("toRos", target, source, *conversions, **features)
+    absent = {} if "whenAbsent" in features else {"whenAbsent": "leave"}
+    return field("toRos", target, source, *conversions, **features, **absent)
 
 
 def to_jaus(target, source, *conversions, **features):

@@ -114,6 +114,11 @@ def truth(expression: Expression, names: Mapping[str, str], binding: int = _CHOI
     return _within(f"{number(expression, names, _SUM)} != 0.0", _COMPARISON, binding)
 
 
+def joined_truth(expression: Expression, names: Mapping[str, str]) -> str:
+    """Returns the same for a condition beside others, which `&&` joins."""
+    return truth(expression, names, _COMPARISON)
+
+
 def _is_of(expression: Expression, sign: str) -> bool:
     return isinstance(expression, Operation) and expression.sign == sign
 

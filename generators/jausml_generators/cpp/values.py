@@ -12,7 +12,8 @@ from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
-from jausml_generators.cpp.formulas import conversion_lines, number
+from jausml_generators.bridge.translation.places import HasValue
+from jausml_generators.cpp.formulas import conversion_lines, joined_truth, number
 from jausml_generators.cpp.types import (
     INTEGER,
     REAL,
@@ -34,7 +35,7 @@ from jausml_generators.cpp.types import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml_generators.bridge.translation.places import Place
+    from jausml_generators.bridge.translation.places import Condition, Place
 
 _TYPES = {values.REAL: REAL, values.INTEGER: INTEGER, values.BOOLEAN: TRUTH, values.TEXT: TEXT}
 _KINDS = {QUATERNION: values.QUATERNION, TIME: values.TIME, TIME_STAMP: values.BITS}
@@ -206,6 +207,13 @@ class Values(Places):
             case values.NamesOf(names=names, items=place):
                 return f"jausml::first_of({self.root(names).text}, {self.at(place).value}.size())"
         raise UnprintableError(f"the expression {type(value).__name__}")
+
+    def holds(self, condition: Condition) -> str:
+        """Returns the test that a condition holds."""
+        if not isinstance(condition, HasValue):
+            return super().holds(condition)
+        names = {name: self._operand(each) for name, each in condition.operands}
+        return joined_truth(condition.condition, names)
 
     def _elements(self, items: Expression) -> Type:
         kind = self.type(items)

@@ -65,9 +65,15 @@ def python_expression(expression: Expression, sources: Mapping[str, str]) -> str
     return _Writer(sources).number(expression, _CHOICE)
 
 
-def python_condition(expression: Expression, sources: Mapping[str, str]) -> str:
-    """Returns the Python expression that tells whether an expression differs from 0."""
-    return _Writer(sources).truth(expression, _CHOICE)
+def python_condition(
+    expression: Expression, sources: Mapping[str, str], *, is_joined: bool = False
+) -> str:
+    """Returns the Python expression that tells whether an expression differs from 0.
+
+    Args:
+        is_joined: Whether others stand beside it, joined by `and`.
+    """
+    return _Writer(sources).truth(expression, _NOT if is_joined else _CHOICE)
 
 
 def column_expression(expression: Expression, sources: Mapping[str, str]) -> str:

@@ -204,7 +204,10 @@ def explain(rule_id: str) -> None:
     entries = {entry["rule"]: entry for entry in known("rules")}
     entry = entries.get(rule_id.upper())
     if entry is None:
-        near = get_close_matches(rule_id.upper(), entries, n=1)
+        # A rule says of which others it has taken the place.
+        wanted = rule_id.upper()
+        near = [id_ for id_, each in entries.items() if wanted in each["documentation"]]
+        near = near or get_close_matches(wanted, entries, n=1)
         hint = f", did you mean {near[0]}?" if near else ""
         raise click.UsageError(f"no rule {rule_id!a}{hint} ('jausml rules' lists them)")
     heading = f"{entry['rule']}: {entry['title']} ({entry['severity']})"

@@ -97,6 +97,18 @@ def variables(expression: Expression) -> tuple[str, ...]:
     return tuple(dict.fromkeys(each.name for each in occurrences(expression)))
 
 
+def opposite(condition: Expression) -> Expression:
+    """Returns the condition that holds where another one does not, as short as it can be said."""
+    match condition:
+        case Operation(sign="not", operands=(only,)):
+            return only
+        case Operation(sign="==" | "!=" as sign, operands=operands):
+            return Operation("!=" if sign == "==" else "==", operands)
+        case Operation(sign="and" | "or" as sign, operands=operands):
+            return Operation("or" if sign == "and" else "and", tuple(map(opposite, operands)))
+    return Operation("not", (condition,))
+
+
 def source_names(paths: Sequence[str]) -> dict[str, int]:
     """Returns the names that expressions may use for sources, with the index of the source.
 

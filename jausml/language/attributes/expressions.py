@@ -21,6 +21,7 @@ from jausml.language.attributes.expression_tree import (
     occurrences,
     operands_of,
     operations,
+    opposite,
     source_names,
     variables,
 )
@@ -189,6 +190,7 @@ __all__ = [
     "occurrences",
     "operands_of",
     "operations",
+    "opposite",
     "parse_expression",
     "source_names",
     "variables",

@@ -209,7 +209,8 @@ def _days_near(day_of_month: int, today: int) -> tuple[int, ...]:
         return today - 1, today, today + 1
     utc = time.gmtime(today * _DAY)
     days = []
-    for offset in (-1, 0, 1):
+    # On 1 March, 31 January is nearer than 31 March, and February has no such day.
+    for offset in (-2, -1, 0, 1):
         year, month = divmod(utc.tm_year * 12 + utc.tm_mon - 1 + offset, 12)
         try:
             days.append(date(year, month + 1, day_of_month).toordinal() - _EPOCH)

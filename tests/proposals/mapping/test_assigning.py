@@ -45,6 +45,9 @@ def velocity():
     return Map(CAR, "velocity_state")
 
 
+DROPPED = "{ whenAbsent: dropMessage }"
+
+
 def previews(found):
     return [each.preview for each in found.options]
 
@@ -52,13 +55,13 @@ def previews(found):
 def test_like_goes_to_like(velocity):
     [option] = velocity.to_ros("Velocity_X", "twist.twist.linear.x").options
     assert option.is_best
-    assert option.preview == "Velocity_X -> twist.twist.linear.x"
+    assert option.preview == f"Velocity_X -> twist.twist.linear.x {DROPPED}"
     assert "same axis" in option.why
 
 
 def test_axes_of_other_signs_are_negated_and_it_is_said_why(velocity):
     [option] = velocity.to_ros("Velocity_Y", "twist.twist.linear.y").options
-    assert option.preview == "Velocity_Y -> twist.twist.linear.y : negate"
+    assert option.preview == f"Velocity_Y -> twist.twist.linear.y : negate {DROPPED}"
     assert "opposite signs" in option.why
     add, remove = option.commands
     assert isinstance(add, Add)
@@ -69,7 +72,7 @@ def test_axes_of_other_signs_are_negated_and_it_is_said_why(velocity):
 
 def test_types_are_converted(velocity):
     assert previews(velocity.to_ros("TimeStamp", "header.stamp")) == [
-        "TimeStamp -> header.stamp : timestamp_to_time"
+        "TimeStamp -> header.stamp : timestamp_to_time { whenAbsent: receptionTime }"
     ]
 
 
@@ -88,14 +91,14 @@ def test_what_no_conversion_makes_of_another_is_refused(velocity):
 def test_an_absent_coordinate_drops_the_message():
     pose = Map(CAR, "local_pose")
     [option] = pose.to_ros("Y", "pose.position.y").options
-    assert option.preview == "Y -> pose.position.y : negate { whenAbsent: dropMessage }"
+    assert option.preview == f"Y -> pose.position.y : negate {DROPPED}"
     assert "dropped" in option.why
 
 
 def test_three_angles_become_an_orientation_and_one_becomes_three():
     pose = Map(CAR, "local_pose")
     found = previews(pose.to_ros("Yaw", "pose.orientation"))
-    assert found[0] == "Yaw -> pose.orientation : frd_yaw_to_flu_quaternion"
+    assert found[0] == f"Yaw -> pose.orientation : frd_yaw_to_flu_quaternion {DROPPED}"
     level = "{ whenAbsent: useDefault  defaultValue: 0 }"
     angles = "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion"
     assert f"{angles} {level}" in found
@@ -107,7 +110,7 @@ def test_three_angles_become_an_orientation_and_one_becomes_three():
 def test_a_number_that_only_the_author_knows_is_asked_for():
     effort = Map("library/mappings/primitive_driver.ros2jaus", "wrench_effort")
     first = effort.to_ros("PropulsiveLinearEffortX", "linear.x").options[0]
-    assert first.preview.endswith("percent_to_value(1)")
+    assert first.preview.endswith(f"percent_to_value(1) {DROPPED}")
     assert "in the place of 1" in first.why
     assert not first.is_best
 
@@ -115,7 +118,9 @@ def test_a_number_that_only_the_author_knows_is_asked_for():
 def test_members_of_elements_make_an_assignment_of_lists():
     joints = Map("library/mappings/joint_positions.ros2jaus", "joint_positions")
     best = joints.to_ros("JointPositionList.JointPosition.radian", "position").options[0]
-    assert best.preview == "JointPositionList -> position { JointPosition.radian -> . }"
+    assert (
+        best.preview == f"JointPositionList -> position {{ JointPosition.radian -> . {DROPPED} }}"
+    )
     # There is such a list already: its element is replaced in it.
     assert best.commands[0].feature == "assignments"
     found = joints.to_ros("JointPositionList.JointPosition.radian", "header.frame_id")

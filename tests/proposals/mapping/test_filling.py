@@ -140,10 +140,10 @@ def test_a_new_map_is_filled_in_both_directions_by_one_edit_and_tells_what_is_le
     before = (tmp_path / FILE).read_text()
     found = used.take()
     assert found.statements[:4] == (
-        "TimeStamp -> header.stamp : timestamp_to_time",
-        "Velocity_X -> twist.linear.x",
-        "Velocity_Y -> twist.linear.y : negate",
-        "Velocity_Z -> twist.linear.z : negate",
+        "TimeStamp -> header.stamp : timestamp_to_time { whenAbsent: receptionTime }",
+        "Velocity_X -> twist.linear.x { whenAbsent: dropMessage }",
+        "Velocity_Y -> twist.linear.y : negate { whenAbsent: dropMessage }",
+        "Velocity_Z -> twist.linear.z : negate { whenAbsent: dropMessage }",
     )
     assert "twist.angular.z -> YawRate : negate" in found.statements
     assert found.left == {"to_ros": ("header.frame_id",), "to_jaus": ("Velocity_RMS", "Rate_RMS")}

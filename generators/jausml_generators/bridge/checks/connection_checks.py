@@ -68,7 +68,7 @@ def _untouched(ends: Ends) -> Iterator[str]:
         path = assignment.target.strip()
         if not isinstance(assignment, bridge.Ignore):
             continue
-        if ends.written.overlapping(path):
+        if ends.written.overlapping(path) or ends.target.is_told_unset(path):
             continue
         try:
             is_there = ends.is_made(path) and not _is_alternative(ends.target, path)
@@ -95,44 +95,70 @@ def _is_array(ends: Ends, path: str) -> bool:
 
 
 def absences(ends: Ends, sample: Sample) -> Iterator[Check]:
-    """Yields the checks of the absent policies of a connection to ROS."""
-    source = ends.source
-    if not isinstance(source, JausMessage):
-        return
-    optional = [path for path in sample.values if source.field(path).is_optional]
-    for path in optional:
-        chains = ends.reading(path)
+    """Yields the checks of the absent policies of a connection."""
+    for path, values in _without(ends, sample):
+        chains = ends.lacking(values) or ends.reading(path)
         if any(_policy(chain) == "dropMessage" for chain in chains):
-            yield _refused(ends, sample, path)
+            yield _refused(ends, values, path)
             continue
         for chain in chains:
-            yield from _kept(ends, sample, path, chain)
+            if path in chain.sources:
+                yield from _kept(ends, sample, values, path, chain)
+
+
+def _without(ends: Ends, sample: Sample) -> Iterator[tuple[str, dict[str, Scalar]]]:
+    """Yields the paths at which a source may have no value, and a message that has none there."""
+    source = ends.source
+    if isinstance(source, JausMessage):
+        for path in sample.values:
+            if source.field(path).is_optional:
+                yield path, sample.without(path)
+        return
+    for path in dict.fromkeys(each for chain in ends.chains for each in chain.sources):
+        for marker in source.markers(path)[:1]:
+            found = marker.settled(sample.values)
+            if found is None:
+                continue
+            values = {**sample.values, **found}
+            changed = [chain for each in found for chain in ends.reading(each)]
+            lacking = ends.lacking(values)
+            if all(chain in lacking for chain in changed):
+                yield path, values
 
 
 def _policy(chain: Chain) -> str:
     return str(chain.assignment.whenAbsent.name)
 
 
-def _refused(ends: Ends, sample: Sample, path: str) -> Check:
+def _refused(ends: Ends, values: dict[str, Scalar], path: str) -> Check:
     lines = [
-        *ends.source.fill(sample.without(path)),
+        *ends.source.fill(values),
         *ends.refused("AbsentFieldError"),
     ]
     about = f"A message without {path} is refused."
     return Check(f"{ends.name}_needs_{short_name(path)}", about, tuple(lines))
 
 
-def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check]:
+def _kept(
+    ends: Ends, sample: Sample, values: dict[str, Scalar], path: str, chain: Chain
+) -> Iterator[Check]:
     policy = _policy(chain)
     target = chain.targets[0]
     if not all(map(ends.is_alone, chain.targets)):
         return
     place = ends.target.place(target)
-    absent = [*ends.source.fill(sample.without(path)), *ends.translated()]
-    if policy == "leave":
+    absent = [*ends.source.fill(values), *ends.translated()]
+    if policy in {"unstated", "leave"}:
         outcome = ends.defaults(chain.targets)
-        outcome += [line for each in chain.targets for line in _as_made(ends, each)]
-        about = f"Without {path} {target} stays as it is made."
+        for each in chain.targets:
+            said = ends.target.unknown(each) if policy == "unstated" else ""
+            known = ends.target.place(each)
+            outcome += has_value(known, known.parse(said)) if said else _as_made(ends, each)
+        about = f"Without {path} {target} is as it is made, or says that it has no value."
+    elif policy == "receptionTime":
+        changed = holds(f"{place.code} != {ends.default(target)}")
+        outcome = [*ends.defaults([target]), changed]
+        about = f"Without {path} {target} is the time of reception."
     elif policy == "useDefault" and len(chain.sources) == 1 and len(chain.targets) == 1:
         try:
             value = place.parse(str(chain.assignment.defaultValue or ""))

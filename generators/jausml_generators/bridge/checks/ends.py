@@ -9,7 +9,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.semantics.paths.scopes import expanded, outer_scope, source_paths, used_maps
+from jausml.language.semantics.assignments.frames import is_coordinate
+from jausml.language.semantics.paths.scopes import (
+    expanded,
+    outer_scope,
+    place,
+    source_paths,
+    used_maps,
+)
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
 from jausml_generators.bridge.ends import ReportJoinView
@@ -128,10 +135,13 @@ class Ends:
         if own != "asConnection":
             return own
         policy = str(self.view.connection.outOfRange.name)
-        return "dropMessage" if policy == "clamp" and self._identifies(chain) else policy
+        return "dropMessage" if policy == "clamp" and self._has_no_nearest(chain) else policy
 
-    def _identifies(self, chain: Chain) -> bool:
-        """Whether the result is an identifier or a count, which is never clamped."""
+    def _has_no_nearest(self, chain: Chain) -> bool:
+        """Whether the result is an identifier, a count or a coordinate, which is never clamped."""
+        placed = place(self.map, chain.assignment, to_ros=self.to_ros)
+        if placed is not None and any(map(is_coordinate, placed.target_attributes)):
+            return True
         source, target = self.source, self.target
         if isinstance(target, JausMessage):
             field = target.field(chain.targets[0])
@@ -139,6 +149,17 @@ class Ends:
         if not isinstance(source, JausMessage) or chain.assignment.conversions:
             return False
         return source.field(chain.sources[0]).is_identifier
+
+    def lacking(self, values: Mapping[str, Scalar | None]) -> list[Chain]:
+        """Returns the chains that lack a source, as markers say, in a message of some values."""
+        source = self.source
+        if not isinstance(source, RosMessage):
+            return []
+        return [
+            chain
+            for chain in self.chains
+            if any(each.holds(values) for path in chain.sources for each in source.markers(path))
+        ]
 
     @functools.cached_property
     def written(self) -> Paths:

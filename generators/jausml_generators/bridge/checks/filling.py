@@ -5,29 +5,41 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
+from itertools import islice, product
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.interfaces.definitions import INTEGER_RANGES
 from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.markers import is_said, number_as_made, unknown
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
-from jausml_generators.bridge.translation.places import RosStart, ros_field
+from jausml_generators.bridge.translation.expressions import (
+    BOOLEAN,
+    INTEGER,
+    OCTETS,
+    REAL,
+    TEXT,
+    Cast,
+    Read,
+)
+from jausml_generators.bridge.translation.places import HasValue, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,
     place_text,
 )
 from jausml_generators.bridge.translation.steps import conditions
+from jausml_generators.bridge.translation.targets import marked_paths
 from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Container, Mapping
 
+    from jausml.language.attributes import expressions as authored
     from jausml.language.metamodel.classes import jaus, ros
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
@@ -145,6 +157,16 @@ class JausMessage:
             tuple(map(condition_text, conditions(found.conditions))),
         )
 
+    def unknown(self, path: str) -> str:
+        """Returns nothing: what has no value is left out."""
+        del path
+        return ""
+
+    def is_told_unset(self, path: str) -> bool:
+        """Tells that nothing does: what is not set is left out."""
+        del path
+        return False
+
     def around(self, path: str) -> set[tuple[places.Place, Expression]]:
         """Returns what a new message lacks on the way to a path, with elements before others."""
         return {
@@ -184,6 +206,56 @@ class JausMessage:
         return store(place, call(field.class_name, str(field.index), code))
 
 
+_TRIED = (0.0, 1.0, -1.0, 2.0, -2.0, math.nan, math.inf)
+_MOST_TRIALS = 500
+
+
+@dataclass(frozen=True)
+class Marker:
+    """A marker on the way to a path of a ROS message.
+
+    Attributes:
+        places: Where the numbers stand that it asks for, by its names.
+    """
+
+    type: ros.MessageType
+    condition: authored.Expression
+    places: Mapping[str, Place]
+
+    def holds(self, values: Mapping[str, Scalar | None]) -> bool:
+        """Tells whether it says in a message of some values, by path, that there is none."""
+        numbers = {name: self._number(values, each.path) for name, each in self.places.items()}
+        return is_said(self.condition, numbers)
+
+    def _number(self, values: Mapping[str, Scalar | None], path: str) -> float:
+        value = values.get(path)
+        if value is None or isinstance(value, str | bytes):
+            return number_as_made(self.type, path) or 0.0
+        return float(value)
+
+    def settled(
+        self, values: Mapping[str, Scalar | None], free: Container[str] | None = None
+    ) -> dict[str, Scalar] | None:
+        """Returns numbers with which it holds instead of some values; None where none is known.
+
+        Args:
+            free: Paths whose values stay; with them, numbers with which it does not hold.
+        """
+        places = {each.path: each for each in self.places.values()}
+        changed = [each for path, each in places.items() if free is None or path not in free]
+        trials = product(*([e for e in _TRIED if _may_be(each, e)] for each in changed))
+        for numbers in islice(trials, _MOST_TRIALS):
+            pairs = zip(changed, numbers, strict=True)
+            found = {each.path: int(e) if each.kind == INTEGER else e for each, e in pairs}
+            if self.holds({**values, **found}) is (free is None):
+                return dict(found)
+        return None
+
+
+def _may_be(place: Place, number: float) -> bool:
+    return place.kind == REAL or (math.isfinite(number) and place.can_hold(number))
+
+
 @dataclass(frozen=True)
 class RosMessage:
     """A ROS message."""
@@ -201,6 +273,24 @@ class RosMessage:
         found = self.field(path)
         limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
         return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
+
+    def unknown(self, path: str) -> str:
+        """Returns what a field takes that has no value; empty for what it has as it is made."""
+        field = self.field(path).field
+        return "" if field is None else unknown(field) or ""
+
+    def is_told_unset(self, path: str) -> bool:
+        """Tells whether something at a path says that it has no value where nothing sets it."""
+        found = marked_paths(self.type)
+        return any(each == path or each.startswith(f"{path}.") for each in found)
+
+    def markers(self, path: str) -> list[Marker]:
+        """Returns the markers by which a message says that it has no value at a path."""
+        found = (each for each in self.field(path).conditions if isinstance(each, HasValue))
+        return [
+            Marker(self.type, each.marker, {n: self.place(_path(e)) for n, e in each.operands})
+            for each in found
+        ]
 
     def around(self, path: str) -> set[places.Place]:
         """Returns the elements of sequences on the way to a path, and those before them."""
@@ -257,6 +347,13 @@ class RosMessage:
             return f"{place_text(found.place)} = [{zero}] * {count}"
         name = self.type_name(found.message_type)
         return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
+
+
+def _path(value: Expression) -> str:
+    """The path of what an operand of a marker reads."""
+    read = value.value if isinstance(value, Cast) else value
+    steps = read.place.steps if isinstance(read, Read) else ()
+    return "".join(f"[{e}]" if isinstance(e, int) else f".{e}" for e in steps).removeprefix(".")
 
 
 def _up_to(place: places.Place) -> list[places.Place]:

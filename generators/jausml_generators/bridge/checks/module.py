@@ -25,7 +25,13 @@ from jausml_generators.bridge.checks.connection_checks import (
     vectors,
 )
 from jausml_generators.bridge.checks.ends import Ends
-from jausml_generators.bridge.checks.filling import Code, JausMessage, is_there, short_name
+from jausml_generators.bridge.checks.filling import (
+    Code,
+    JausMessage,
+    RosMessage,
+    is_there,
+    short_name,
+)
 from jausml_generators.bridge.checks.samples import chain_gain, limits, sample_of
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.places import PathError, ros_field
@@ -36,7 +42,7 @@ from jausml_generators.python.package import runtime_names
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Container, Iterator, Sequence
 
     from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.checks.check import Chain
@@ -209,17 +215,41 @@ def round_trips(sampled: Sequence[tuple[Ends, Sample]], class_name: str) -> Iter
     for there, sample in sampled:
         for back in homeward[there.map] if there.to_ros else ():
             returning = _returning(there, back, sample)
-            if returning:
+            if returning and _is_taken(there, back, sample):
                 yield _check(there, back, sample, returning, class_name)
+
+
+def _is_taken(there: Ends, back: Ends, sample: Sample) -> bool:
+    """Whether no marker has the message dropped on the way back, whatever returns."""
+    varied = {path for chain in there.chains for path in chain.targets}
+    lacking = back.lacking(sample.expected)
+    return not any(
+        chain.assignment.whenAbsent.name == "dropMessage"
+        and (chain in lacking or _is_asked(back, chain, varied))
+        and not set(chain.sources) & set(sample.changed)
+        for chain in back.chains
+    )
+
+
+def _is_asked(back: Ends, chain: Chain, paths: Container[str]) -> bool:
+    """Whether markers of the sources of a chain ask what stands at some paths."""
+    source = back.source
+    if not isinstance(source, RosMessage):
+        return False
+    markers = [each for path in chain.sources for each in source.markers(path)]
+    return any(place.path in paths for each in markers for place in each.places.values())
 
 
 def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
     found: dict[str, _Returning] = {}
+    lacking = back.lacking(sample.expected)
     homewards: defaultdict[object, list[Chain]] = defaultdict(list)
     for homeward in back.chains:
         homewards[tuple(homeward.targets), tuple(homeward.sources)].append(homeward)
     for outward in there.chains:
         for homeward in homewards[tuple(outward.sources), tuple(outward.targets)]:
+            if homeward in lacking or _is_asked(back, homeward, outward.targets):
+                continue
             for each in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
                 if each.place.path in sample.values:
                     found.setdefault(each.place.path, each)

@@ -21,7 +21,7 @@ from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml_generators.bridge.checks.check import Chain
     from jausml_generators.bridge.checks.ends import Ends
@@ -89,12 +89,26 @@ class _Sampler:
         for chain in self._ends.chains:
             for path in chain.sources:
                 self._give(path)
+        self._settle_markers()
         for chain in self._ends.chains:
             self._expect(chain)
         for assignment in self._ends.assignments:
             if assignment.eClass.name == "ConstantAssignment":
                 self._expect_constant(assignment)
         return self._sample
+
+    def _settle_markers(self) -> None:
+        """Gives what markers ask for values, so that none says that a source has no value."""
+        source, values = self._ends.source, self._sample.values
+        if not isinstance(source, filling.RosMessage):
+            return
+        paths = [path for chain in self._ends.chains for path in chain.sources]
+        given = frozenset(values)
+        for each in (each for path in paths for each in source.markers(path)):
+            if each.holds(values):
+                values.update(each.settled(values, given) or {})
+        if self._ends.lacking(values):
+            raise _NoSampleError
 
     def _give(self, path: str) -> None:
         """Gives a source its value, once."""
@@ -283,7 +297,7 @@ def limits(ends: Ends, sample: Sample) -> Iterator[Check]:
         if not chain.leads_back or chain.sources[0] not in sample.values:
             continue
         for case in _cases(ends, chain):
-            if _touches_nothing_else(ends, case):
+            if _touches_nothing_else(ends, case, sample.values):
                 yield _check(ends, sample, case)
 
 
@@ -343,8 +357,13 @@ def _brought(ends: Ends, source: filling.Place) -> tuple[float, float]:
     return source.limits
 
 
-def _touches_nothing_else(ends: Ends, case: _Case) -> bool:
-    """Whether all other targets of the source can carry what the value becomes there."""
+def _touches_nothing_else(ends: Ends, case: _Case, values: Mapping[str, filling.Scalar]) -> bool:
+    """Whether all other targets of the source can carry what the value becomes there.
+
+    A value that is a marker is none.
+    """
+    if ends.lacking({**values, case.source.path: case.value}):
+        return False
     for chain in ends.reading(case.source.path):
         if chain is case.chain:
             continue

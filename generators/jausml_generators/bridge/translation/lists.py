@@ -149,7 +149,7 @@ class _ListSteps:
     ) -> _Items:
         if must:
             whole = AsLongAs(items.like, constant)
-            self._body.add(Require(whole, "AbsentFieldError", self._many.path))
+            self._body.add(Require(whole, "AbsentFieldError", (self._many.path,)))
         place = Place(self._body.local("items", FirstOf(items.value, constant)))
         target: Any = self._outer.target
         self._body.add(Write(target.field(keys).place, NamesOf(constant, place)))
@@ -188,6 +188,7 @@ class _ListSteps:
         if items.may_be_none and self._assignment.whenAbsent.name == "dropMessage":
             body.require(conditions, self._many.path)
         inner.require(self._assignment.assignments)
+        inner.say_unset(self._assignment.assignments)
         inner.add(self._assignment.assignments)
         steps = tuple(body.steps)
         self._body.add(

@@ -121,6 +121,7 @@ def _map_to_ros(
     translation = _translation_to_ros(body, attribute_map, message, joins, around)
     translation.require(attribute_map.toRos)
     body.add(Write(TARGET, New(class_name)))
+    translation.say_unset(attribute_map.toRos)
     translation.add(attribute_map.toRos)
 
 
@@ -204,7 +205,7 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
     }
     if "CommandType" not in carried:
         current = Equal(Place("source", ("command_type",)), CURRENT_COMMAND)
-        body.add(Require(current, "ConversionError", "a limit, not the current command"))
+        body.add(Require(current, "ConversionError", ("a limit, not the current command",)))
 
 
 def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
@@ -222,7 +223,7 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
         data = field.place
         if field.kind == FORMAT:
             text = f"{field.path} carries no JAUS message"
-            body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", text))
+            body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", (text,)))
             data = data.at("data")
         decoded = Decode(message.class_name, Read(data, OCTETS))
         path = assignment.target.strip()

@@ -6,12 +6,25 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.language.attributes.expressions import opposite, variables
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.paths.ros_paths import fields_by_name, is_sequence, named_constants
+from jausml.language.semantics.paths.markers import VALUE, marks_at
+from jausml.language.semantics.paths.ros_paths import (
+    RosPlace,
+    fields_by_name,
+    is_sequence,
+    named_constants,
+)
+from jausml.language.semantics.paths.scopes import parse_path
+from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, Cast, Read
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+
+    from jausml.language.attributes import expressions as authored
+    from jausml.language.semantics.paths.markers import Mark
+    from jausml_generators.bridge.translation.expressions import Expression
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +116,25 @@ class AsLongAs:
 
 
 @dataclass(frozen=True)
+class HasValue:
+    """A marker does not say that the field at a place has no value.
+
+    Attributes:
+        marker: What it asks.
+        operands: What the names in it stand for.
+    """
+
+    place: Place
+    marker: authored.Expression
+    operands: tuple[tuple[str, Expression], ...]
+
+    @property
+    def condition(self) -> authored.Expression:
+        """The opposite of the marker."""
+        return opposite(self.marker)
+
+
+@dataclass(frozen=True)
 class Named:
     """No condition, but a variable for what those before it have found."""
 
@@ -110,7 +142,7 @@ class Named:
     place: Place
 
 
-Condition: TypeAlias = There | Longer | Chosen | IsOption | Equal | AsLongAs
+Condition: TypeAlias = There | Longer | Chosen | IsOption | Equal | AsLongAs | HasValue
 Way: TypeAlias = Condition | Named
 """What stands on the way to a value: conditions, and variables for what they found."""
 
@@ -129,6 +161,8 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
     return tuple(dict.fromkeys(kept))
 
 
+_KINDS = {"float32": REAL, "float64": REAL, "bool": BOOLEAN}
+_LARGE = frozenset({"int64", "uint64"})
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
 
@@ -142,13 +176,15 @@ class RosStart:
 
     Attributes:
         type: The `ros.MessageType` of the message or element; None for an element without fields.
-        field: The `ros.Field` of which an element without fields is one.
+        field: The `ros.Field` of which it is an element.
+        owner: The message that has the field.
     """
 
     root: str | Local
     type: ros.MessageType | None
     field: ros.Field | None = None
     label: str = ""
+    owner: Place = Place("")
 
 
 @dataclass(frozen=True)
@@ -165,6 +201,8 @@ class RosField:
             primitive types.
         field: The `ros.Field` at the end; None for a whole message.
         elements: The elements of sequences on the way, which may not be there.
+        conditions: What must hold for a value to be there: long sequences, and no markers.
+        owner: The message that has the field.
     """
 
     path: str
@@ -177,6 +215,8 @@ class RosField:
     field: ros.Field | None = None
     constants: tuple[tuple[str, str], ...] = ()
     elements: tuple[tuple[Longer, ros.Field], ...] = ()
+    conditions: tuple[Condition, ...] = ()
+    owner: Place = Place("")
 
 
 def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None = None) -> RosField:
@@ -190,7 +230,8 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
     begin = start or RosStart("source", message_type)
     current, field, is_array = begin.type, begin.field, False
     holder, place = message_type, Place(begin.root)
-    elements: list[tuple[Longer, ros.Field]] = []
+    owner, elements = begin.owner, list[tuple[Longer, ros.Field]]()
+    conditions: list[Condition] = []
     for step in [] if path == "." else path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
@@ -198,12 +239,15 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         field = fields_by_name(current).get(found["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
-        holder, place = current, place.at(found["name"])
+        holder, owner, place = current, place, place.at(found["name"])
         if found["index"] is not None:
             if is_sequence(field):
                 elements.append((Longer(place, int(found["index"])), field))
+                conditions.append(elements[-1][0])
             place = place.at(int(found["index"]))
         is_array = field.arrayKind.name != "single" and found["index"] is None
+        marks = marks_at(field, is_element=not is_array)
+        conditions += markers(marks, field, place, owner)
         current = field.messageType if isinstance(field, ros.MessageField) else None
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
     return RosField(
@@ -217,7 +261,40 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         field,
         named_constants(holder),
         tuple(elements),
+        tuple(conditions),
+        owner,
     )
+
+
+def markers(
+    marks: Iterable[Mark], field: ros.Field, place: Place, owner: Place
+) -> Iterator[HasValue]:
+    """Yields what must hold so that no marker says of a field that it has no value.
+
+    Args:
+        place: The field, or an element of an array.
+        owner: The message that has the field.
+    """
+    for mark in marks:
+        names = variables(mark.condition)
+        operands = tuple((name, _operand(field, place, owner, name)) for name in names)
+        yield HasValue(place, mark.condition, operands)
+
+
+def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> Expression:
+    """What a name in a marker stands for."""
+    holder, found = field.eContainer(), place
+    if name != VALUE and isinstance(holder, ros.MessageType):
+        end = RosPlace(type=holder).follow(name)
+        if not isinstance(end, RosPlace) or end.field is None:
+            raise PathError(f"'{name}' does not lead to a number of {full_name(holder)}")
+        parts = parse_path(name)
+        steps = (int(each[1:-1]) if each.startswith("[") else each for each in parts)
+        field, found = end.field, owner.at(*steps)
+    kind = field.type.name if isinstance(field, ros.PrimitiveField) else ""
+    read = Read(found, _KINDS.get(kind, INTEGER))
+    # Reals cannot tell large integers apart, in whatever language.
+    return Cast(read, REAL) if kind in _LARGE else read
 
 
 def _counts(field: ros.Field) -> tuple[int, int] | None:

@@ -28,7 +28,11 @@ from jausml_generators.bridge.translation.steps import (
     Write,
 )
 from jausml_generators.bridge.translation.together import COLUMNS, is_together, octet_limit
-from jausml_generators.python.expressions import FormulaPrinter, column_expression
+from jausml_generators.python.expressions import (
+    FormulaPrinter,
+    column_expression,
+    python_condition,
+)
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import (
     Assign,
@@ -123,12 +127,11 @@ class _Printer:
                 self._made.append(Assign(f"self.{name}", self.text(value)))
             case Append(place=place, value=value):
                 self._made.append(Do(call(f"{self.place(place)}.append", self.text(value))))
-            case Require(condition=condition, error=error, text=text):
-                refusal = Raise(call(error, python_string(text)))
+            case Require(condition=condition, error=error, texts=texts):
+                refusal = Raise(call(error, *map(python_string, texts)))
                 self._made.append(If(self.fails(condition), (refusal,)))
             case Choose(conditions=alternatives, steps=inner):
-                tests = (" and ".join(map(self.holds, each)) for each in alternatives)
-                self._choose(" or ".join(tests), inner)
+                self._choose(" or ".join(map(self._all, alternatives)), inner)
             case WhereKept(name=name, steps=inner):
                 self._choose(f"self.{name} is not None", inner)
             case Each():
@@ -249,15 +252,20 @@ class _Printer:
         steps = (f"[{each}]" if isinstance(each, int) else f".{each}" for each in place.steps)
         return root + "".join(steps)
 
-    def holds(self, condition: Condition) -> str:
-        """Returns the test that a condition holds."""
-        return self._test(condition)[0]
+    def _all(self, conditions: Sequence[Condition]) -> str:
+        """Returns the test that conditions hold."""
+        are_several = len(conditions) > 1
+        return " and ".join(self.holds(each, is_joined=are_several) for each in conditions)
+
+    def holds(self, condition: Condition, *, is_joined: bool = False) -> str:
+        """Returns the test that a condition holds, which may be joined to others by `and`."""
+        return self._test(condition, is_joined=is_joined)[0]
 
     def fails(self, condition: Condition) -> str:
         """Returns the test that a condition does not hold."""
         return self._test(condition)[1]
 
-    def _test(self, condition: Condition) -> tuple[str, str]:
+    def _test(self, condition: Condition, *, is_joined: bool = False) -> tuple[str, str]:
         at = self.place(condition.place)
         match condition:
             case places.There():
@@ -274,6 +282,10 @@ class _Printer:
                 return f"{at} == {number}", f"{at} != {number}"
             case places.AsLongAs(names=names):
                 return f"len({at}) >= len({names})", f"len({at}) < len({names})"
+            case places.HasValue(marker=marker, operands=operands):
+                given = {name: self.text(operand) for name, operand in operands}
+                holds = python_condition(condition.condition, given, is_joined=is_joined)
+                return holds, python_condition(marker, given)
 
     # -- expressions -----------------------------------------------------------------------------
 
@@ -310,7 +322,7 @@ class _Printer:
             case values.UserCall(method=method, inputs=inputs):
                 return call(f"self.{method}", *map(self.text, inputs))
             case values.Either(conditions=conditions, value=inner, otherwise=otherwise):
-                test = " and ".join(map(self.holds, conditions))
+                test = self._all(conditions)
                 return f"{self.text(inner)} if {test} else {self.text(otherwise)}"
             case New(class_name=name, parts=parts, is_spread=is_spread):
                 texts = map(self.text, parts)

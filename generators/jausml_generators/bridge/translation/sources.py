@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES
+from jausml.language.semantics.paths.markers import marks_of
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     INTEGER,
@@ -20,6 +21,7 @@ from jausml_generators.bridge.translation.places import (
     Place,
     RosStart,
     There,
+    markers,
     ros_field,
 )
 from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Local, Longer, RosField, Way
+    from jausml_generators.bridge.translation.places import Local, RosField, Way
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
@@ -173,9 +175,9 @@ class RosSource:
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
             found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
-            return found, (There(Place(root)), *_lengths(found))
+            return found, (There(Place(root)), *found.conditions)
         found = ros_field(self.type, path, self.start)
-        return found, (*self.conditions, *_lengths(found))
+        return found, (*self.conditions, *found.conditions)
 
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
@@ -195,20 +197,19 @@ class RosSource:
         found, conditions = self._field(path)
         if not found.is_array:
             raise PathError(f"'{found.path}' is no array")
-        start = RosStart("", found.message_type, found.field, found.path)
+        start = RosStart("", found.message_type, found.field, found.path, found.owner)
         return Many(found.place, found.path, conditions, start, found.counts or (0, MANY))
 
     def element(
         self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
     ) -> RosSource:
         """Returns an element of an array as a source."""
-        start = replace(many.start, root=root)
+        start: RosStart = replace(many.start, root=root)
+        if start.field is not None:
+            marks = [each for each in marks_of(start.field) if each.is_of_elements]
+            own = markers(marks, start.field, Place(root), start.owner)
+            conditions = (*conditions, *own)
         return RosSource(self.type, start, self.joins, self.top or self, counters, conditions)
-
-
-def _lengths(found: RosField) -> tuple[Longer, ...]:
-    """What must hold for the elements of sequences on the way to be there."""
-    return tuple(length for length, _ in found.elements)
 
 
 Source: TypeAlias = JausSource | RosSource

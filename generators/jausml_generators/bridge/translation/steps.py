@@ -54,11 +54,15 @@ class Append:
 
 @dataclass(frozen=True)
 class Require:
-    """Refuses the message unless a condition holds."""
+    """Refuses the message unless a condition holds.
+
+    Attributes:
+        texts: What the error is given.
+    """
 
     condition: Condition
     error: str
-    text: str
+    texts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -143,13 +147,20 @@ class Body:
         """Returns the body of a block in this one, whose steps are added when complete."""
         return replace(self, steps=[], _required=list(self._required))
 
-    def policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
-        """Returns what becomes of the value of an assignment that does not fit its target."""
+    def policy_of(self, assignment: bridge.FieldAssignment, *, of_a_place: bool) -> Policy:
+        """Returns what becomes of the value of an assignment that does not fit its target.
+
+        Args:
+            of_a_place: Whether it is a coordinate: the nearest one is another place.
+        """
         own = assignment.outOfRange.name
         if own != "asConnection":
             return self.named_policy(own)
-        identifiers = "drop_message" if self.policy == "clamp" else ""
-        return replace(self.named_policy(self.policy), identifiers=identifiers)
+        if self.policy != "clamp":
+            return self.named_policy(self.policy)
+        if of_a_place:
+            return self.named_policy("dropMessage")
+        return replace(self.named_policy(self.policy), identifiers="drop_message")
 
     def named_policy(self, name: str) -> Policy:
         """Returns a policy by its literal of the metamodel."""
@@ -230,7 +241,7 @@ class Body:
             if isinstance(each, Named):
                 self._name(each)
             else:
-                self.add(Require(each, "AbsentFieldError", path))
+                self.add(Require(each, "AbsentFieldError", (path,)))
 
 
 def conditions(ways: Sequence[Way]) -> tuple[Condition, ...]:

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.paths.markers import marks_of, unknown
+from jausml.language.semantics.paths.ros_paths import fields_by_name
+from jausml.language.semantics.paths.scopes import parse_path
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
@@ -25,7 +28,7 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     Scalar,
 )
-from jausml_generators.bridge.translation.places import Local, Place, RosStart, ros_field
+from jausml_generators.bridge.translation.places import Local, Place, RosStart, markers, ros_field
 from jausml_generators.bridge.translation.steps import Append, Let, Write
 from jausml_generators.bridge.translation.values import (
     PYTHON_TYPES,
@@ -44,9 +47,9 @@ from jausml_generators.python.codec.members import PartValue, VariantValue
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Container, Iterable, Iterator
 
-    from jausml_generators.bridge.translation.places import RosField
+    from jausml_generators.bridge.translation.places import HasValue, RosField
     from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
@@ -137,6 +140,23 @@ class RosTarget:
         """Returns a text of the model as a value for the end of a path."""
         return ros_constant(self.field(path), text)
 
+    def unknown(self, path: str) -> str:
+        """Returns what a field takes that has no value; empty for what it has as it is made."""
+        found = self.field(path)
+        return "" if found.is_array or found.field is None else unknown(found.field) or ""
+
+    def unset(self, taken: Iterable[str]) -> Iterator[str]:
+        """Yields the paths of what says that it has no value where no path that is taken leads."""
+        if self.start.type is not None:
+            yield from marked_paths(self.start.type, {parse_path(each) for each in taken})
+
+    def unlimited(self, path: str) -> Iterator[HasValue]:
+        """Yields what must hold so that a field does not say that nothing limits it."""
+        found = self.field(path)
+        if found.field is not None and not found.is_array:
+            marks = [each for each in marks_of(found.field) if each.is_unlimited]
+            yield from markers(marks, found.field, found.place, found.owner)
+
     def many(self, path: str, type_name: str | None) -> ManyTarget:
         """Returns the array at the end of a path.
 
@@ -156,12 +176,33 @@ class RosTarget:
             counts,
             fresh=counts is not None and counts[0] > 0,
             new_element=new,
-            start=RosStart("", found.message_type, found.field, found.path),
+            start=RosStart("", found.message_type, found.field, found.path, found.owner),
         )
 
     def element(self, many: ManyTarget, root: Local) -> RosTarget:
         """Returns an element of an array as a target."""
         return RosTarget(self.type, replace(many.start, root=root), self.class_of)
+
+
+def marked_paths(
+    message: ros.MessageType,
+    taken: Container[tuple[str, ...]] = (),
+    around: tuple[str, ...] = (),
+) -> Iterator[str]:
+    """Yields the paths of the fields that take a value to say that they have none.
+
+    Args:
+        taken: Paths that are left out with all that is in them.
+        around: The path to the message.
+    """
+    for name, each in fields_by_name(message).items():
+        path = (*around, name)
+        if each.arrayKind.name != "single" or path in taken:
+            continue
+        if isinstance(each, ros.MessageField):
+            yield from marked_paths(each.messageType, taken, path)
+        elif unknown(each):
+            yield ".".join(path)
 
 
 @dataclass(frozen=True)
@@ -250,6 +291,21 @@ class JausTarget:
         found = self.field(path)
         made = constant(found.kind, text, found.limits, found.path, self.listed(path))
         return Value(made, limits=found.limits)
+
+    def unknown(self, path: str) -> str:
+        """Returns nothing: what has no value is left out."""
+        del path
+        return ""
+
+    def unset(self, taken: Iterable[str]) -> Iterable[str]:
+        """Returns nothing: what is not set is not there."""
+        del taken
+        return ()
+
+    def unlimited(self, path: str) -> Iterable[HasValue]:
+        """Returns nothing: JAUS says by no number that it has none."""
+        del path
+        return ()
 
     def many(self, path: str) -> ManyTarget:
         """Returns the list at the end of a path."""

@@ -26,7 +26,13 @@ from jausml.language.semantics.conversions.orientations import (
 )
 from jausml.language.semantics.conversions.times import TimestampToTime, TimeToTimestamp
 from jausml_generators.bridge.translation import expressions as values
-from jausml_generators.bridge.translation.places import Local, Place, RosStart, There
+from jausml_generators.bridge.translation.places import (
+    HasValue,
+    Local,
+    Place,
+    RosStart,
+    There,
+)
 from jausml_generators.bridge.translation.steps import Alike, Choose, Each, Let, Require, Write
 from jausml_generators.python.codec.classes import ContainerClass
 from jausml_generators.python.codec.jaus_fields import JausStart
@@ -222,6 +228,8 @@ class _OfItems:
         return kind in _NUMBERS and all(isinstance(each, str) for each in place.steps)
 
     def _condition(self, condition: Condition) -> bool:
+        if isinstance(condition, HasValue):
+            return isinstance(condition.place.root, str)
         return isinstance(condition, There) or not self._is_of_item(condition.place)
 
 

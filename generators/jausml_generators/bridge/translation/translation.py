@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.assignments.units import attribute_measure, result_measure
 from jausml.language.semantics.conversions import UnitEffect, conversion_of
 from jausml.language.semantics.conversions.times import TimeToTimestamp
@@ -24,7 +25,7 @@ from jausml_generators.bridge.translation.expressions import (
     Setting,
 )
 from jausml_generators.bridge.translation.places import PathError, Place, joined, ros_field
-from jausml_generators.bridge.translation.steps import Keep, WhereKept, conditions
+from jausml_generators.bridge.translation.steps import Keep, Require, WhereKept, conditions
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
     UNLIMITED,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from jausml_generators.bridge.translation.steps import Body
     from jausml_generators.bridge.translation.surroundings import Surroundings
     from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
+    from jausml_generators.bridge.translation.values import Policy
 
 
 def paths_of(text: str) -> list[str]:
@@ -139,6 +141,17 @@ class Translation(ABC):
             placed = place(self.map, assignment, to_ros=self.to_ros)
             yield from expanded([assignment], placed.scope) if placed is not None else ()
 
+    def say_unset(self, assignments: Iterable[bridge.Assignment]) -> None:
+        """Adds what says of the fields that no assignment sets that they have no value."""
+        taken = [
+            path
+            for each in assignments
+            if not isinstance(each, bridge.Ignore)
+            for path in paths_of(str(each.target))
+        ]
+        for path in self.target.unset(taken):
+            self._store_constant(path, self.target.unknown(path))
+
     @abstractmethod
     def add_list(self, assignment: bridge.ListAssignment) -> None:
         """Adds the statements that fill a list of the target."""
@@ -161,18 +174,25 @@ class Translation(ABC):
 
     def _clock(self, assignment: bridge.ClockAssignment) -> None:
         self.target.prepare(self.body, assignment.target)
+        self._store_now(assignment.target)
+
+    def _store_now(self, path: str) -> None:
         now: Expression = Now()
         if not self.to_ros:
             now = Convert(TimeToTimestamp.name, (now,), kind=BITS)
-        fitted = self.target.fitted(assignment.target, Value(now))
-        self.target.put(self.body, assignment.target, fitted)
+        self.target.put(self.body, path, self.target.fitted(path, Value(now)))
 
     # -- fields ----------------------------------------------------------------------------------
 
     def values_of(self, assignment: bridge.FieldAssignment) -> list[Value]:
         """Returns the values of the sources of an assignment, with what they need to be there."""
-        policy = self.body.policy_of(assignment)
+        policy = self._policy_of(assignment)
         return [self.source.value(path, policy) for path in paths_of(assignment.source)]
+
+    def _policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
+        placed = place(self.map, assignment, to_ros=self.to_ros)
+        targets = placed.target_attributes if placed is not None else []
+        return self.body.policy_of(assignment, of_a_place=any(map(is_coordinate, targets)))
 
     def results_of(
         self, assignment: bridge.FieldAssignment, values: Sequence[Value]
@@ -194,21 +214,31 @@ class Translation(ABC):
             self._field_of_some(assignment)
             return
         ways = joined(each for value in values for each in value.conditions)
-        if policy == "useDefault" and ways:
-            for path in targets:
-                self._store_constant(path, assignment.defaultValue or "")
+        if ways:
+            self._store_absent(assignment, policy)
         if policy == "lastValue" and ways:
             self._field_with_memory(assignment, values, ways)
             return
         with self.body.given(ways):
             self._store(assignment, values)
 
+    def _store_absent(self, assignment: bridge.FieldAssignment, policy: str) -> None:
+        """Gives the targets what they have unless the sources are there."""
+        for path in paths_of(assignment.target):
+            if policy == "useDefault":
+                self._store_constant(path, assignment.defaultValue or "")
+            elif policy == "receptionTime":
+                self._store_now(path)
+            elif policy in {"unstated", "lastValue"} and (text := self.target.unknown(path)):
+                self._store_constant(path, text)
+
     def _field_of_some(self, assignment: bridge.FieldAssignment) -> None:
         """Several sources, of which the absent ones count as the default value."""
-        source, policy = self.source.inlined(), self.body.policy_of(assignment)
+        source, policy = self.source.inlined(), self._policy_of(assignment)
         values = [source.value(path, policy) for path in paths_of(assignment.source)]
         tests = [conditions(value.conditions) for value in values]
         if all(tests):
+            self._store_absent(assignment, "unstated")
             with self.body.where(*dict.fromkeys(tests)):
                 self._store(assignment, [self._or_default(assignment, each) for each in values])
         else:
@@ -260,6 +290,14 @@ class Translation(ABC):
         for path, value in zip(paths_of(assignment.target), results, strict=True):
             words = remark or (value.units if self.to_ros and keeps_units else "")
             self.target.put(self.body, path, self.target.fitted(path, value), words)
+            self._refuse_unlimited(path, value.policy)
+
+    def _refuse_unlimited(self, path: str, policy: Policy) -> None:
+        """Adds the refusal of a value by which the target would say that nothing limits it."""
+        word = {"clamp": "not_clampable"}.get(policy.name, policy.name)
+        for each in self.target.unlimited(path):
+            texts = (path, "the value would say that nothing limits it", word)
+            self.body.add(Require(each, "OutOfRangeError", texts))
 
     def _unit_remark(self, assignment: bridge.FieldAssignment) -> str:
         """Both units, where the units of source and target differ."""

@@ -33,7 +33,14 @@ from jausml.language.semantics.conversions import (
     UnitEffect,
     conversions_between,
 )
-from jausml.language.semantics.paths.attributes import LIST, NUMBER, NUMBERS, compared
+from jausml.language.semantics.paths.attributes import (
+    LIST,
+    NUMBER,
+    NUMBERS,
+    TIME,
+    TIME_STAMP,
+    compared,
+)
 from jausml.language.semantics.paths.scopes import is_many, outer_scope
 
 _MOST = 8
@@ -43,8 +50,18 @@ _POLICIES: tuple[Mapping[str, str], ...] = (
     {"outOfRange": "clamp"},
     {"whenAbsent": "dropMessage", "outOfRange": "clamp"},
 )
+_OF_INSTANTS: tuple[Mapping[str, str], ...] = ({}, {"whenAbsent": "receptionTime"})
+_OF_VARIANCES: tuple[Mapping[str, str], ...] = ({}, {"whenAbsent": "leave"})
 _LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
 """What optional angles are that a message leaves out: a heading alone is an orientation."""
+
+_WITHOUT = {
+    "useDefault": "an angle that is absent is 0",
+    "receptionTime": "without '{}' it is the time of reception",
+    "leave": "without '{}' it stays as it is made",
+    "dropMessage": "without '{}' the message is dropped",
+}
+"""What is said of a target without its source."""
 
 _MANY = (LIST, NUMBERS)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
@@ -139,7 +156,7 @@ class _Found:
 
 def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> _Found:
     own = (source.inner,), (target.inner,)
-    direct = [_Draft(*own, (), tuple(each.items())) for each in _POLICIES]
+    direct = [_Draft(*own, (), tuple(each.items())) for each in _policies(target)]
     judged = _judged(scope, used, source, target, direct)
     plain, accepted = judged[0], [each for each in judged if each.is_accepted]
     if accepted:
@@ -150,6 +167,13 @@ def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
     good = [each for each in judged if each.is_accepted]
     return _Found(plain, good or [each for each in judged if each.is_possible])
+
+
+def _policies(target: Member) -> tuple[Mapping[str, str], ...]:
+    """Returns what may be stated of values that are absent or do not fit, the least first."""
+    if target.attribute.kind in (TIME, TIME_STAMP):
+        return _OF_INSTANTS
+    return _OF_VARIANCES if "covariance" in target.attribute.label.lower() else _POLICIES
 
 
 def _may_be_turned(source: Member, target: Member) -> bool:
@@ -196,7 +220,7 @@ def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Chi
 def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
     """Yields what might do with conversions, the simplest first."""
     own = (source.inner,), (target.inner,)
-    for chain, policy in product(_chains(source, target), _POLICIES):
+    for chain, policy in product(_chains(source, target), _policies(target)):
         yield _Draft(*own, tuple(each.name for each in chain), tuple(policy.items()))
     for conversion in _SIMPLE:
         for sources, targets in _with_siblings(used, source, target, conversion):
@@ -308,10 +332,9 @@ def _why(found: Judged, made: Child, plain: Judged | None, source: Member, targe
     if any(each in OF_AUTHORS for each in names):
         reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
     inner = innermost(found.assignment)
-    if inner.values.get("whenAbsent") == ("useDefault",):
-        reasons.append("an angle that is absent is 0")
-    elif "whenAbsent" in inner.values:
-        reasons.append(f"without '{source.path}' the message is dropped")
+    [absent] = inner.values.get("whenAbsent", ("",))
+    if absent:
+        reasons.append(_WITHOUT[absent].format(source.path))
     if "outOfRange" in inner.values:
         reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")
     if not found.is_accepted:

@@ -246,8 +246,9 @@ def _diagonal_assignments(
 ) -> Iterator[Child]:
     kind = "bridge.FieldAssignment"
     if to_ros:
+        absent = {"whenAbsent": ("leave",)} if deviation.attribute.optional else {}
         for each in cells:
-            values = {"target": (each,), "source": (deviation.path,)}
+            values = {"target": (each,), "source": (deviation.path,), **absent}
             yield Child("toRos", kind, values, (_conversion(Square),))
         return
     values = {"target": (deviation.path,), "source": (", ".join(cells),)}

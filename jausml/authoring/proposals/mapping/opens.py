@@ -47,8 +47,6 @@ def opens(
         yield from _unfilled(used, own, source, target, to_ros=to_ros)
         yield from _untaken(used, own, source, target, to_ros=to_ros)
         yield from _decisions(own)
-        if to_ros:
-            yield from _absent(used, own)
     yield from _of_connections(used, ways)
 
 
@@ -118,22 +116,6 @@ def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
 def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
     """Lists one end of the assignments that state a policy."""
     return _listed([each.values[end][0] for each in own if each.values.get(policy) == (value,)])
-
-
-def _absent(used: bridge.AttributeMap, own: Iterable[Child]) -> Iterator[OpenPoint]:
-    """Yields which optional fields leave a target as it is, which in ROS is 0."""
-    source = outer_scope(used, to_ros=True)
-    found: list[str] = []
-    for each in own:
-        if each.kind != "bridge.FieldAssignment" or "whenAbsent" in each.values:
-            continue
-        for path in each.values["source"][0].split(", "):
-            place = source.find_source(path)
-            if getattr(place, "optional", False) and path not in found:
-                found.append(path)
-    if found:
-        text = f"0 is published for what is absent of {_listed(found)}, unless you state whenAbsent"
-        yield pending(text)
 
 
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[OpenPoint]:

@@ -96,8 +96,13 @@ def conversion(found: Found) -> Iterator[QuickFix]:
 
 
 def absent(found: Found) -> Iterator[QuickFix]:
-    """Drops the message without which there would be a wrong place."""
+    """Says what becomes of a target without its source: what fits best comes first."""
+    if "whenStale" in found.hint:
+        yield from stale_join(found)
+    if "receptionTime" in found.hint:
+        yield found.set("take the time of reception then", "whenAbsent", "receptionTime")
     yield found.set("drop the message then", "whenAbsent", "dropMessage")
+    yield found.set("leave its default on purpose", "whenAbsent", "leave")
 
 
 def out_of_range(found: Found) -> Iterator[QuickFix]:
@@ -115,7 +120,7 @@ def default_value(found: Found) -> Iterator[QuickFix]:
     if "is not used" in found.message:
         yield found.set("use it", "whenAbsent", "useDefault")
     elif "has no defaultValue" in found.message:
-        yield from absent(found)
+        yield found.set("drop the message then", "whenAbsent", "dropMessage")
 
 
 def ignored(found: Found) -> Iterator[QuickFix]:
@@ -237,12 +242,10 @@ QUICK_FIXES: Mapping[str, Fixer] = {
     "JML444": renamed_as_meant,
     "JML445": quantity,
     "JML446": method,
-    "JML457": stale_join,
     "JML458": conversion,
     "JML459": absent,
     "JML460": header,
     "JML461": frame_id,
     "JML494": unused_join,
-    "JML496": stale_join,
 }
 """The quick fixes by rule."""

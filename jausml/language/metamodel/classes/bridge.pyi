@@ -60,13 +60,16 @@ class FieldOutOfRangePolicy(EEnumLiteral):
     ]
 
 class AbsentPolicy(EEnumLiteral):
-    """What happens when an optional JAUS source field is absent."""
+    """What happens when a source is absent: an optional JAUS field that is left out, or a ROS
+    field whose marker says that it has no value."""
 
     name: Literal[
-        "leave",
+        "unstated",
         "dropMessage",
         "useDefault",
         "lastValue",
+        "leave",
+        "receptionTime",
     ]
 
 class StalePolicy(EEnumLiteral):
@@ -434,7 +437,7 @@ class FieldAssignment(Assignment):
     by commas."""
 
     whenAbsent: AbsentPolicy
-    """What to do when the source is an absent optional field."""
+    """What to do when the source is absent."""
 
     outOfRange: FieldOutOfRangePolicy
     """What to do with a value that the target cannot carry; overrides the policy of the
@@ -496,7 +499,7 @@ class ListAssignment(Assignment):
     """Names of the elements on the JAUS side, in their order."""
 
     whenAbsent: AbsentPolicy
-    """What to do when the source is an absent optional field, or when keys lack a name."""
+    """What to do when the source is absent, or when keys lack a name."""
 
     conversions: abc.Sequence[Conversion]
     """Conversions of the list as a whole, applied in order, before its elements are taken."""

@@ -104,6 +104,15 @@ class ParameterType(EEnumLiteral):
         "string",
     ]
 
+class MarkerMeaning(EEnumLiteral):
+    """What a field says by a marker instead of a value."""
+
+    name: Literal[
+        "unknown",
+        "none",
+        "unlimited",
+    ]
+
 class NamedElement(EObject):
     """Something with a name and documentation."""
 
@@ -174,6 +183,31 @@ class ActionType(NamedElement):
     def eContainer(self) -> InterfacePackage | None:
         """Returns the element that owns this one, None for a root."""
 
+class Marker(EObject):
+    """What the definition of a message type says about values of a field that are none: a field
+    without a presence vector says so by a number, which translations take for an absent value."""
+
+    meaning: MarkerMeaning
+    """What the marker says."""
+
+    condition: str
+    """True where the field says nothing, in the language of the conversion expression: value is the
+    field, or each element of an array; other names are paths of numbers from the message type that
+    has the field, such as value != value, status.status < 0, orientation_covariance[0] == -1.
+
+    Where it does not name value, a marker of an array is one of the whole array.
+    """
+
+    value: str | None
+    """What is written into the field, or into each element of an array, to say so, such as NaN,
+    -2 or 0; empty where the default says it, or where the field alone cannot."""
+
+    stated: str | None
+    """Where that is stated: a definition with the version of its package, or a REP."""
+
+    def eContainer(self) -> Field | None:
+        """Returns the element that owns this one, None for a root."""
+
 class Field(NamedElement):
     """A field of a message type."""
 
@@ -193,6 +227,9 @@ class Field(NamedElement):
     frame: Frame
     """Axes to which the values belong; members without an own statement take that of the field
     around them."""
+
+    markers: abc.Sequence[Marker]
+    """Values of the field, or of others beside it, by which it says that it has none."""
 
     def eContainer(self) -> MessageType | None:
         """Returns the element that owns this one, None for a root."""

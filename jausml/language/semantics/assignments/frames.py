@@ -33,6 +33,10 @@ _ANGLES = frozenset({"roll", "pitch", "yaw", "heading", "bearing"})
 _NOT_ANGLES = frozenset({"rate", "velocity", "acceleration", "effort", "torque"})
 _WITHOUT_SIGN = frozenset({"rms", "variance", "covariance", "tolerance", "error", "limit"})
 _RADIANS = (("rad", Fraction(1)),)
+_METRES = (("m", Fraction(1)),)
+_GEODETIC = "geodetic"
+ALTITUDE = "altitude"
+_COORDINATES = frozenset({"latitude", "longitude", ALTITUDE})
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,19 @@ def axis_of(attribute: Attribute) -> Axis | None:
     if not name:
         return None
     return Axis(attribute.frame, name, is_angle=_is_angle(attribute, words))
+
+
+def geodetic(attribute: Attribute) -> str:
+    """Returns which coordinate on the earth a number is: `latitude`, `longitude`, `altitude`."""
+    name = attribute.label.lower()
+    return name if attribute.frame == _GEODETIC and name in _COORDINATES else ""
+
+
+def is_coordinate(attribute: Attribute) -> bool:
+    """Tells whether a number is one of a place: on the earth, or in metres along an axis."""
+    known = attribute_measure(attribute)
+    is_length = known is not None and known.unit.dimension == _METRES
+    return bool(geodetic(attribute)) or (is_length and bool(_axis_name(_words(attribute.label))))
 
 
 def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:

@@ -55,6 +55,7 @@ class TimestampToTime(Conversion):
         "milliseconds, seconds, minutes, hour, day, near_sec, near_nanosec",
         "today = floor(near_sec / 86400)"
         + _MONTH_OF_TODAY
+        + _first_of("earliest", "month - 2")
         + _first_of("earlier", "month - 1")
         + _first_of("current", "month")
         + _first_of("later", "month + 1")
@@ -63,12 +64,16 @@ class TimestampToTime(Conversion):
         has_day = day >= 1 and day <= 31
         of_day = hour * 3600 + minutes * 60 + seconds
         """
+        + _on("earliest", "earlier", "today - 1")
         + _on("earlier", "current", "today - 1")
         + _on("current", "later", "today")
         + _on("later", "last", "today + 1")
         + """
         is_earlier = earlier_away <= current_away and earlier_away <= later_away
-        if(is_earlier, earlier_at, if(current_away <= later_away, current_at, later_at))
+        next_at = if(current_away <= later_away, current_at, later_at)
+        nearest_at = if(is_earlier, earlier_at, next_at)
+        nearest_away = min(earlier_away, current_away, later_away)
+        if(earliest_away <= nearest_away, earliest_at, nearest_at)
         milliseconds * 1000000
         """,
         refused="""not (hour >= 0 and hour < 24 and minutes >= 0 and minutes < 60

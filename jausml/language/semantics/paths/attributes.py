@@ -30,6 +30,9 @@ LIST = "list"
 TIME_STAMP = "TimeStamp"
 TIME = "builtin_interfaces/Time"
 
+EMPTY = frozenset({TEXT, OCTETS, LIST, NUMBERS})
+"""Kinds of what may be empty."""
+
 LARGEST_SINGLE = REALS["float32"].largest
 UNSTATED = "unstated"
 
@@ -47,6 +50,10 @@ class Attribute:
             scaled JAUS fields; None for floating point.
         units: Unit of its numbers as the model writes it, empty when none is known.
         count: Number of elements of a fixed array, None for others.
+        may_lack: Whether a message may have no value there: a JAUS field on the way is left out, or
+            another option was chosen; a marker says so in ROS, or a sequence is too short.
+        says_unknown: Whether it can say that it has no value: an optional JAUS field is left out, a
+            text or a sequence empty, a marker says so in ROS.
     """
 
     kind: str
@@ -69,6 +76,8 @@ class Attribute:
     count: int | None = None
     is_ros: bool = False
     field: Part | None = None
+    may_lack: bool = False
+    says_unknown: bool = False
 
 
 @dataclass(frozen=True, slots=True)

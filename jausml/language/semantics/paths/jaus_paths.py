@@ -12,6 +12,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.services import attributes, class_name, is_group
 from jausml.language.semantics.paths.attributes import (
+    EMPTY,
     LIST,
     NUMBER,
     OCTETS,
@@ -39,6 +40,8 @@ class JausPlace:
     Attributes:
         field: What stands there, references resolved: a field, a sub-field, an alternative or a
             format.
+        may_lack: Whether a message may have no value here: a field on the way is left out, a list
+            is shorter, or another option or alternative was chosen.
     """
 
     where: str
@@ -48,6 +51,7 @@ class JausPlace:
     frame: str = UNSTATED
     label: str = ""
     optional: bool = False
+    may_lack: bool = False
 
     def follow(self, path: str) -> JausPlace | PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
@@ -62,7 +66,8 @@ class JausPlace:
         """Returns an element of the list or array at this place."""
         if not isinstance(self.field, (jaus.List, jaus.Array)):
             return None
-        return self._inside(self.field.element, f"an element of {self.where}")
+        element = self._inside(self.field.element, f"an element of {self.where}")
+        return replace(element, may_lack=False) if element is not None else None
 
     def members(self) -> Sequence[JausPart] | None:
         """Returns what can be named here; None for a place without members."""
@@ -72,9 +77,12 @@ class JausPlace:
         """Returns what an assignment finds here."""
         if self.field is None:
             return Attribute("", "a message")
+        value = _value(self.field)
         return replace(
-            _value(self.field),
+            value,
             optional=self.optional,
+            may_lack=self.may_lack,
+            says_unknown=self.optional or (value.kind in EMPTY and value.count is None),
             units=self.units,
             frame=self.frame,
             label=self.label,
@@ -100,7 +108,7 @@ class JausPlace:
         if isinstance(part, jaus.SubField):
             return replace(self._part(part, where), label=part.name or self.label)
         if isinstance(part, jaus.Alternative | jaus.Format):
-            return replace(self._part(part, where), optional=self.optional)
+            return replace(self._part(part, where), optional=self.optional, may_lack=True)
         found = wire.target_of(part)
         if part is None or found is None:
             return None
@@ -110,6 +118,7 @@ class JausPlace:
             frame=next((each for each in frames if each != UNSTATED), self.frame),
             label=part.name or self.label,
             optional=part.optional,
+            may_lack=self.may_lack or part.optional or self._is_choice(),
         )
 
     def _part(self, part: JausPart, where: str) -> JausPlace:
@@ -120,6 +129,7 @@ class JausPlace:
             units=own or self.units,
             frame=self.frame,
             label=self.label,
+            may_lack=self.may_lack,
         )
 
     def indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
@@ -141,10 +151,16 @@ class JausPlace:
                 message = f"'{self.label}' has at most {limit} elements, counted from 0"
                 return PathFault(f"{message}: no [{index}]")
         element = self.element()
-        return replace(element, where=self.where, optional=False) if element else None
+        if element is None:
+            return None
+        may_lack = self.may_lack or isinstance(self.field, jaus.List)
+        return replace(element, where=self.where, optional=False, may_lack=may_lack)
 
     def _is_many(self) -> bool:
         return isinstance(self.field, (jaus.List, jaus.Array))
+
+    def _is_choice(self) -> bool:
+        return isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
 
 
 @remembered

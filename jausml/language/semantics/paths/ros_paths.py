@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.attributes import (
+    EMPTY,
     LIST,
     NUMBER,
     NUMBERS,
@@ -19,6 +20,7 @@ from jausml.language.semantics.paths.attributes import (
     nearest_name,
     primitive,
 )
+from jausml.language.semantics.paths.markers import marks_at, marks_of, unknown
 from jausml.language.semantics.subject import remembered
 
 _COVARIANCES = {
@@ -39,7 +41,9 @@ class RosPlace:
     Attributes:
         type: The `ros.MessageType` of the message that stands here; None for primitive values and
             for arrays as a whole.
-        in_sequence: Whether it is an element of a sequence, or in one, that may be shorter.
+        may_lack: Whether a message may have no value here: a marker of a field on the way says so,
+            or a sequence on it is shorter.
+        says_unknown: Whether a field on the way has a marker by which it can say that.
     """
 
     type: ros.MessageType | None = None
@@ -49,7 +53,8 @@ class RosPlace:
     frame: str = UNSTATED
     label: str = ""
     constants: tuple[tuple[str, str], ...] = ()
-    in_sequence: bool = False
+    may_lack: bool = False
+    says_unknown: bool = False
 
     def follow(self, path: str) -> RosPlace | PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
@@ -62,8 +67,11 @@ class RosPlace:
 
     def element(self) -> RosPlace | None:
         """Returns an element of the array at this place."""
+        if self.field is None:
+            return None
         inner = self.field.messageType if isinstance(self.field, ros.MessageField) else None
-        return replace(self, type=inner, is_array=False)
+        marks = any(each.is_of_elements for each in marks_of(self.field))
+        return replace(self, type=inner, is_array=False, may_lack=marks)
 
     def attribute(self) -> Attribute:
         """Returns what an assignment finds here."""
@@ -77,6 +85,8 @@ class RosPlace:
             label=self.label,
             is_ros=True,
             field=self.field,
+            may_lack=self.may_lack,
+            says_unknown=self.says_unknown or (value.kind in EMPTY and value.count is None),
         )
 
     def step(self, step: str) -> RosPlace | PathFault | None:
@@ -108,6 +118,7 @@ class RosPlace:
         is_array = field.arrayKind.name != "single" and not is_element
         inner = field.messageType if isinstance(field, ros.MessageField) else None
         frame = field.frame.name
+        is_shorter = is_element and is_sequence(field)
         return RosPlace(
             type=inner if not is_array else None,
             field=field,
@@ -115,7 +126,8 @@ class RosPlace:
             units=field.units or self.units,
             frame=frame if frame != UNSTATED else self.frame,
             label=field.name,
-            in_sequence=self.in_sequence or (is_element and is_sequence(field)),
+            may_lack=self.may_lack or is_shorter or bool(marks_at(field, is_element=not is_array)),
+            says_unknown=self.says_unknown or unknown(field) is not None,
         )
 
     def _array(self, field: ros.Field) -> Attribute:

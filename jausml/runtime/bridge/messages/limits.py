@@ -67,7 +67,7 @@ class RosTypeError(JausError):
 
 
 class AbsentFieldError(JausError):
-    """An optional JAUS field that a translation cannot do without."""
+    """A value that a translation cannot do without: left out by JAUS, or unknown by a marker."""
 
 
 class OutOfRangeError(JausError):

@@ -20,7 +20,6 @@ from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.assignments.units import attribute_measure, units_clash
 from jausml.language.semantics.conversions.conversion import DOWN, ENU, NED, UP
 from jausml.language.semantics.conversions.numbers import Negate
-from jausml.language.semantics.paths.attributes import Attribute
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, parse_path, target_paths
 from jausml.language.validation.rule import Finding, Note, rule
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.attributes import Attribute, Found
     from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
@@ -249,12 +248,6 @@ def _exchange(source: Axis) -> str:
     return ""
 
 
-_GEODETIC = "geodetic"
-_ALTITUDE = "altitude"
-_COORDINATES = frozenset({"latitude", "longitude", _ALTITUDE})
-_POINTS = frozenset({"Point", "Point32"})
-
-
 @rule("JML458", "coordinates exchanged", each=DIRECTED)
 def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A latitude stays a latitude, a longitude a longitude, and an altitude points up.
@@ -276,13 +269,13 @@ def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Findi
 def _exchanged(
     placed: Placed[bridge.FieldAssignment], source: Attribute, target: Attribute
 ) -> Iterator[Finding]:
-    given, wanted = _coordinate(source), _coordinate(target)
+    given, wanted = frames.geodetic(source), frames.geodetic(target)
     from_, to = placed.sources[0][0], placed.targets[0][0]
     if given and wanted:
         if given != wanted:
             message = f"'{from_}' is a {given}, but '{to}' a {wanted}"
             yield Finding(placed.assignment, message, "source")
-    elif _ALTITUDE in (given, wanted):
+    elif frames.ALTITUDE in (given, wanted):
         passage = frames.passage(steps_of(placed), placed.source_attributes)
         axis = frames.axis_of(target if given else source)
         if passage is None or passage.sign is None or axis is None or axis.name != "z":
@@ -294,51 +287,6 @@ def _exchanged(
             done = any(each.kind.name == Negate.name for each in placed.assignment.conversions)
             hint = f"leave out {Negate.name}" if done else f"add the conversion {Negate.name}"
             yield Finding(placed.assignment, message, "target", hint)
-
-
-@rule(
-    "JML459", "absent coordinate published as the origin", severity=Severity.WARNING, each=DIRECTED
-)
-def absent_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
-    """The assignment of a coordinate that a JAUS report may leave out says what ROS gets then.
-
-    With `whenAbsent="leave"`, which is the default, it stays 0 as ROS makes it: a report without a
-    position puts the vehicle on the origin. The height in a local frame may be left out: a vehicle
-    on the ground stands at 0.
-
-    Bad: `target="pose.position.x" source="X"` where X is optional
-
-    Good: the same with `whenAbsent="dropMessage"`, or with `useDefault` and a `defaultValue`
-    """
-    for direction in directions_of(subject, directed):
-        if not direction.to_ros:
-            continue
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if placed.assignment.whenAbsent.name != "leave":
-                continue
-            absent = next((path for path, found in placed.sources if _is_optional(found)), None)
-            origin = next((path for path, found in placed.targets if _is_coordinate(found)), None)
-            if absent is not None and origin is not None:
-                message = f"without '{absent}' '{origin}' is 0, where nobody is"
-                hint = "whenAbsent dropMessage, or useDefault with a defaultValue"
-                yield Finding(placed.assignment, message, "whenAbsent", hint)
-
-
-def _coordinate(attribute: Attribute) -> str:
-    name = attribute.label.lower()
-    return name if attribute.frame == _GEODETIC and name in _COORDINATES else ""
-
-
-def _is_optional(found: object) -> bool:
-    return isinstance(found, Attribute) and found.optional
-
-
-def _is_coordinate(found: object) -> bool:
-    if not isinstance(found, Attribute) or found.field is None:
-        return False
-    owner = found.field.eContainer()
-    is_horizontal = getattr(owner, "name", None) in _POINTS and found.label in ("x", "y")
-    return is_horizontal or bool(_coordinate(found))
 
 
 _HEADER = "std_msgs/Header"

@@ -16,16 +16,13 @@ from jausml.language.semantics.connections.limits import (
     SHORTEST_TIME,
 )
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
-from jausml.language.semantics.paths.attributes import Attribute
-from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, is_sound, source_paths
+from jausml.language.semantics.paths.scopes import is_sound, source_paths
 from jausml.language.validation.findings import time_findings
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 
@@ -52,50 +49,6 @@ def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     if connection.map is not None and subject.is_intact(connection):
         yield from _topic_findings(connection)
-
-
-@rule("JML457", "mandatory field that would be made up", each=DIRECTED)
-def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
-    """A mandatory JAUS field whose source may lack has a default, or the message is dropped.
-
-    While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
-    feeds, and so does a sequence that is too short for an element that a path names. A mandatory
-    field is sent anyway, and would be a 0 that nobody measured.
-
-    Bad: `target="Attitude_RMS"` from the join imu, where Attitude_RMS is mandatory
-
-    Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
-    `whenAbsent="useDefault"` and a `defaultValue` of the assignment
-    """
-    for direction in directions_of(subject, directed):
-        if direction.to_ros:
-            continue
-        lenient = {
-            each.name: each for each in direction.map.joins if each.whenStale.name == "leave"
-        }
-        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            if placed.assignment.whenAbsent.name == "leave":
-                yield from _made_up(placed, lenient)
-
-
-def _made_up(
-    placed: Placed[bridge.FieldAssignment | bridge.ListAssignment], lenient: dict[str, bridge.Join]
-) -> Iterator[Finding]:
-    for source in source_paths(placed.assignment):
-        join = lenient.get(source.lstrip("/").partition(".")[0])
-        found = placed.scope.find_source(source)
-        if join is None and not (isinstance(found, RosPlace) and found.in_sequence):
-            continue
-        lacks = f"a fresh '{join.name}'" if join is not None else f"'{source}'"
-        hint = "give the assignment a whenAbsent"
-        if join is not None:
-            hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
-        notes = () if join is None else (Note(join, f"join '{join.name}'", "name"),)
-        for path, target in placed.targets:
-            if isinstance(target, Attribute) and not target.optional:
-                message = f"'{path}' is mandatory: without {lacks} it would be made up"
-                yield Finding(placed.assignment, message, "target", hint, notes)
-        return
 
 
 def join_findings(

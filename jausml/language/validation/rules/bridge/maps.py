@@ -73,7 +73,8 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
     a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
     builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields
-    several values has as many targets.
+    several values has as many targets. An instant alone takes the time, by the clock or with
+    `whenAbsent="receptionTime"`.
 
     A record goes to a message, and an array to an array, member by member: the members have the
     same names (`SpeedLimit` is `speed_limit`), fixed arrays as many elements. Other lists and
@@ -88,14 +89,21 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
             if len(placed.targets) > 1:
                 message = f"{len(placed.targets)} targets of one value"
                 yield Finding(placed.assignment, message, "target", "write one assignment for each")
-        for placed in direction.of_kind(bridge.ClockAssignment):
-            for path, target in placed.targets:
-                if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
-                    message = f"'{path}' is {target.name}, it takes no time"
-                    yield Finding(placed.assignment, message, "target")
+        for timed in direction.of_kind(bridge.ClockAssignment):
+            yield from _time_findings(timed, "target")
+        for absent in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+            if absent.assignment.whenAbsent.name == "receptionTime":
+                yield from _time_findings(absent, "whenAbsent")
         for copied in direction.of_kind(bridge.FieldAssignment):
             if copied.source_attributes and copied.target_attributes:
                 yield from _type_findings(copied)
+
+
+def _time_findings(placed: Placed[bridge.Assignment], feature: str) -> Iterator[Finding]:
+    for path, target in placed.targets:
+        if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
+            message = f"'{path}' is {target.name}, it takes no time"
+            yield Finding(placed.assignment, message, feature)
 
 
 @rule("JML413", "constant does not fit the target", each=DIRECTED)

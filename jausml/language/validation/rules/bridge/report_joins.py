@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
-from jausml.language.semantics.connections.reports import joined_reports, report_join_of
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.jaus.services import (
     attributes,
     find_output,
     is_known,
     query_name,
 )
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
     from jausml.language.semantics.connections.reports import JoinedReport
     from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.paths.scopes import Directed, Placed
     from jausml.language.semantics.subject import Subject
 
 
@@ -96,28 +94,6 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
         if subject.is_intact(report.join, report.join.message):
             yield from _origin_findings(subject, report)
             yield from _rate_findings(report)
-
-
-@rule("JML496", "ROS field that a silent report would make up", each=DIRECTED)
-def made_up_by_reports(subject: Subject, directed: Directed) -> Iterator[Finding]:
-    """A ROS field that a joined report feeds has a default, or the message is dropped without it.
-
-    While a joined report is silent, `whenStale="leave"` leaves its targets at their initial values.
-    ROS has no absent numbers: a velocity would be 0, as if the vehicle were standing still. A
-    covariance of 0 says by itself that it is unknown, and a sequence may be empty.
-
-    Bad: `target="twist.twist.linear.x"` from the join velocity, which leaves
-
-    Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
-    `whenAbsent="useDefault"` and a `defaultValue` of the assignment
-    """
-    for direction in directions_of(subject, directed):
-        if not direction.to_ros:
-            continue
-        lenient = [each for each in direction.map.reportJoins if each.whenStale.name == "leave"]
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if lenient and placed.assignment.whenAbsent.name == "leave":
-                yield from _made_up(placed, lenient)
 
 
 def _unfed(
@@ -204,18 +180,3 @@ def _finding(
 def _place(report: JoinedReport) -> bridge.Connection | bridge.ReportSource:
     """Returns the source of a report, or the connection where none is stated."""
     return report.connection if report.source is None else report.source
-
-
-def _made_up(
-    placed: Placed[bridge.FieldAssignment], lenient: list[bridge.ReportJoin]
-) -> Iterator[Finding]:
-    joins = (report_join_of(path, lenient)[0] for path, _ in placed.sources)
-    join = next((each for each in joins if each is not None), None)
-    if join is None:
-        return
-    for path, _ in placed.targets:
-        if "covariance" not in path:
-            message = f"'{path}' would be made up without a fresh '{join.name}'"
-            hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
-            note = Note(join, f"report join '{join.name}'", "name")
-            yield Finding(placed.assignment, message, "target", hint, (note,))

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 import keyword
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from jausml.language.attributes.expressions import (
+    ExpressionError,
+    parse_expression,
+    variables,
+)
 from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.values import show
 from jausml.language.semantics.names import DEVICES
-from jausml.language.semantics.paths.attributes import constant_fault, primitive
+from jausml.language.semantics.paths.attributes import (
+    BOOL,
+    NUMBER,
+    NUMBERS,
+    OCTETS,
+    PathFault,
+    constant_fault,
+    primitive,
+)
+from jausml.language.semantics.paths.markers import VALUE, is_said
+from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence
 from jausml.language.semantics.ros_types import excesses
 from jausml.language.validation.rule import Finding, rule
 
@@ -91,12 +107,14 @@ def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
         yield Finding(constant, message, "value")
 
 
-@rule("JML410", "impossible default", each=ros.PrimitiveField, needs=_TYPE)
+@rule("JML410", "impossible default or marker", each=ros.PrimitiveField, needs=_TYPE)
 def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
     """A default has the type of its field, and can be written in an interface definition.
 
     Arrays are written as JSON. A text contains no # and no line end, which would end it in a
-    definition, and no =, which would turn the field into a constant.
+    definition, and no =, which would turn the field into a constant. The condition of a marker is
+    an expression over `value` and numbers of its message type, which are not in sequences; its
+    value is one of the field, and makes the condition true.
 
     Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
 
@@ -111,6 +129,52 @@ def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
     except ValueTextError as error:
         message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
         yield Finding(field, message, "defaultValue")
+
+
+@default_values.also(ros.Marker, needs=("condition", "value"))
+def _markers(subject: Subject, marker: ros.Marker) -> Iterator[Finding]:
+    field = marker.eContainer()
+    owner = field.eContainer() if field is not None else None
+    if not isinstance(field, ros.Field) or not isinstance(owner, ros.MessageType):
+        return
+    if not subject.is_read(field) or marker.condition is None:
+        return
+    try:
+        condition = parse_expression(marker.condition)
+    except ExpressionError as error:
+        yield Finding(marker, f"condition {marker.condition!a}: {error}", "condition")
+        return
+    paths = {each: str(field.name) if each == VALUE else each for each in variables(condition)}
+    faults = {each: _number_fault(owner, path) for each, path in paths.items()}
+    for name, fault in faults.items():
+        if fault:
+            message = f"condition {marker.condition!a}: '{name}' {fault}"
+            yield Finding(marker, message, "condition")
+    if marker.value is None:
+        return
+    text, fault = str(marker.value), "is one of a message, which takes none"
+    if isinstance(field, ros.PrimitiveField):
+        fault = constant_fault(text, replace(primitive(field.type.name), is_ros=True))
+    is_alone = set(paths.values()) == {str(field.name)} and not any(faults.values())
+    if not fault and is_alone:
+        number = {"true": 1.0, "false": 0.0}.get(text)
+        numbers = dict.fromkeys(paths, float(text) if number is None else number)
+        fault = "" if is_said(condition, numbers) else "does not make its condition true"
+    if fault:
+        yield Finding(marker, f"value {text!a} of a marker of '{field.name}' {fault}", "value")
+
+
+def _number_fault(owner: ros.MessageType, path: str) -> str:
+    """Says why no number that is always there stands at a path; each element of an array is one."""
+    place: RosPlace | PathFault | None = RosPlace(type=owner)
+    for step in path.split("."):
+        place = place.step(step) if isinstance(place, RosPlace) else place
+        field = place.field if isinstance(place, RosPlace) else None
+        if field is not None and "[" in step and is_sequence(field):
+            return "is in a sequence, which may be shorter"
+    if not isinstance(place, RosPlace):
+        return f"leads nowhere: {place.message}" if place is not None else ""
+    return "" if place.attribute().kind in (NUMBER, NUMBERS, BOOL, OCTETS) else "is no number"
 
 
 @rule("JML430", "ROS type that is too large")

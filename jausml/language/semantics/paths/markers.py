@@ -1,0 +1,119 @@
+"""Markers of ROS fields: conditions that say that a field has no value, as JAUS leaves it out."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.language.attributes.expressions import (
+    EvaluationError,
+    Expression,
+    ExpressionError,
+    evaluate,
+    parse_expression,
+    variables,
+)
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.subject import remembered
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+VALUE = "value"
+"""How a condition calls the field itself, or an element of an array."""
+
+UNLIMITED = "unlimited"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A marker as it is read.
+
+    Attributes:
+        condition: What holds where the field has no value.
+        is_of_elements: Whether it is one of each element of an array.
+    """
+
+    marker: ros.Marker
+    condition: Expression
+    is_of_elements: bool
+
+    @property
+    def is_unlimited(self) -> bool:
+        """Whether it says that nothing limits the quantity, which is more than no value."""
+        return self.marker.meaning.name == UNLIMITED
+
+
+@remembered
+def marks_of(field: ros.Field) -> tuple[Mark, ...]:
+    """Returns the markers of a field; of a condition that cannot be read a rule tells."""
+    return tuple(mark for each in field.markers if (mark := _mark(field, each)) is not None)
+
+
+def _mark(field: ros.Field, marker: ros.Marker) -> Mark | None:
+    try:
+        condition = parse_expression(marker.condition or "")
+    except ExpressionError:
+        return None
+    is_array = field.arrayKind.name != "single"
+    return Mark(marker, condition, is_array and VALUE in variables(condition))
+
+
+def marks_at(field: ros.Field, *, is_element: bool) -> tuple[Mark, ...]:
+    """Returns the markers that count where a path names a field, or an element of an array."""
+    return tuple(each for each in marks_of(field) if is_element or not each.is_of_elements)
+
+
+@remembered
+def unknown(field: ros.Field) -> str | None:
+    """Returns what is written into a field to say that it has no value.
+
+    Returns:
+        The text of the model; empty where the default of the field says it, and None where the
+        field alone cannot. That nothing limits a quantity is said by a default, and never written.
+    """
+    found = marks_of(field)
+    if any(_is_said_by_default(field, each) for each in found):
+        return ""
+    said = (str(each.marker.value or "") for each in found if not each.is_unlimited)
+    is_written = isinstance(field, ros.PrimitiveField)
+    return next(filter(None, said), None) if is_written else None
+
+
+def _is_said_by_default(field: ros.Field, mark: Mark) -> bool:
+    owner = field.eContainer()
+    values: dict[str, float] = {}
+    for name in variables(mark.condition):
+        path = str(field.name) if name == VALUE else name
+        value = number_as_made(owner, path) if isinstance(owner, ros.MessageType) else None
+        if value is None:
+            return False
+        values[name] = value
+    return is_said(mark.condition, values)
+
+
+def number_as_made(owner: ros.MessageType, path: str) -> float | None:
+    """Returns the number at a path of a message as it is made; None where there is none."""
+    name, _, rest = path.partition(".")
+    name, _, index = name.partition("[")
+    field = next((each for each in owner.fields if each.name == name), None)
+    if isinstance(field, ros.MessageField):
+        return number_as_made(field.messageType, rest) if field.messageType is not None else None
+    if not isinstance(field, ros.PrimitiveField):
+        return None
+    try:
+        value = json.loads(field.defaultValue or "0")
+        if isinstance(value, list):
+            value = value[int(index.rstrip("]") or 0)]
+        return float(value)
+    except (ValueError, TypeError, LookupError):
+        return None
+
+
+def is_said(condition: Expression, values: Mapping[str, float]) -> bool:
+    """Tells whether a marker says of some numbers, by its names for them, that they are none."""
+    try:
+        return evaluate(condition, values) != 0.0
+    except (EvaluationError, KeyError):
+        return False
