@@ -77,6 +77,19 @@ def test_what_needs_no_control_takes_none(jausml, vehicle):
     assert target.status.name == "STANDBY"
 
 
+def test_a_message_may_be_one_object_as_in_encode(jausml, vehicle):
+    vehicle()
+    query = '{"message": "QueryVelocityState", "fields": {"PresenceVector": 1}}'
+    result = jausml("ocu", "query", "100.1.1", query)
+    assert result.exit_code == 0, result.output
+    assert "ReportVelocityState  Velocity_X=1.2500000 m/s" in result.stdout
+    for wrong, told in (('{"message": 3}', "has a name as"), ('{"a"', "is no JSON")):
+        result = jausml("ocu", "query", "100.1.1", wrong)
+        assert (result.exit_code, told in result.output) == (2, True), result.output
+    result = jausml("ocu", "query", "100.1.1", query, "PresenceVector=1")
+    assert "stand in the object of the message already" in result.output
+
+
 def test_a_command_of_management_ends_in_its_state(jausml, vehicle):
     vehicle()
     result = jausml("ocu", "request", "100.1.1", "Standby")

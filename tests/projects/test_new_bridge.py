@@ -10,10 +10,13 @@ import subprocess
 import sys
 import time
 
+import click
 import emf_check
 import pytest
 from sweeps import sweep
 
+from jausml.authoring.proposals.topics import TopicEnd
+from jausml.cli.authoring.running import of_one_robot
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
@@ -157,6 +160,22 @@ def test_a_type_alone_says_nothing(rover, jausml):
     assert model.read_bytes() == before
     done = jausml("new", "connection", "switch:std_msgs/Bool:set_headlights")
     assert done.exit_code == 0, done.output
+
+
+def test_of_several_robots_somebody_says_which_one():
+    topics = [TopicEnd(f"{each}/cmd_vel", "geometry_msgs/Twist", to_ros=True) for each in "ab"]
+    with pytest.raises(click.UsageError, match="a bridge of its own:\n  --namespace a\n"):
+        of_one_robot(topics, None)
+    assert [each.name for each in of_one_robot(topics, "/b")] == ["cmd_vel"]
+    assert of_one_robot(topics[:1], None) == topics[:1]
+    with pytest.raises(click.UsageError, match="no topic runs in the namespace 'c'"):
+        of_one_robot(topics, "c")
+
+
+def test_a_namespace_is_for_what_runs(rover, jausml):
+    rover("text")
+    done = jausml("new", "bridge", "rover", DRIVE, "--namespace", "a")
+    assert (done.exit_code, "--namespace goes with --from-graph" in done.output) == (2, True)
 
 
 def test_a_second_topic_of_one_report_is_left_out(rover, jausml):

@@ -69,6 +69,7 @@ def test_what_a_name_says_is_proposed(name, kind, used):
 
 
 OTHERS = {"headlights", "odometry/global", "wheels/efforts", "joy", "path", "global_path", "video"}
+OTHERS |= {"e_stop", "emergency"}
 """Suggestions that the name alone does not say, or that are for lists and calls."""
 
 

@@ -11,12 +11,10 @@ import click
 from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
 from jausml.cli.authoring.topics import (
     chosen_crossings,
-    show_chosen,
-    show_unanswered,
-    show_undecided,
     topic_options,
     topics_of,
 )
+from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import show_findings
 from jausml.cli.shared.options import quiet_option

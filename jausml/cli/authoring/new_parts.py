@@ -18,12 +18,10 @@ from jausml.cli.authoring.running import (
 )
 from jausml.cli.authoring.topics import (
     chosen_crossings,
-    show_chosen,
-    show_unanswered,
-    show_undecided,
     topic_options,
     topics_of,
 )
+from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Add, Child, Command
