@@ -280,7 +280,7 @@ def _trap(product: CheckedProduct, graph: Graph) -> Violation | None:
         origins[after].append(state)
     traps = []
     for place in dict.fromkeys(places):
-        found = _leading(origins, [at for at, each in enumerate(places) if each == place])
+        found = _leading(origins, [at for at, other in enumerate(places) if other == place])
         outside = [at for at in range(len(places)) if at not in found]
         lost = [at for at in outside if not product.is_over(graph.states[at])]
         if lost and (place in entered or len({places[at] for at in lost}) == 1):
@@ -296,7 +296,7 @@ def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
     """Returns the states from which some states can be reached, these included."""
     found = set(pending)
     while pending:
-        fresh = [each for each in origins[pending.pop()] if each not in found]
+        fresh = [state for state in origins[pending.pop()] if state not in found]
         found.update(fresh)
         pending += fresh
     return found

@@ -65,11 +65,11 @@ class Together:
 
     def made(self) -> Together:
         """Makes them, and returns what undoes them."""
-        return Together(tuple(each.made() for each in self.changes)[::-1])
+        return Together(tuple(change.made() for change in self.changes)[::-1])
 
     def words(self) -> str:
         """Says what each changes."""
-        return "; ".join(each.words() for each in self.changes)
+        return "; ".join(change.words() for change in self.changes)
 
 
 def held(element: Any, feature: FeatureTable) -> Any:
@@ -206,10 +206,10 @@ def partner(placed: Placed[Any] | None) -> Any:
         return None
     goes = placed.assignment
     found = (
-        each
-        for each in placed.scope.map.toJaus
-        if isinstance(each, bridge.FieldAssignment)
-        and (each.source, each.target) == (goes.target, goes.source)
+        back
+        for back in placed.scope.map.toJaus
+        if isinstance(back, bridge.FieldAssignment)
+        and (back.source, back.target) == (goes.target, goes.source)
     )
     return next(found, None)
 
@@ -228,7 +228,7 @@ def crossed_members(site: Site) -> Iterator[Together]:
         its = partner(Placed(other, placed.scope))
         if its is not None and _is_alike(own, attribute_at(placed.scope.find_target(other.target))):
             ways = (site.element, other), (back, its)
-            yield Together(tuple(each for way in ways for each in _exchange(site, *way)))
+            yield Together(tuple(change for way in ways for change in _exchange(site, *way)))
             return
 
 

@@ -75,7 +75,7 @@ def _negated(site: Site) -> Iterator[Any]:
 
 def _negated_both_ways(site: Site) -> Iterator[Together]:
     back = partner(site.placed)
-    if back is None or any(each.named for each in _ends(site)):
+    if back is None or any(end.named for end in _ends(site)):
         return
     ways = (Site(element, site.feature, site.placed) for element in (site.element, back))
     for there, behind in zip(*map(_negated, ways), strict=False):
@@ -88,11 +88,11 @@ def _one_that_drives(site: Site) -> Iterator[Any]:
     used = site.element.eContainer()
     to_ros = site.element.eContainmentFeature().name == "stopRos"
     scope = outer_scope(used, to_ros=to_ros)
-    said = {str(each.target) for each in site.value}
-    for each in flattened(used.toRos if to_ros else used.toJaus, scope):
-        for path, target in () if each.scope.is_nested else each.targets:
+    said = {str(value.target) for value in site.value}
+    for placed in flattened(used.toRos if to_ros else used.toJaus, scope):
+        for path, target in () if placed.scope.is_nested else placed.targets:
             is_number = isinstance(target, Attribute) and target.kind == NUMBER
-            if is_number and has_source(each.assignment) and path not in said:
+            if is_number and has_source(placed.assignment) and path not in said:
                 made: Any = bridge.ConstantAssignment()
                 made.target, made.value = path, "1"
                 yield [*site.value, made]

@@ -110,9 +110,11 @@ def is_held(trip: RoundTrip, side: str, path: str) -> bool:
     """Whether a number of a side goes over by itself, and a constant comes back in its place."""
     there, back = trip.to_ros.toRos, trip.to_jaus.toJaus
     there, back = (there, back) if side == JAUS else (back, there)
-    constants = (each for each in back if isinstance(each, bridge.ConstantAssignment))
-    held = {one.strip() for each in constants for one in str(each.target).split(",")}
-    return path in held and any(path == str(e.source).strip() for e in field_assignments(there))
+    constants = (held for held in back if isinstance(held, bridge.ConstantAssignment))
+    held = {one.strip() for constant in constants for one in str(constant.target).split(",")}
+    return path in held and any(
+        path == str(going.source).strip() for going in field_assignments(there)
+    )
 
 
 def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:

@@ -199,13 +199,17 @@ _STANDINGS = (SUPPORTED, BY_RULES, OF_A_PERSON, UNDEVELOPED)
 
 
 def _is_of_a_person(answers: Sequence[Answer]) -> bool:
-    return bool(answers) and all(each.reason for each in answers)
+    return bool(answers) and all(answer.reason for answer in answers)
 
 
 def counted(goals: Sequence[Goal]) -> str:
     """Returns how many goals rest on what, those that are supported first."""
-    counts = {each: sum(goal.standing == each for goal in goals) for each in _STANDINGS}
-    more = [f"{count} {each}" for each, count in counts.items() if count and each != SUPPORTED]
+    counts = {standing: sum(goal.standing == standing for goal in goals) for standing in _STANDINGS}
+    more = [
+        f"{count} {standing}"
+        for standing, count in counts.items()
+        if count and standing != SUPPORTED
+    ]
     told = f"{counts[SUPPORTED]} of {len(goals)} goals {SUPPORTED}"
     return f"{told}; {', '.join(more)}" if more else told
 
@@ -333,7 +337,7 @@ def _goals(hazard: Hazard, number: str, known: _Known) -> Iterator[Goal]:
         found = tuple(supports(concern, known.report, known.evidence))
         gaps = tuple(_gaps(row, element, concern.answers))
         shown = {kinds[each.evidence] for each in found if each.holds}
-        answered = not gaps and all(each.holds for each in found)
+        answered = not gaps and all(said.holds for said in found)
         has_run = bool(shown - {RULES}) and not _is_of_a_person(concern.answers)
         yield Goal(
             f"{hazard.id}/{concern.name}",

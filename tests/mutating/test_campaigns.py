@@ -106,7 +106,7 @@ def test_a_budget_ends_a_campaign(model):
 def test_other_operators_are_refused(model):
     done = run(model, "--only", "nobody")
     assert done.exit_code == 2
-    assert "there is no operator 'nobody'; there are sign, factor" in done.output
+    assert "there is no operator 'nobody'; there are sign, sign both ways, factor" in done.output
 
 
 @pytest.mark.slow

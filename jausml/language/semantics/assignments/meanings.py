@@ -49,27 +49,29 @@ def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tupl
         Paths of targets, each with what is not known of it.
     """
     way = "jausToRos" if to_ros else "rosToJaus"
-    vectors = [each for each in used.vectors if each.direction.name == way]
-    expected = [_steps(value.path) for each in vectors for value in each.expected if value.path]
+    vectors = [vector for vector in used.vectors if vector.direction.name == way]
+    expected = [_steps(value.path) for vector in vectors for value in vector.expected if value.path]
     placed = [
-        (Placed(each.assignment, each.scope), target_paths(each.assignment))
-        for each in flattened(
+        (Placed(found.assignment, found.scope), target_paths(found.assignment))
+        for found in flattened(
             used.toRos if to_ros else used.toJaus, outer_scope(used, to_ros=to_ros)
         )
-        if isinstance(each.assignment, bridge.FieldAssignment)
+        if isinstance(found.assignment, bridge.FieldAssignment)
     ]
     # The path of an element of a list begins with that of the list.
     shown = {
         target
-        for each, targets in placed
+        for assigned, targets in placed
         for target in targets
         for at in (one.find(_steps(target)) for one in expected)
-        if at == 0 or (at > 0 and each.scope.is_nested)
+        if at == 0 or (at > 0 and assigned.scope.is_nested)
     }
-    tables = {table for each, targets in placed if shown & {*targets} for table in _tables(each)}
-    for each, targets in placed:
-        lack = lacking(each)
-        if lack and not (by_table(each) and _tables(each) <= tables):
+    tables = {
+        table for assigned, targets in placed if shown & {*targets} for table in _tables(assigned)
+    }
+    for assigned, targets in placed:
+        lack = lacking(assigned)
+        if lack and not (by_table(assigned) and _tables(assigned) <= tables):
             yield from ((target, lack) for target in targets if target not in shown)
 
 
@@ -87,11 +89,11 @@ def lacking(placed: Placed[bridge.FieldAssignment]) -> str:
         return "ends that rules can read"
     if by_table(placed) and not _has_names(sources, targets):
         return "names at both ends of its table"
-    numbers = [each for each in targets if each.kind in (NUMBER, NUMBERS) and not each.integral]
+    numbers = [end for end in targets if end.kind in (NUMBER, NUMBERS) and not end.integral]
     known = [*map(attribute_measure, numbers), *([result_measure(placed)] if numbers else [])]
-    if not all(isinstance(each, Measure) for each in known):
+    if not all(isinstance(measured, Measure) for measured in known):
         return "a unit at both ends"
-    axes = {axis_of(each) is not None for each in (*sources, *targets)}
+    axes = {axis_of(end) is not None for end in (*sources, *targets)}
     if axes == {True}:
         return "" if passage(steps_of(placed), sources) is not None else "a sign that is followed"
     is_directed = any(map(_is_directed, numbers)) and all(map(_is_directed, sources))
@@ -106,11 +108,11 @@ _LEAST_ENTRIES = 2
 
 def by_table(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Tells whether an assignment looks its value up in a table of several entries."""
-    return any(len(each.entries) >= _LEAST_ENTRIES for each in _tables(placed))
+    return any(len(table.entries) >= _LEAST_ENTRIES for table in _tables(placed))
 
 
 def _tables(placed: Placed[bridge.FieldAssignment]) -> set[bridge.ValueTable]:
-    return {each.table for each in placed.assignment.conversions if each.table is not None}
+    return {step.table for step in placed.assignment.conversions if step.table is not None}
 
 
 def _has_names(sources: list[Attribute], targets: list[Attribute]) -> bool:
@@ -126,7 +128,7 @@ def _is_directed(attribute: Attribute) -> bool:
     """Tells whether a number may be negative, and its sign means a direction."""
     known, measured = source_range(attribute), attribute_measure(attribute)
     is_temperature = measured is not None and dict(measured.unit.dimension).keys() == {"K"}
-    named = {each.casefold() for each in words(attribute.label)}
+    named = {word.casefold() for word in words(attribute.label)}
     is_free = is_temperature or attribute.kind == BOOL or bool(named & _GEODETIC)
     return not is_free and (known is None or known[0] < 0)
 
@@ -134,10 +136,10 @@ def _is_directed(attribute: Attribute) -> bool:
 def turns(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Tells whether an assignment changes the sign of a number."""
     sign = 1
-    for each in steps_of(placed):
-        if each.conversion.frames or each.sign is None:
+    for step in steps_of(placed):
+        if step.conversion.frames or step.sign is None:
             return False
-        sign *= each.sign
+        sign *= step.sign
     return sign < 0
 
 
@@ -150,7 +152,7 @@ def crossed(placed: Placed[bridge.FieldAssignment]) -> tuple[str, str] | None:
         with axes have rules of their own.
     """
     ends = placed.sources, placed.targets
-    if any(len(each) != 1 for each in ends):
+    if any(len(end) != 1 for end in ends):
         return None
     ((path, source),), ((other, target),) = ends
     if not isinstance(source, Attribute) or not isinstance(target, Attribute):
@@ -168,19 +170,19 @@ def _owner(path: str) -> str:
 
 
 def _name(path: str) -> str:
-    return "".join(each.casefold() for each in words(path.rpartition(".")[2]))
+    return "".join(word.casefold() for word in words(path.rpartition(".")[2]))
 
 
 def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:
     """Returns the name of a member that is called so and could stand in the place of another."""
-    for each in _members(owner):
-        if _name(str(each.name)) == name:
-            found = attribute_at(_at(owner, str(each.name)))
+    for member in _members(owner):
+        if _name(str(member.name)) == name:
+            found = attribute_at(_at(owner, str(member.name)))
             same = ("kind", "integral", "units")
             is_alike = isinstance(found, Attribute) and all(
                 getattr(found, one) == getattr(like, one) for one in same
             )
-            return str(each.name) if is_alike else ""
+            return str(member.name) if is_alike else ""
     return ""
 
 
@@ -222,7 +224,9 @@ def outcome(
     except (NoValueError, OverflowError, ValueError):
         return None
     loose = (
-        max(abs(each - made) for each in near) + (target.step or 0.0) + float(expected.tolerance)
+        max(abs(beside - made) for beside in near)
+        + (target.step or 0.0)
+        + float(expected.tolerance)
     )
     return made if abs(made - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
 

@@ -141,7 +141,7 @@ def stated(connection: bridge.Connection) -> str:
     """Returns what the stop of a connection states, as `thrust = 0`; empty where it is zeros."""
     stop = stop_of_map(connection)
     values = connection.safeValue or (stop.values if stop is not None else ())
-    return ", ".join(f"{each.target} = {each.value}" for each in values)
+    return ", ".join(f"{value.target} = {value.value}" for value in values)
 
 
 def told(connection: bridge.Connection) -> str:
@@ -158,9 +158,9 @@ def driving(connection: bridge.Connection) -> list[tuple[str, str]]:
     to_ros = connection.direction.name == "jausToRos"
     scope, found = outer_scope(connection.map, to_ros=to_ros), dict[str, str]()
     units = dict[str, str]()
-    for each in flattened(connection.map.toRos if to_ros else connection.map.toJaus, scope):
-        known = next((one.units for one in each.source_attributes if one.units), "")
-        for path, target in () if each.scope.is_nested else each.targets:
+    for placed in flattened(connection.map.toRos if to_ros else connection.map.toJaus, scope):
+        known = next((one.units for one in placed.source_attributes if one.units), "")
+        for path, target in () if placed.scope.is_nested else placed.targets:
             if isinstance(target, Attribute):
                 units[path] = target.units or known
                 default = getattr(target.field, "defaultValue", None)
@@ -182,7 +182,7 @@ _BRAKING = frozenset({"brake", "braking", "resistive"})
 
 
 def _moves(target: Attribute, units: str) -> bool:
-    named = {each.casefold() for each in words(target.label)}
+    named = {word.casefold() for word in words(target.label)}
     known = measure(units)
     power = dict(known.unit.dimension).get("s", 0) if known is not None else 0
     is_motion = power in (-1, -2) or "effort" in named

@@ -122,22 +122,22 @@ def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
     controller alone.
     """
     is_published = str(service.urn).startswith(_OF_STANDARDS)
-    if is_published or not any(needs_control(each, service) for each in service.inputs):
+    if is_published or not any(needs_control(message, service) for message in service.inputs):
         return []
-    told = {query_name(each) for one in lineage(service) for each in one.outputs}
+    told = {query_name(message) for one in lineage(service) for message in one.outputs}
     return [
-        each
-        for each in service.inputs
-        if not is_command(each)
-        and each.name not in told
-        and not str(each.name).startswith(_NO_COMMANDS)
-        and not _is_guarded(each, service)
+        message
+        for message in service.inputs
+        if not is_command(message)
+        and message.name not in told
+        and not str(message.name).startswith(_NO_COMMANDS)
+        and not _is_guarded(message, service)
     ]
 
 
 def _is_guarded(message: jaus.MessageDef, service: jaus.Service) -> bool:
-    guards = [str(each.guard or "") for each in _taking(message, service)]
-    return bool(guards) and all(CONTROLLER in each for each in guards)
+    guards = [str(transition.guard or "") for transition in _taking(message, service)]
+    return bool(guards) and all(CONTROLLER in guard for guard in guards)
 
 
 def guard_of(
@@ -305,17 +305,17 @@ def told_after(message: jaus.MessageDef, service: jaus.Service) -> Answer | None
 
 
 def _sent_by_machine(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.MessageDef]:
-    for each in _taking(message, service):
-        yield from (done.sends for done in each.actions if done.sends is not None)
+    for transition in _taking(message, service):
+        yield from (done.sends for done in transition.actions if done.sends is not None)
 
 
 def _taking(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.Transition]:
     """Yields the transitions of the machines of a service that a message triggers."""
     for machine in service.machines:
         for _, state in states_of(machine):
-            for each in (*state.transitions, *state.defaults):
-                if each.message is not None and same_code(each.message, message):
-                    yield each
+            for transition in (*state.transitions, *state.defaults):
+                if transition.message is not None and same_code(transition.message, message):
+                    yield transition
 
 
 def _topic(answer: jaus.MessageDef) -> str:

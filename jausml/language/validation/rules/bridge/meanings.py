@@ -57,7 +57,7 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
 
     Where rules know neither, a map that is wrong in both directions looks like one that is right.
     A test vector by a person who has looked at the vehicle, or at its manual, says which it is.
-    A [safety case](../how-to/safety-case.md) leaves it undeveloped until then.
+    A safety case leaves it undeveloped until then.
 
     Bad: `Rudder -> rudder : negate` between fields without a frame, and no vector
 
@@ -68,7 +68,7 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
             continue
         unknown = dict(unknown_targets(used, to_ros=direction.to_ros))
         for placed in direction.of_kind(bridge.FieldAssignment):
-            lacks = [each for each in target_paths(placed.assignment) if each in unknown]
+            lacks = [path for path in target_paths(placed.assignment) if path in unknown]
             if lacks and (turns(placed) or by_table(placed)):
                 does = "turns the sign" if turns(placed) else "looks up a table"
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
@@ -90,10 +90,10 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
     for direction in directions_of(subject, used):
         if direction.owner is not used:
             continue
-        by_target = {each.assignment.target.strip(): each for each in _single(direction)}
+        by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
         way = "jausToRos" if direction.to_ros else "rosToJaus"
         for vector in used.vectors:
-            given = {each.path: each.value for each in vector.given}
+            given = {value.path: value.value for value in vector.given}
             for value in vector.expected if vector.direction.name == way else ():
                 placed = by_target.get(value.path)
                 made = None if placed is None else outcome(placed, given, value)
@@ -105,5 +105,5 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
 def _single(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
     for placed in direction.of_kind(bridge.FieldAssignment):
         ends = placed.source_attributes, placed.target_attributes
-        if all(len(each) == 1 for each in ends) and not placed.scope.is_nested:
+        if all(len(end) == 1 for end in ends) and not placed.scope.is_nested:
             yield placed

@@ -154,8 +154,8 @@ class _LookedUp:
         )
         sides = ("jaus", "ros") if self.placed.scope.to_ros else ("ros", "jaus")
         return [
-            (each, taken.of(_side(each, sides[0])), given.of(_side(each, sides[1])))
-            for each in self.table.entries
+            (entry, taken.of(_side(entry, sides[0])), given.of(_side(entry, sides[1])))
+            for entry in self.table.entries
         ]
 
     @property
@@ -175,7 +175,7 @@ def _looked_up(subject: Subject, directed: Directed) -> Iterator[_LookedUp]:
         for placed in direction.of_kind(bridge.FieldAssignment):
             steps = placed.assignment.conversions
             ends = placed.source_attributes, placed.target_attributes
-            if len(steps) != 1 or any(len(each) != 1 for each in ends):
+            if len(steps) != 1 or any(len(end) != 1 for end in ends):
                 continue
             table, found = steps[0].table, compared(ends[0][0], ends[1][0])
             if steps[0].kind.name == LookUp.name and table is not None and found is not None:
@@ -239,11 +239,11 @@ def _unnamed(looked: _LookedUp) -> Iterator[Finding]:
         return
     to_ros = looked.placed.scope.to_ros
     named = (looked.ends.target if to_ros else looked.ends.source).values()
-    known = {str(each.number) for each in named}
+    known = {str(value.number) for value in named}
     for entry, taken, given in looked.given:
         if (given if to_ros else taken) not in known:
             message = f"no constant of the ROS type is {entry.ros!a}"
-            hint = f"it has {', '.join(each.name for each in named)}"
+            hint = f"it has {', '.join(value.name for value in named)}"
             yield Finding(entry, message, "ros", hint, severity=Severity.WARNING)
 
 

@@ -68,7 +68,7 @@ def controlled_alike(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     Good: `isCommand: true` of LockHatch, or its guard
     """
     for message in controlled_by_nobody(service):
-        sibling = next(each for each in service.inputs if needs_control(each, service))
+        sibling = next(one for one in service.inputs if needs_control(one, service))
         text = f"anybody may send {message.name}, without control of the component"
         note = Note(sibling, f"{sibling.name} is obeyed from the controller alone")
         hint = f"say isCommand of it, or {CONTROLLER} in the guards that take it"
