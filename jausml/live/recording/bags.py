@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml import installing
 from jausml.live.recording.mcap_files import WHOLE, McapRecording, RecordingError
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Bag:
             yield from read()
         except ImportError as error:
             raise RecordingError(
-                f"{error.name} is missing: pip install 'jausml[record]'"
+                f"{error.name} is missing: {installing.command('record')}"
             ) from error
         except RecordingError:
             raise
