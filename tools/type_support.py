@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 import subprocess
 import sys
 import sysconfig
@@ -63,7 +64,7 @@ def built(package: str, types: tuple[str, ...]) -> Path:
     if cure := lacking():
         raise CannotBuildError(f"type support of {package} cannot be built: {cure}")
     folder = _folder(package, types)
-    folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    require_own(folder.parent)
     with (folder.parent / f"{folder.name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not folder.is_dir():
@@ -73,12 +74,24 @@ def built(package: str, types: tuple[str, ...]) -> Path:
     return folder
 
 
+def require_own(folder: Path) -> None:
+    """Makes a folder, or looks whether it is this user's alone: what is in it will be run.
+
+    Raises:
+        PermissionError: Somebody else made it, or may write in it.
+    """
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o022:
+        raise PermissionError(f"{folder} is not this user's alone: remove it")
+
+
 def lacking() -> str:
     """Returns how one gets what is needed to build; nothing where all is there."""
     if shutil.which("gcc") is None or shutil.which("g++") is None:
         return "apt install g++"
     if not (Path(sys.prefix) / "include" / "rosidl_runtime_c").is_dir():
-        return "pip install 'jausml[ros]'"
+        return "pip install --editable '.[ros]'"
     if not Path(sysconfig.get_paths()["include"], "Python.h").is_file():
         return "apt install python3-dev"
     return ""

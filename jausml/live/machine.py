@@ -9,6 +9,7 @@ import errno
 import os
 import platform
 import secrets
+import shutil
 import socket
 import sys
 from contextlib import closing
@@ -23,7 +24,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import jausml
-from jausml import __version__
+from jausml import __version__, installing
 from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.bridge.ros.environment import (
@@ -89,7 +90,7 @@ def python_checks() -> Iterator[Finding]:
         yield Finding("python", "version", Outcome.OK, found)
     for extra, package, purpose in _EXTRAS:
         if not _is_installed(package):
-            cure = f"pip install 'jausml[{extra}]'"
+            cure = installing.command(extra)
             yield Finding("python", extra, Outcome.NOTE, f"{purpose} is not installed", cure)
         elif extra == "studio" and not _PAGE.is_file():
             cure = "run `make studio` in the checkout of jausml, or install its `make wheel`"
@@ -115,7 +116,7 @@ def _fonts() -> Finding:
     try:
         text = f"{svg.installed_font()} is there for pictures in PNG"
     except LayoutError as error:
-        cure = svg.FONT_CURE if find_spec("resvg_py") else "pip install 'jausml[diagram]'"
+        cure = svg.FONT_CURE if find_spec("resvg_py") else installing.command("diagram")
         return Finding("programs", "fonts", Outcome.NOTE, str(error), cure)
     return Finding("programs", "fonts", Outcome.OK, text)
 
@@ -244,6 +245,9 @@ _PROFILES = (
     "FASTRTPS_DEFAULT_PROFILES_FILE",
     "CYCLONEDDS_URI",
 )
+_SHARED_BY_A_NODE = 4 << 20
+"""Bytes of shared memory without which a node does not start surely; it takes about 1 MiB."""
+
 _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it shares
 
 
@@ -254,7 +258,7 @@ def ros_checks(packages: Mapping[str, bool]) -> Iterator[Finding]:
         packages: Packages of messages that are needed, and whether each is the user's own.
     """
     if find_spec("rclpy") is None:
-        cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
+        cure = f"source the setup.bash of a ROS 2 installation, or {installing.command('ros')}"
         text = "Python finds no rclpy: bridges do not start; JAUS alone works"
         yield Finding(_ROS, "rclpy", Outcome.WARNING, text, cure)
     else:
@@ -388,7 +392,12 @@ def _security() -> Iterator[Finding]:
 def _shared_memory() -> Finding:
     name = "shared memory"
     if os.access(_SHARED_MEMORY, os.W_OK):
-        return Finding(_ROS, name, Outcome.OK, f"{_SHARED_MEMORY} can be written")
+        left = shutil.disk_usage(_SHARED_MEMORY).free
+        if left >= _SHARED_BY_A_NODE:
+            return Finding(_ROS, name, Outcome.OK, f"{_SHARED_MEMORY} can be written")
+        text = f"{_SHARED_MEMORY} has {left >> 10} KiB left: a node that starts may crash (SIGBUS)"
+        cure = "fastdds shm clean, or remove what is not used there; in a container: --shm-size"
+        return Finding(_ROS, name, Outcome.WARNING, text, cure)
     text = f"{_SHARED_MEMORY} cannot be written: nodes of one host speak by UDP"
     return Finding(_ROS, name, Outcome.NOTE, text, "in a container: --ipc=host")
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from jausml import installing
 from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.writers import svg
 
@@ -57,14 +58,16 @@ def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkey
     monkeypatch.setattr(graphviz, "program", lambda: None)
     result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
     assert result.exit_code == 2
-    assert result.output == "Error: pictures need graphviz-pure: pip install 'jausml[diagram]'\n"
+    assert result.output == f"Error: pictures need graphviz-pure: {installing.command('diagram')}\n"
     assert not (tmp_path / "x.svg").exists()
     result = jausml("case", CAR, "-o", tmp_path / "case")
     assert result.exit_code == 2
-    assert "pictures need graphviz-pure: pip install 'jausml[diagram]'" in result.output
+    assert f"pictures need graphviz-pure: {installing.command('diagram')}" in result.output
     result = jausml("studio", "--no-browser", tmp_path)
     assert result.exit_code == 2
-    assert result.output == "Error: the studio needs graphviz-pure: pip install 'jausml[studio]'\n"
+    assert (
+        result.output == f"Error: the studio needs graphviz-pure: {installing.command('studio')}\n"
+    )
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ import pytest
 from click.testing import CliRunner
 from ports import free_port
 
+from jausml import installing
 from jausml.cli import main
 from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import Place, Vehicle
@@ -183,6 +184,15 @@ def test_keys_of_ros(doctor, monkeypatch, tmp_path, made, strategy, verdict):
     assert checks["ros", "security"]["verdict"] == verdict
 
 
+def test_shared_memory_that_is_nearly_full_is_told(doctor, monkeypatch):
+    _, checks = doctor("--port", free_port())
+    assert checks["ros", "shared memory"]["verdict"] == "ok"
+    monkeypatch.setattr("jausml.live.machine._SHARED_BY_A_NODE", 1 << 60)
+    status, checks = doctor("--port", free_port())
+    assert (status, checks["ros", "shared memory"]["verdict"]) == (0, "warning")
+    assert "KiB left" in checks["ros", "shared memory"]["text"]
+
+
 def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     _, checks = doctor("--port", free_port())
     assert {name for topic, name in checks if topic == "python"} == {
@@ -191,7 +201,7 @@ def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     assert checks["python", "diagram"]["verdict"] == "ok"
     monkeypatch.setattr("jausml.live.machine._is_installed", lambda name: name != "graphviz-pure")
     _, checks = doctor("--port", free_port())
-    assert checks["python", "diagram"]["cure"] == "pip install 'jausml[diagram]'"
+    assert checks["python", "diagram"]["cure"] == installing.command("diagram")
     monkeypatch.setattr("jausml.live.machine._PAGE", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
     assert checks["python", "studio"]["verdict"] == "note"

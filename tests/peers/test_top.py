@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from jausml import installing
 from jausml.live.peers.operator import running_operator
 from jausml.live.systems.monitoring import ROUND
 from jausml.runtime.base.address import JausAddress
@@ -140,7 +141,7 @@ def test_without_its_extra_it_says_so(jausml, monkeypatch):
     monkeypatch.setitem(sys.modules, "textual", None)
     result = jausml("top")
     assert result.exit_code == 2
-    assert "pip install 'jausml[top]'" in result.stderr
+    assert installing.command("top") in result.stderr
 
 
 @pytest.mark.slow

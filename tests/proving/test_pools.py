@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import needs
 import pytest
 
+from jausml import installing
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
 
@@ -71,7 +72,7 @@ def test_without_the_extra_it_is_named(tmp_path: Path) -> None:
     )
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
-        "Error: a scheduler of Dask needs the extra `dask`: pip install 'jausml[dask]'"
+        f"Error: a scheduler of Dask needs the extra `dask`: {installing.command('dask')}"
     ]
 
 

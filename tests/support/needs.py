@@ -62,6 +62,8 @@ _CAPTURE = "import socket; socket.socket(socket.AF_PACKET, socket.SOCK_RAW).clos
 _CAPABILITY = "run the tests as root, or where namespaces are allowed"
 """A namespace of their own gives processes the capabilities over it."""
 
+_ROS_CURE = "pip install --editable '.[ros]'"
+
 
 def _program(package: str, *commands: str) -> Callable[[], str]:
     """What cures the lack of a program."""
@@ -118,7 +120,7 @@ def _emf() -> str:
 
 def _interfaces() -> str:
     absent = {*INTERFACES} - {*Installation().packages()}
-    return f"pip install 'jausml[ros]' (no {', '.join(sorted(absent))})" if absent else ""
+    return f"{_ROS_CURE} (no {', '.join(sorted(absent))})" if absent else ""
 
 
 def _nft() -> str:
@@ -180,8 +182,8 @@ NEEDS: dict[str, Callable[[], str]] = {
     "npm": lambda: "" if build_studio.npm() and build_studio.INSTALLED.is_file() else "make studio",
     "page": lambda: "make studio" if build_studio.is_stale() else "",
     "preloaded sanitizer": _preloaded_sanitizer,
-    "rclpy": _modules("pip install 'jausml[ros]'", "rclpy"),
-    "rosidl": _modules("pip install 'jausml[ros]'", "rosidl_adapter.parser", "rosidl_generator_py"),
+    "rclpy": _modules(_ROS_CURE, "rclpy"),
+    "rosidl": _modules(_ROS_CURE, "rosidl_adapter.parser", "rosidl_generator_py"),
     "sanitizers": _sanitizers,
     "setpriv": _program("util-linux", "setpriv"),
     "sros2": _modules("apt install ros-jazzy-sros2", "sros2.keystore"),

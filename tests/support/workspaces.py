@@ -11,6 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from type_support import require_own
+
 from jausml.generation.rendering import digest, render, tool
 
 if TYPE_CHECKING:
@@ -64,9 +66,7 @@ def kept(model: Model, targets: Sequence[Target[Any]], *, compiled: bool = False
 def _place() -> Path:
     """Returns the folder for this state of the project; far from it, for tools look upwards."""
     root = Path(tempfile.gettempdir(), f"jausml-workspaces-{os.getuid()}")
-    root.mkdir(mode=0o700, exist_ok=True)
-    if root.stat().st_uid != os.getuid():
-        raise PermissionError(f"{root} is somebody else's")
+    require_own(root)
     for each in root.iterdir():
         if each.stat().st_mtime < time.time() - _FORGOTTEN:
             shutil.rmtree(each, ignore_errors=True)

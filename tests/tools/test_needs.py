@@ -90,7 +90,7 @@ def test_what_is_missing_is_skipped_with_its_cure(run, without_programs, tmp_pat
 def test_a_module_is_not_imported_further_and_says_what_its_package_said(run, tmp_path):
     (tmp_path / "rclpy.py").write_text("import half_of_it", encoding="utf-8")
     done = run(MODULE, PYTHONPATH=str(tmp_path))
-    reason = "needs rclpy: pip install 'jausml[ros]' (No module named 'half_of_it')"
+    reason = "needs rclpy: pip install --editable '.[ros]' (No module named 'half_of_it')"
     assert f"1 skipped: {reason}\n" in done.stdout, done.stdout
 
 

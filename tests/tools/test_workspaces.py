@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
+import type_support
 import workspaces
 
 from jausml.language.model import read_models
@@ -34,6 +36,32 @@ def model(folder: Path, address: str = "1.1.1") -> Model:
     path = folder / "small.ros2jaus"
     path.write_text(f"component small {{ address: {address} }}\n", encoding="utf-8")
     return read_models([path], notations=NOTATIONS).model
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o720])
+def test_a_folder_in_which_others_may_write_is_not_used(tmp_path: Path, mode: int) -> None:
+    root = tmp_path / f"jausml-workspaces-{os.getuid()}"
+    root.mkdir()
+    root.chmod(mode)
+    with pytest.raises(PermissionError, match="not this user's alone"):
+        workspaces.kept(model(tmp_path), [RUNTIME])
+
+
+def test_a_link_to_a_folder_is_not_used(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir(mode=0o700)
+    (tmp_path / f"jausml-workspaces-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(PermissionError, match="not this user's alone"):
+        workspaces.kept(model(tmp_path), [RUNTIME])
+
+
+@pytest.mark.needs("rclpy")
+def test_compiled_type_support_of_others_is_not_loaded() -> None:
+    types = ("msg/MissedWaypoint.msg",)
+    planted = type_support._folder("nav2_msgs", types)
+    planted.mkdir(parents=True)
+    planted.parent.chmod(0o777)
+    with pytest.raises(PermissionError, match="not this user's alone"):
+        type_support.built("nav2_msgs", types)
 
 
 def test_the_same_is_generated_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml import installing
 from jausml.cli.shared.files import EnvironmentFault
 from jausml.cli.shared.options import (
     STOP_WORDS,
@@ -157,7 +158,7 @@ def _require_extra() -> None:
     if graphviz.program() is None:
         missing.append(graphviz.PACKAGE)
     if missing:
-        raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
+        raise EnvironmentFault(f"the studio needs {missing[0]}: {installing.command('studio')}")
 
 
 def _powers(operate: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:
@@ -182,7 +183,7 @@ def language_server() -> None:
     Exit status: 0 the editor ended it or disconnected, 2 the extra is missing, 3 internal error.
     """
     if find_spec("pygls") is None:
-        raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")
+        raise EnvironmentFault(f"the language server needs pygls: {installing.command('editor')}")
     from jausml.authoring.editor.server import serve
 
     serve()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
+from jausml import installing
 from jausml.cli.live.recordings import (
     force_option,
     not_itself,
@@ -209,7 +210,9 @@ def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only
         with written(output, force=force) as stream:
             count = copied(chain(first, found), stream, ros_only=ros_only)
     except ImportError as error:
-        raise EnvironmentFault(f"{error.name} is missing: pip install 'jausml[record]'") from error
+        raise EnvironmentFault(
+            f"{error.name} is missing: {installing.command('record')}"
+        ) from error
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     click.echo(f"{count} messages", err=True)

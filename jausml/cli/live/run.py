@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml import installing
 from jausml.cli.live.supervisor import Command, Supervisor
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
@@ -229,7 +230,7 @@ def _require_ros() -> None:
 
     if importlib.util.find_spec("rclpy") is None:
         raise EnvironmentFault(
-            "rclpy is missing: source a ROS 2 installation, or pip install 'jausml[ros]'"
+            f"rclpy is missing: source a ROS 2 installation, or {installing.command('ros')}"
         )
     fault = environment_fault()
     if fault:

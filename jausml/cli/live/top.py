@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from jausml import installing
 from jausml.cli.live.network import Settings, network_from, network_options, transport_options
 from jausml.cli.shared.files import EnvironmentFault, in_columns
 from jausml.cli.shared.models import ModelFault, optional_model_argument, readable_model
@@ -105,7 +106,7 @@ def _refuse_id(model: str) -> None:
 def _require_terminal() -> None:
     without = "--once and --json do without"
     if find_spec("textual") is None:
-        reason = "the terminal view needs textual: pip install 'jausml[top]'"
+        reason = f"the terminal view needs textual: {installing.command('top')}"
         raise EnvironmentFault(f"{reason}; {without}")
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise EnvironmentFault(f"this is no terminal; {without}")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
+from jausml import installing
 from jausml.language.model.inputs import open_input, read_text
 from jausml.live.recording.mcap_files import CDR, WHOLE, RecordingError
 from jausml.live.recording.mcap_reading import (
@@ -99,7 +100,7 @@ class Bag:
                     self.others[encoding] += 1
         except ImportError as error:
             raise RecordingError(
-                f"{error.name} is missing: pip install 'jausml[record]'"
+                f"{error.name} is missing: {installing.command('record')}"
             ) from error
         except OSError as error:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
-from jausml import __version__
+from jausml import __version__, installing
 from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import schema_of
 from jausml.live.traffic.observing import ends_of
@@ -118,7 +118,7 @@ def need_library() -> None:
     try:
         import mcap.writer  # noqa: F401, PLC0415 - an extra: jausml[record]
     except ImportError as error:
-        raise RecordingError(f"{error.name} is missing: pip install 'jausml[record]'") from error
+        raise RecordingError(f"{error.name} is missing: {installing.command('record')}") from error
 
 
 class McapFile:

@@ -12,6 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from jausml import installing
 from jausml.live.workers.pool_processes import PoolError, PoolProcesses
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 _PERIOD = 5.0
-_NO_DASK = "a scheduler of Dask needs the extra `dask`: pip install 'jausml[dask]'"
+_NO_DASK = f"a scheduler of Dask needs the extra `dask`: {installing.command('dask')}"
 
 Shared = TypeVar("Shared")
 Piece = TypeVar("Piece")

@@ -13,6 +13,7 @@ from math import dist
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jausml import installing
 from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.columns import Block, packed
 from jausml.views.diagrams.layout.facing import can_face, face
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 PACKAGE = "graphviz-pure"
 """The distribution, and the program that it installs."""
 
-MISSING = f"pictures need {PACKAGE}: pip install 'jausml[diagram]'"
+MISSING = f"pictures need {PACKAGE}: {installing.command('diagram')}"
 LONGEST = 120
 """Seconds that a layout may take."""
 

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
+from jausml import installing
 from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import IDLE, severity
 from jausml.views.diagrams.layout.sheet import LayoutError
@@ -274,7 +275,7 @@ def _pair(point: Point) -> str:
     return f"{point[0]:g} {point[1]:g}"
 
 
-MISSING = "PNG needs resvg-py: pip install 'jausml[diagram]'"
+MISSING = f"PNG needs resvg-py: {installing.command('diagram')}"
 FONT_CURE = "apt install fonts-liberation"
 NO_FONT = f"PNG needs one of these fonts on this machine: {{}} ({FONT_CURE}); .svg needs none"
 
