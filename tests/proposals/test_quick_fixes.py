@@ -20,6 +20,9 @@ UNCOVERED = {
     ("JML411", "JML433"),
     ("JML411", "JML459"),
     ("JML433", "JML437"),
+    # A sign that is turned is one that nothing else may be able to judge.
+    ("JML433", "JML517"),
+    ("JML458", "JML517"),
 }
 OF_THE_READER = {"JML105", "JML106", "JML202", "JML215"}
 """Rules whose bad models are made below."""

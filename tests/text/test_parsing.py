@@ -373,8 +373,8 @@ def test_the_texts_of_the_language_page():
     text = re.sub("^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
     blocks = re.findall(r"(?:^ {4}.*\n|^\n)+", text, re.MULTILINE)
     texts = [textwrap.dedent(each).strip() for each in blocks if each.strip()]
-    example, *_, members, structs, _ = texts
-    for text in (example, f"m {{ {members} }}", structs):
+    example, *_, members, structs, wholes, _ = texts
+    for text in (example, f"m {{ {members} }}", structs, f"{structs}\n{wholes}"):
         assert faults(text) == []
     assert example.startswith("import ")
     assert members.startswith("JAUS ")

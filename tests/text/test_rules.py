@@ -41,7 +41,7 @@ m {
     JAUS->ROS ( Velocity_X -> data { defaultValue: 0 } )
 }
 n {
-    JAUS ReportCostMap2D ROS std_msgs/UInt8MultiArray
+    JAUS ReportCostMap2D ROS std_msgs/UInt8
     JAUS->ROS ( CostMap2DDataVar.CostDataList -> data )
 }
 """
