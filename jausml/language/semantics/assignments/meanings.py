@@ -93,13 +93,18 @@ def lacking(placed: Placed[bridge.FieldAssignment]) -> str:
     known = [*map(attribute_measure, numbers), *([result_measure(placed)] if numbers else [])]
     if not all(isinstance(measured, Measure) for measured in known):
         return "a unit at both ends"
-    axes = {axis_of(end) is not None for end in (*sources, *targets)}
-    if axes == {True}:
-        return "" if passage(steps_of(placed), sources) is not None else "a sign that is followed"
+    if _has_axes(placed):
+        return "" if _is_followed(placed) else "a sign that is followed"
     is_directed = any(map(_is_directed, numbers)) and all(map(_is_directed, sources))
-    if True in axes or is_directed:
-        return "an axis at both ends"
-    return ""
+    return "an axis at both ends" if is_directed or any(map(axis_of, (*sources, *targets))) else ""
+
+
+def _has_axes(placed: Placed[bridge.FieldAssignment]) -> bool:
+    return all(map(axis_of, (*placed.source_attributes, *placed.target_attributes)))
+
+
+def _is_followed(placed: Placed[bridge.FieldAssignment]) -> bool:
+    return passage(steps_of(placed), placed.source_attributes) is not None
 
 
 _LEAST_ENTRIES = 2
@@ -120,27 +125,32 @@ def _has_names(sources: list[Attribute], targets: list[Attribute]) -> bool:
     return found is not None and found.is_of_one_enumeration
 
 
-_GEODETIC = frozenset({"latitude", "longitude"})
-"""Coordinates whose signs are north and east on either side (WGS 84)."""
+_GEODETIC = frozenset({"latitude", "longitude", "altitude"})
+"""Coordinates whose signs are north, east and up by their name (WGS 84; rule JML458)."""
+
+
+def _is_geodetic(attribute: Attribute) -> bool:
+    return not _GEODETIC.isdisjoint(word.casefold() for word in words(attribute.label))
 
 
 def _is_directed(attribute: Attribute) -> bool:
     """Tells whether a number may be negative, and its sign means a direction."""
     known, measured = source_range(attribute), attribute_measure(attribute)
     is_temperature = measured is not None and dict(measured.unit.dimension).keys() == {"K"}
-    named = {word.casefold() for word in words(attribute.label)}
-    is_free = is_temperature or attribute.kind == BOOL or bool(named & _GEODETIC)
+    is_free = is_temperature or attribute.kind == BOOL or _is_geodetic(attribute)
     return not is_free and (known is None or known[0] < 0)
 
 
-def turns(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether an assignment changes the sign of a number."""
+def turns_unseen(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Tells whether an assignment changes the sign of a number, and no rule follows its axes."""
     sign = 1
     for step in steps_of(placed):
         if step.conversion.frames or step.sign is None:
             return False
         sign *= step.sign
-    return sign < 0
+    ends = (*placed.source_attributes, *placed.target_attributes)
+    is_seen = (_has_axes(placed) and _is_followed(placed)) or any(map(_is_geodetic, ends))
+    return sign < 0 and not is_seen
 
 
 def crossed(placed: Placed[bridge.FieldAssignment]) -> tuple[str, str] | None:

@@ -128,9 +128,14 @@ def with_constants(
         for each in (used.toRos if to_ros else used.toJaus)
         if isinstance(each, (bridge.ConstantAssignment, bridge.ClockAssignment))
         and not said & {parse_path(path) for path in target_paths(each)}
-        and not any(map(_is_quantity, Placed(each, scope).target_attributes))
+        and (_is_zero(each) or not any(map(_is_quantity, Placed(each, scope).target_attributes)))
     )
     return (*constants, *values)
+
+
+def _is_zero(assignment: bridge.Assignment) -> bool:
+    value = assignment.value if isinstance(assignment, bridge.ConstantAssignment) else ""
+    return is_real(value) and not float(value)
 
 
 def _is_quantity(attribute: Attribute) -> bool:

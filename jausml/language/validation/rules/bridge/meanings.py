@@ -10,7 +10,7 @@ from jausml.language.semantics.assignments.meanings import (
     by_table,
     crossed,
     outcome,
-    turns,
+    turns_unseen,
     unknown_targets,
 )
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, target_paths
@@ -69,8 +69,8 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
         unknown = dict(unknown_targets(used, to_ros=direction.to_ros))
         for placed in direction.of_kind(bridge.FieldAssignment):
             lacks = [path for path in target_paths(placed.assignment) if path in unknown]
-            if lacks and (turns(placed) or by_table(placed)):
-                does = "turns the sign" if turns(placed) else "looks up a table"
+            if lacks and (turns_unseen(placed) or by_table(placed)):
+                does = "turns the sign" if turns_unseen(placed) else "looks up a table"
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
                 hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
                 yield Finding(placed.assignment, message, "target", hint)
