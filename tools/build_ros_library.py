@@ -4,24 +4,31 @@ Usage: build_ros_library.py SHARE_FOLDER [PACKAGE ...] [--output FOLDER]
 
 SHARE_FOLDER is the folder that holds one folder for each ROS package, for example
 /opt/ros/jazzy/share. Only facts are taken over (names, types, sizes, defaults, constants), no
-comments. Packages that few installations have stand in tools/ros_definitions; units, axes and
-ranges in tools/ros_semantics.ini. The output is the same for the same definitions, whatever the
-machine.
+comments. Packages that few installations have stand in tools/ros_definitions; units, axes, ranges
+and markers in tools/ros_semantics.ini. The output is the same for the same definitions, whatever
+the machine.
 """
 
 from __future__ import annotations
 
 import argparse
 import configparser
+import hashlib
 import re
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from jausml.language.attributes.expressions import ExpressionError, parse_expression
 from jausml.language.attributes.units import parse_unit
 from jausml.language.importers.ros import ImportResult, import_packages, package_sources, placed
-from jausml.language.metamodel.filling import set_value
+from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.xmi.writer import write_model
+
+if TYPE_CHECKING:
+    from jausml.language.metamodel import Metamodels
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.metamodel.classes.ecore import EObject
 
 HERE = Path(__file__).resolve().parent
 OWN_DEFINITIONS = HERE / "ros_definitions"
@@ -48,19 +55,26 @@ DEFAULT_PACKAGES = (
     "rcl_interfaces",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
+PACKAGES = "packages"
+"""The section with the versions that were read; the others are message types."""
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")
+_MARKER = re.compile(
+    r"(?P<meaning>unknown|none|unlimited): (?P<condition>.+?)"
+    r"(?: -> (?P<value>\S+))?(?: by (?P<stated>.+))?"
+)
 
 
 class LibraryError(ValueError):
     """What the library is made of does not fit together."""
 
 
-def read_packages(share: Path, names: tuple[str, ...]) -> ImportResult:
-    """Imports packages, without their comments.
+def read_packages(share: Path, names: tuple[str, ...], *, comments: bool = False) -> ImportResult:
+    """Imports packages.
 
     Args:
         share: Folder of the installed packages.
         names: The packages.
+        comments: Whether elements take over their comments, which the library does not.
 
     Raises:
         LibraryError: A package is not there, or a definition cannot be understood.
@@ -72,14 +86,14 @@ def read_packages(share: Path, names: tuple[str, ...]) -> ImportResult:
         if not folder.is_dir():
             raise LibraryError(f"no package {folder}")
         folders.append(str(folder))
-    result = import_packages(package_sources(folders), library=False, comments=False)
+    result = import_packages(package_sources(folders), library=False, comments=comments)
     if result.diagnostics:
         raise LibraryError("\n".join(map(str, result.diagnostics)))
     return result
 
 
 def read_semantics(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
-    """Returns units, frame, minimum and maximum by message type and field.
+    """Returns units, frame, minimum, maximum and markers by message type and field.
 
     Raises:
         LibraryError: A statement is none of them.
@@ -87,15 +101,26 @@ def read_semantics(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
     parser = configparser.ConfigParser(delimiters=("=",), interpolation=None)
     parser.optionxform = str  # type: ignore[method-assign,assignment]
     parser.read_string(path.read_text(encoding="utf-8"))
-    return {
-        section: {name: _statements(text) for name, text in parser[section].items()}
-        for section in parser.sections()
-    }
+    versions = parser[PACKAGES]
+    found: dict[str, dict[str, dict[str, Any]]] = {}
+    for section in parser.sections():
+        if section == PACKAGES:
+            continue
+        package, _, name = section.partition("/")
+        own = f"{name.partition('_')[0]} of {package} {versions.get(package, '').partition(':')[0]}"
+        found[section] = {
+            field.strip(): _statements(field.strip(), text, own)
+            for fields, text in parser[section].items()
+            for field in fields.split(",")
+        }
+    return found
 
 
-def _statements(text: str) -> dict[str, Any]:
+def _statements(field: str, text: str, stated: str) -> dict[str, Any]:
+    """What is said of a field; `stated` is where that is, unless a marker says otherwise."""
+    first, *lines = text.split("\n")
     found: dict[str, Any] = {}
-    for word in text.split():
+    for word in first.split():
         limits = _RANGE.fullmatch(word)
         if limits:
             found["minimum"], found["maximum"] = map(float, limits.groups())
@@ -103,11 +128,49 @@ def _statements(text: str) -> dict[str, Any]:
             found["frame"] = word
         elif parse_unit(word):
             found["units"] = word
+    if lines:
+        found["markers"] = [_marker(field, line, stated) for line in lines]
     return found
 
 
+def _marker(field: str, line: str, stated: str) -> dict[str, str]:
+    match = _MARKER.fullmatch(line)
+    if match is None:
+        raise LibraryError(f"{SEMANTICS.name}: {field} has no marker '{line}'")
+    condition = _spelt_out(re.sub(r"\bit\b", field, match["condition"]))
+    try:
+        parse_expression(condition)
+    except ExpressionError as fault:
+        raise LibraryError(f"{SEMANTICS.name}: {field}: '{condition}': {fault}") from fault
+    features = {
+        "condition": condition,
+        "value": match["value"],
+        "stated": match["stated"] or stated,
+    }
+    return {"meaning": match["meaning"], **{name: each for name, each in features.items() if each}}
+
+
+def _spelt_out(condition: str) -> str:
+    """Returns `a == 0 and b == 0` of `{a,b} == 0`."""
+    head, opened, rest = condition.partition("{")
+    if not opened:
+        return condition
+    names, _, tail = rest.partition("}")
+    return " and ".join(f"{head}{name}{tail}" for name in names.split(","))
+
+
+def digest_of(folder: Path) -> str:
+    """Returns a digest of the definitions of a package: of all words, comments included."""
+    texts = (
+        f"{path.name} {' '.join(path.read_text(encoding='utf-8').split())}"
+        for suffix in ("msg", "srv", "action")
+        for path in sorted(folder.glob(f"{suffix}/*.{suffix}"))
+    )
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:16]
+
+
 def add_semantics(result: ImportResult, facts: dict[str, dict[str, dict[str, Any]]]) -> None:
-    """Writes units, axes and ranges into the fields of imported packages.
+    """Writes units, axes, ranges and markers into the fields of imported packages.
 
     Args:
         result: The packages.
@@ -116,9 +179,8 @@ def add_semantics(result: ImportResult, facts: dict[str, dict[str, dict[str, Any
     Raises:
         LibraryError: A type or a field is not there.
     """
-    types = {f"{p.name}/{m.name}": m for p in result.packages for m in _messages(p)}
+    types = {f"{p.name}/{m.name}": m for p in result.packages for m in messages_of(p)}
     imported = {package.name for package in result.packages}
-    classes = result.model.metamodels
     for type_name, fields in facts.items():
         if type_name.partition("/")[0] not in imported:
             continue
@@ -129,14 +191,24 @@ def add_semantics(result: ImportResult, facts: dict[str, dict[str, dict[str, Any
         for name, statements in fields.items():
             if name not in by_name:
                 raise LibraryError(f"{SEMANTICS.name}: {type_name} has no field {name}")
-            for feature_name, value in statements.items():
-                feature = classes.class_of(by_name[name]).features[feature_name]
-                data_type = feature.data_type
-                literals = data_type.literals if data_type is not None else {}
-                set_value(by_name[name], feature, literals.get(value, value))
+            _fill(by_name[name], statements, result.model.metamodels)
 
 
-def _messages(package: Any) -> list[Any]:
+def _fill(element: EObject, features: dict[str, Any], classes: Metamodels) -> None:
+    """Sets features of an element; what is a map itself stands for a marker."""
+    tables = classes.class_of(element).features
+    for name, value in features.items():
+        if isinstance(value, list):
+            for each in value:
+                marker = new_object(classes.classes["ros.Marker"])
+                _fill(marker, each, classes)
+                assign(element, tables[name], marker)
+        else:
+            assign(element, tables[name], value)
+
+
+def messages_of(package: ros.InterfacePackage) -> list[ros.MessageType]:
+    """Returns the message types of a package, with those of its services and actions."""
     parts = [each for s in package.services for each in (s.request, s.response)]
     parts += [each for a in package.actions for each in (a.goal, a.result, a.feedback)]
     return [*package.messages, *parts]

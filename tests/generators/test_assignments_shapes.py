@@ -73,9 +73,12 @@ codes {
     Numbers[1].Number -> linear_acceleration.y { whenAbsent: dropMessage }
   )
   ROS->JAUS (
-    angular_velocity_covariance -> Rest.Codes { index, . -> . : expression("value2 + index") }
-    linear_acceleration.x -> Numbers[0].Number
-    linear_acceleration.y -> Numbers[1].Number
+    angular_velocity_covariance -> Rest.Codes {
+      whenAbsent: leave
+      index, . -> . : expression("value2 + index")
+    }
+    linear_acceleration.x -> Numbers[0].Number { whenAbsent: leave }
+    linear_acceleration.y -> Numbers[1].Number { whenAbsent: leave }
   )
 }
 
@@ -83,7 +86,7 @@ rows {
   JAUS ReportRows
   ROS sensor_msgs/MultiEchoLaserScan
   JAUS->ROS ( Rows -> ranges { . -> echoes { Height -> . } } )
-  ROS->JAUS ( ranges -> Rows { echoes -> . { . -> Height } } )
+  ROS->JAUS ( ranges -> Rows { echoes -> . { . -> Height { whenAbsent: leave } } } )
 }
 
 bridge shaped {

@@ -135,9 +135,9 @@ def test_same_model_gives_the_same_bytes(loop_files):
         )  # percent
 """,
         """
-        target.time_stamp = ReportLocalPose.TimeStamp(
-            *conversions.time_to_timestamp(source.header.stamp)
-        )
+            target.time_stamp = ReportLocalPose.TimeStamp(
+                *conversions.time_to_timestamp(source.header.stamp)
+            )
 """,
         # One query for two connections asks for what both of them read.
         """

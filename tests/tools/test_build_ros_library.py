@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
-import sys
 from pathlib import Path
 
 import needs
@@ -17,42 +15,30 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "ros"
 
 
-@pytest.fixture(scope="module")
-def tool():
-    spec = importlib.util.spec_from_file_location(
-        "build_ros_library", ROOT / "tools" / "build_ros_library.py"
-    )
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
-
-
-def test_unclear_line_is_reported_with_its_place(tool, tmp_path, capsys):
+def test_unclear_line_is_reported_with_its_place(ros_library, tmp_path, capsys):
     folder = tmp_path / "odd_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Odd.msg").write_text("what?\n")
-    assert tool.main([str(tmp_path), "odd_msgs", "--output", str(tmp_path / "out")]) == 1
+    assert ros_library.main([str(tmp_path), "odd_msgs", "--output", str(tmp_path / "out")]) == 1
     assert "Odd.msg:1:1: error: JML643" in capsys.readouterr().err
-    assert tool.main([str(tmp_path), "absent_msgs", "--output", str(tmp_path / "out")]) == 1
+    assert ros_library.main([str(tmp_path), "absent_msgs", "--output", str(tmp_path / "out")]) == 1
     assert "absent_msgs" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
-def test_semantics_of_a_field_that_is_not_there(tool, tmp_path, capsys):
+def test_semantics_of_a_field_that_is_not_there(ros_library, tmp_path, capsys):
     folder = tmp_path / "nav_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Path.msg").write_text("float64 x\n")
-    assert tool.main([str(tmp_path), "nav_msgs", "--output", str(tmp_path / "out")]) == 1
+    assert ros_library.main([str(tmp_path), "nav_msgs", "--output", str(tmp_path / "out")]) == 1
     assert "no type nav_msgs/GridCells" in capsys.readouterr().err
 
 
-def test_action_sections(tool, tmp_path):
+def test_action_sections(ros_library, tmp_path):
     folder = tmp_path / "demo" / "action"
     folder.mkdir(parents=True)
     (folder / "Go.action").write_text("int32 order\n---\nint32[] sequence\n---\nint32 step\n")
-    assert tool.main([str(tmp_path), "demo", "--output", str(tmp_path)]) == 0
+    assert ros_library.main([str(tmp_path), "demo", "--output", str(tmp_path)]) == 0
     action = etree.parse(tmp_path / "demo.xmi").getroot().find("actions")
     assert [part.tag for part in action] == ["goal", "result", "feedback"]
     assert action.find("feedback").get("name") == "Go_Feedback"
@@ -76,9 +62,9 @@ def test_library_holds_no_words_of_others():
 
 
 @pytest.mark.needs("interfaces")
-def test_shipped_library_is_what_the_tool_writes(tool, tmp_path):
+def test_shipped_library_is_what_the_tool_writes(ros_library, tmp_path):
     share = Installation().folder("geometry_msgs").parent
-    assert tool.main([str(share), "--output", str(tmp_path)]) == 0
+    assert ros_library.main([str(share), "--output", str(tmp_path)]) == 0
     for path in sorted(LIBRARY.glob("*.xmi")):
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 

@@ -208,14 +208,16 @@ class Ends:
             f"assert isinstance(target, {self.view.target_name})",
         ]
 
-    def refused(self, error: str, before: str = "") -> list[str]:
+    def refused(self, error: str, before: str = "", given: Iterable[str] = ()) -> list[str]:
         """Returns the statements that show that `source` is not translated.
 
         Args:
             before: What keeps the error, e.g. ` as caught`.
+            given: Names of joins, in Python, whose message is a variable of that name.
         """
-        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source')}"
-        return [*self.joined(), refusal]
+        present = set(given)
+        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source', present)}"
+        return [*self.joined(present), refusal]
 
     def call(self, source: str, given: Iterable[str] = ()) -> str:
         """Returns the call that translates a message.

@@ -21,6 +21,7 @@ from jausml_generators.bridge.translation.expressions import (
     REAL,
     TEXT,
     Cast,
+    Length,
     Read,
 )
 from jausml_generators.bridge.translation.places import HasValue, RosStart, ros_field
@@ -285,8 +286,12 @@ class RosMessage:
         return any(each == path or each.startswith(f"{path}.") for each in found)
 
     def markers(self, path: str) -> list[Marker]:
-        """Returns the markers by which a message says that it has no value at a path."""
-        found = (each for each in self.field(path).conditions if isinstance(each, HasValue))
+        """Returns the markers by which a message says that it has no value at a path.
+
+        Those that ask for the number of elements are left out: a path gives its list enough.
+        """
+        marks = (each for each in self.field(path).conditions if isinstance(each, HasValue))
+        found = (m for m in marks if not any(isinstance(e, Length) for _, e in m.operands))
         return [
             Marker(self.type, each.marker, {n: self.place(_path(e)) for n, e in each.operands})
             for each in found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.literals import python_string
 from jausml.language.semantics.conversions import conversion_of
 from jausml.language.semantics.conversions.authored import User
+from jausml.language.semantics.paths.attributes import COUNT
 from jausml_generators.bridge.translation.expressions import (
     INTEGER,
     LIST,
@@ -20,7 +21,7 @@ from jausml_generators.bridge.translation.expressions import (
     UserCall,
 )
 from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, joined
-from jausml_generators.bridge.translation.sources import COUNT, INDEX, Counters
+from jausml_generators.bridge.translation.sources import INDEX, Counters
 from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
 from jausml_generators.bridge.translation.together import alike
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError

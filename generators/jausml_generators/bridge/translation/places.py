@@ -17,7 +17,14 @@ from jausml.language.semantics.paths.ros_paths import (
     named_constants,
 )
 from jausml.language.semantics.paths.scopes import parse_path
-from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, REAL, Cast, Read
+from jausml_generators.bridge.translation.expressions import (
+    BOOLEAN,
+    INTEGER,
+    REAL,
+    Cast,
+    Length,
+    Read,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -289,7 +296,9 @@ def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> Express
         if not isinstance(end, RosPlace) or end.field is None:
             raise PathError(f"'{name}' does not lead to a number of {full_name(holder)}")
         parts = parse_path(name)
-        steps = (int(each[1:-1]) if each.startswith("[") else each for each in parts)
+        steps = [int(each[1:-1]) if each.startswith("[") else each for each in parts]
+        if end.is_count:
+            return Length(owner.at(*steps[:-1]))
         field, found = end.field, owner.at(*steps)
     kind = field.type.name if isinstance(field, ros.PrimitiveField) else ""
     read = Read(found, _KINDS.get(kind, INTEGER))

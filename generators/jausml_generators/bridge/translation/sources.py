@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES
+from jausml.language.semantics.paths.attributes import COUNT
 from jausml.language.semantics.paths.markers import marks_of
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
@@ -14,6 +15,7 @@ from jausml_generators.bridge.translation.expressions import (
     OCTETS,
     REAL,
     Expression,
+    Length,
     Read,
 )
 from jausml_generators.bridge.translation.places import (
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
     from jausml_generators.python.codec.jaus_fields import JausField
     from jausml_generators.python.codec.messages import MessageView
 
-INDEX, COUNT = "index", "count"
+INDEX = "index"
 MANY = 2**32 - 1
 
 
@@ -112,7 +114,7 @@ class JausSource:
         try:
             found = self.field(path)
         except PathError:
-            counter = self.counters.value(path, policy)
+            counter = self.counters.value(path, policy) or _count(self, path, policy)
             if counter is None:
                 raise
             return counter
@@ -184,7 +186,7 @@ class RosSource:
         try:
             found, conditions = self._field(path)
         except PathError:
-            counter = self.counters.value(path, policy)
+            counter = self.counters.value(path, policy) or _count(self, path, policy)
             if counter is None:
                 raise
             return counter
@@ -210,6 +212,18 @@ class RosSource:
             own = markers(marks, start.field, Place(root), start.owner)
             conditions = (*conditions, *own)
         return RosSource(self.type, start, self.joins, self.top or self, counters, conditions)
+
+
+def _count(source: Source, path: str, policy: Policy) -> Value | None:
+    """Returns the number of elements of a list; None where a path does not lead to it."""
+    owner, _, last = path.rpartition(".")
+    if not owner or last != COUNT:
+        return None
+    try:
+        many = source.many(owner)
+    except PathError:
+        return None
+    return Value(Length(many.place), many.conditions, limits=many.counts, policy=policy)
 
 
 Source: TypeAlias = JausSource | RosSource

@@ -4,28 +4,49 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TYPE_CHECKING, TypeAlias
 
+from jausml.language.attributes.expressions import (
+    Conditional,
+    Number,
+    Operation,
+    Variable,
+    parse_expression,
+)
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.frames import is_coordinate
+from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.assignments.units import attribute_measure, result_measure
 from jausml.language.semantics.conversions import UnitEffect, conversion_of
+from jausml.language.semantics.conversions.authored import Expression as AuthoredExpression
+from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.conversions.times import TimeToTimestamp
 from jausml.language.semantics.paths.scopes import expanded, place
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (
     BITS,
+    REAL,
     TEXT,
+    Authored,
     Convert,
     Either,
     Expression,
     Limit,
     Now,
+    Operand,
     Read,
     Setting,
 )
-from jausml_generators.bridge.translation.places import PathError, Place, joined, ros_field
+from jausml_generators.bridge.translation.places import (
+    HasValue,
+    PathError,
+    Place,
+    joined,
+    ros_field,
+)
 from jausml_generators.bridge.translation.steps import Keep, Require, WhereKept, conditions
+from jausml_generators.bridge.translation.together import is_arithmetic
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
     UNLIMITED,
@@ -84,6 +105,22 @@ def _kind(message_type: ros.MessageType, path: str) -> str:
         return ros_kind(ros_field(message_type, path))
     except PathError:
         return ""
+
+
+_RESULT = "=result"
+"""How an expression of a choice calls what conversions made; no name of a model has the sign."""
+
+
+def _is_marker(way: Way) -> bool:
+    return isinstance(way, HasValue)
+
+
+def _is_total(conversion: bridge.Conversion) -> bool:
+    """Whether a conversion has a result for each number."""
+    meaning = conversion_of(conversion)
+    if isinstance(meaning, AuthoredExpression):
+        return is_arithmetic(parse_expression(conversion.expression or ""))
+    return isinstance(meaning.definition, Definition) and not meaning.definition.refused
 
 
 def _is_frame(path: str, kind: str) -> bool:
@@ -187,7 +224,13 @@ class Translation(ABC):
     def values_of(self, assignment: bridge.FieldAssignment) -> list[Value]:
         """Returns the values of the sources of an assignment, with what they need to be there."""
         policy = self._policy_of(assignment)
-        return [self.source.value(path, policy) for path in paths_of(assignment.source)]
+        values = [self.source.value(path, policy) for path in paths_of(assignment.source)]
+        if not knows_unknown(assignment):
+            return values
+        return [
+            replace(each, conditions=tuple(w for w in each.conditions if not _is_marker(w)))
+            for each in values
+        ]
 
     def _policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
         placed = place(self.map, assignment, to_ros=self.to_ros)
@@ -214,6 +257,10 @@ class Translation(ABC):
             self._field_of_some(assignment)
             return
         ways = joined(each for value in values for each in value.conditions)
+        chosen = self._chosen(assignment, values, ways) if policy == "useDefault" else None
+        if chosen is not None:
+            self._put(assignment, [chosen])
+            return
         if ways:
             self._store_absent(assignment, policy)
         if policy == "lastValue" and ways:
@@ -221,6 +268,34 @@ class Translation(ABC):
             return
         with self.body.given(ways):
             self._store(assignment, values)
+
+    def _chosen(
+        self, assignment: bridge.FieldAssignment, values: Sequence[Value], ways: Sequence[Way]
+    ) -> Value | None:
+        """Returns one value for both cases, so that a list is translated as a whole.
+
+        Returns:
+            None where a conversion could refuse what a marker stands for, and outside of lists.
+        """
+        is_element = self.source.top is not None and bool(ways) and all(map(_is_marker, ways))
+        if not is_element or not all(map(_is_total, assignment.conversions)):
+            return None
+        marks = [way for way in ways if isinstance(way, HasValue)]
+        operands = dict(operand for mark in marks for operand in mark.operands)
+        is_clear = all(operands[name] == each for mark in marks for name, each in mark.operands)
+        if not is_clear:
+            return None
+        value, *more = self.results_of(assignment, [replace(values[0], conditions=())])
+        if more or value.kind != REAL:
+            return None
+        condition = reduce(lambda a, b: Operation("or", (a, b)), (mark.marker for mark in marks))
+        default = Number(float(assignment.defaultValue or 0))
+        expression = Conditional(condition, default, Variable(_RESULT))
+        operands[_RESULT] = value.expression
+        given = tuple(
+            (name, Operand(each, name, is_computed=False)) for name, each in operands.items()
+        )
+        return replace(value, expression=Authored(expression, given), is_computed=True)
 
     def _store_absent(self, assignment: bridge.FieldAssignment, policy: str) -> None:
         """Gives the targets what they have unless the sources are there."""
@@ -282,7 +357,9 @@ class Translation(ABC):
             self.body.add(WhereKept(setting.name, tuple(inner.steps)))
 
     def _store(self, assignment: bridge.FieldAssignment, values: Sequence[Value]) -> None:
-        results = self.results_of(assignment, values)
+        self._put(assignment, self.results_of(assignment, values))
+
+    def _put(self, assignment: bridge.FieldAssignment, results: Sequence[Value]) -> None:
         remark = self._unit_remark(assignment)
         # A conversion may make another quantity of the source, in a unit that nobody states.
         effects = [conversion_of(each).units for each in assignment.conversions]

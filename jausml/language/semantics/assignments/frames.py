@@ -85,7 +85,7 @@ def axis_of(attribute: Attribute) -> Axis | None:
 
 def geodetic(attribute: Attribute) -> str:
     """Returns which coordinate on the earth a number is: `latitude`, `longitude`, `altitude`."""
-    name = attribute.label.lower()
+    name = attribute.label.lower().rpartition("_")[2]
     return name if attribute.frame == _GEODETIC and name in _COORDINATES else ""
 
 

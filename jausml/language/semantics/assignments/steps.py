@@ -199,6 +199,12 @@ class ChainFault:
     message: str
 
 
+def knows_unknown(assignment: bridge.FieldAssignment | bridge.ListAssignment) -> bool:
+    """Tells whether the first conversion makes a value of what the marker of a source says."""
+    first = next(iter(assignment.conversions), None)
+    return first is not None and conversion_of(first).knows_unknown
+
+
 def chain_kinds(
     conversions: Sequence[bridge.Conversion], kinds: Sequence[str]
 ) -> list[str] | ChainFault:

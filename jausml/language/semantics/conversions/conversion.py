@@ -130,6 +130,7 @@ class Conversion:
         frames: Frames that it takes and yields, empty when it has nothing to do with frames.
         takes_axes: Axes of what a conversion between frames takes; empty text for an orientation.
         limits: Ranges of the results when they do not depend on the inputs, else empty.
+        knows_unknown: Whether it makes a value of what a marker says, as of an unknown occupancy.
     """
 
     name: ClassVar[str]
@@ -144,6 +145,7 @@ class Conversion:
     effect: ClassVar[Effect] = Effect.OTHER
     inverse: ClassVar[str] = ""
     limits: ClassVar[tuple[Interval, ...]] = ()
+    knows_unknown: ClassVar[bool] = False
 
     def forward(self, *given: Any, **named: Any) -> Any:
         """Returns the result: a tuple of parts for messages and for several outputs.

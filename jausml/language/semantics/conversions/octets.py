@@ -20,6 +20,7 @@ class OccupancyToCost(Conversion):
 
     name = "occupancy_to_cost"
     limits = ((0.0, 255.0),)
+    knows_unknown = True
     definition = Definition(
         "value",
         "if(value == -1, 255, round(value * (254 / 100)))",

@@ -30,6 +30,9 @@ LIST = "list"
 TIME_STAMP = "TimeStamp"
 TIME = "builtin_interfaces/Time"
 
+COUNT = "count"
+"""The step behind a list or an array that leads to the number of its elements."""
+
 EMPTY = frozenset({TEXT, OCTETS, LIST, NUMBERS})
 """Kinds of what may be empty."""
 
@@ -90,6 +93,12 @@ class PathFault:
 
 Found = Attribute | PathFault | None
 """None: what the path leads through was not read, so nothing can be said."""
+
+
+def count_of_elements(label: str) -> Attribute:
+    """Returns what the number of elements of a list is."""
+    name = f"the number of elements of '{label}'"
+    return Attribute(NUMBER, name, integral=True, lower=0, upper=2**32 - 1, step=1, label=COUNT)
 
 
 def nearest_name(name: str, fields: Iterable[Part]) -> str:

@@ -12,6 +12,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.services import attributes, class_name, is_group
 from jausml.language.semantics.paths.attributes import (
+    COUNT,
     EMPTY,
     LIST,
     NUMBER,
@@ -21,6 +22,7 @@ from jausml.language.semantics.paths.attributes import (
     UNSTATED,
     Attribute,
     PathFault,
+    count_of_elements,
     nearest_name,
 )
 from jausml.language.semantics.subject import remembered
@@ -42,11 +44,13 @@ class JausPlace:
             format.
         may_lack: Whether a message may have no value here: a field on the way is left out, a list
             is shorter, or another option or alternative was chosen.
+        is_count: Whether it is the number of elements of the list.
     """
 
     where: str
     message: jaus.MessageDef | None = None
     field: JausPart | None = None
+    is_count: bool = False
     units: str = ""
     frame: str = UNSTATED
     label: str = ""
@@ -77,6 +81,8 @@ class JausPlace:
         """Returns what an assignment finds here."""
         if self.field is None:
             return Attribute("", "a message")
+        if self.is_count:
+            return count_of_elements(self.label)
         value = _value(self.field)
         return replace(
             value,
@@ -92,6 +98,8 @@ class JausPlace:
     def step(self, step: str) -> JausPlace | PathFault | None:
         """Returns the place behind one name, indices included."""
         fields = self.members()
+        if step == COUNT and self._is_many() and not self.is_count:
+            return replace(self, is_count=True)
         if fields is None:
             hint = f"name one element: {self.label}[0]" if self._is_many() else ""
             return PathFault(f"{self.where} has no attributes", hint)

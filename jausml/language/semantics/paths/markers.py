@@ -74,11 +74,14 @@ def unknown(field: ros.Field) -> str | None:
         field alone cannot. That nothing limits a quantity is said by a default, and never written.
     """
     found = marks_of(field)
-    if any(_is_said_by_default(field, each) for each in found):
-        return ""
+    if field.arrayKind.name not in ("single", "fixedArray"):
+        # What says that a sequence is empty says nothing of its elements.
+        found = tuple(each for each in found if each.is_of_elements)
     said = (str(each.marker.value or "") for each in found if not each.is_unlimited)
-    is_written = isinstance(field, ros.PrimitiveField)
-    return next(filter(None, said), None) if is_written else None
+    written = next(filter(None, said), None) if isinstance(field, ros.PrimitiveField) else None
+    if written is None and any(_is_said_by_default(field, each) for each in found):
+        return ""
+    return written
 
 
 def _is_said_by_default(field: ros.Field, mark: Mark) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.attributes import (
+    COUNT,
     EMPTY,
     LIST,
     NUMBER,
@@ -17,6 +18,7 @@ from jausml.language.semantics.paths.attributes import (
     UNSTATED,
     Attribute,
     PathFault,
+    count_of_elements,
     nearest_name,
     primitive,
 )
@@ -44,11 +46,13 @@ class RosPlace:
         may_lack: Whether a message may have no value here: a marker of a field on the way says so,
             or a sequence on it is shorter.
         says_unknown: Whether a field on the way has a marker by which it can say that.
+        is_count: Whether it is the number of elements of an array.
     """
 
     type: ros.MessageType | None = None
     field: ros.Field | None = None
     is_array: bool = False
+    is_count: bool = False
     units: str = ""
     frame: str = UNSTATED
     label: str = ""
@@ -77,6 +81,8 @@ class RosPlace:
         """Returns what an assignment finds here."""
         if self.field is None:
             return Attribute("", f"a {ros_name(self.type)}" if self.type is not None else "nothing")
+        if self.is_count:
+            return replace(count_of_elements(self.label), is_ros=True)
         value = self._array(self.field) if self.is_array else self._single(self.field)
         return replace(
             value,
@@ -92,6 +98,8 @@ class RosPlace:
     def step(self, step: str) -> RosPlace | PathFault | None:
         """Returns the place behind one name, an index included."""
         if self.is_array and self.field is not None:
+            if step == COUNT:
+                return replace(self, type=None, is_array=False, is_count=True)
             return _unindexed(self.field)
         if self.type is None:
             if not isinstance(self.field, ros.PrimitiveField):

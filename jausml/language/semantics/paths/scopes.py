@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found, PathFault
+from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.wholes import ShapeError, parts_of
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 PathPlace = JausPlace | RosPlace
 FoundPlace = PathPlace | PathFault | None
 
-COUNTERS = ("index", "count")
+COUNTERS = ("index", COUNT)
 
 
 @remembered
@@ -84,7 +84,10 @@ class PathScope:
         """Returns the place that a target path leads to."""
         if path.startswith("/") and self.is_nested:
             return PathFault("the target of an element lies within the element")
-        return _followed((self.target, path))
+        found = _followed((self.target, path))
+        if isinstance(found, JausPlace | RosPlace) and found.is_count:
+            return PathFault(f"'{path}' follows from the elements")
+        return found
 
     def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
         """Returns the scope of what a list assignment nests; None when its ends are no lists."""
@@ -201,7 +204,9 @@ def is_many(found: FoundPlace) -> TypeGuard[PathPlace]:
     """Tells whether a place is a list or an array as a whole."""
     if isinstance(found, RosPlace):
         return found.is_array
-    return isinstance(found, JausPlace) and isinstance(found.field, (jaus.List, jaus.Array))
+    if not isinstance(found, JausPlace) or found.is_count:
+        return False
+    return isinstance(found.field, (jaus.List, jaus.Array))
 
 
 def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:

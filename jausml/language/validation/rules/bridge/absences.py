@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
+from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP, Attribute
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
@@ -28,7 +29,8 @@ def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     too short for the path; a join with `whenStale="leave"` is silent. An optional JAUS field is
     left out then, a ROS field takes the value of its marker, a text or a sequence is empty. All
     else would keep its default: a velocity of 0 says that the vehicle stands, a position of 0 puts
-    it on the origin. In maps of the library this is an error. JML457 and JML496 are part of it now.
+    it on the origin. What occupancy_to_cost makes of an unknown occupancy is a cost too. In maps of
+    the library this is an error. JML457 and JML496 are part of it now.
 
     Bad: `target="twist.linear.x" source="Velocity_X"` where Velocity_X is optional
 
@@ -37,7 +39,8 @@ def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """
     for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            if placed.assignment.whenAbsent.name == _UNSTATED:
+            states = placed.assignment.whenAbsent.name != _UNSTATED
+            if not states and not knows_unknown(placed.assignment):
                 yield from _made_up(subject, placed)
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, fits, yields
 from jausml.language.semantics.conversions import conversions_between
@@ -19,6 +20,7 @@ from jausml.language.semantics.paths.attributes import (
     PathFault,
     constant_fault,
     octets_of,
+    primitive,
 )
 from jausml.language.semantics.paths.scopes import (
     DIRECTED,
@@ -48,7 +50,7 @@ def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
     the fields of the type, or at the name of a join. Elements of fixed arrays and of JAUS lists are
     named by index: `covariance[7]`. Behind a variant or a variable field stands the name of the
     option or alternative. Paths in a ListAssignment start at the element, those with '/' at the
-    message.
+    message. `count` behind a list or an array is the number of its elements, which is no target.
 
     Bad: `target="twist.lin.x"`
 
@@ -221,7 +223,7 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
             yield Finding(assignment, message, "target")
 
 
-_ABSENT = "absent"
+_ABSENT, _WHOLE = "absent", "."
 
 
 @rule("JML444", "impossible test vector", each=bridge.AttributeMap)
@@ -229,8 +231,9 @@ def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
     The given values belong to the source, the expected ones to the target. `absent` is for optional
-    fields of a JAUS message. Octets are pairs of hexadecimal digits. The map has assignments for
-    the direction, and a tolerance is a finite number that is not negative.
+    fields of a JAUS message, and for `.` where no message shall come out, which then is all that is
+    expected. Octets are pairs of hexadecimal digits. The map has assignments for the direction, and
+    a tolerance is a finite number that is not negative.
 
     Bad: `<expected path="pose.orientation" value="0.7071"/>`
 
@@ -255,6 +258,12 @@ def _vector_findings(
     scope = outer_scope(attribute_map, to_ros=to_ros)
     for value in vector.given:
         yield from _value_findings(value, scope, is_given=True)
+    whole = next((each for each in vector.expected if each.path == _WHOLE), None)
+    if whole is not None:
+        if whole.value != _ABSENT or len(vector.expected) > 1:
+            message = "'.' is the whole message, which can be absent alone"
+            yield Finding(whole, message, "path")
+        return
     for value in vector.expected:
         yield from _value_findings(value, scope, is_given=False)
 
@@ -274,6 +283,10 @@ def _value_findings(
     if place is None:
         return
     attribute = place.attribute()
+    if is_given and attribute.is_ros and isinstance(attribute.field, ros.PrimitiveField):
+        # A message carries what its type can, whatever its definition says of units and ranges.
+        able = primitive(attribute.field.type.name)
+        attribute = replace(attribute, lower=able.lower, upper=able.upper)
     fault = _value_fault(value.value, attribute, is_jaus=is_given == scope.to_ros)
     if fault:
         yield Finding(value, f"{value.value!a} of '{value.path}' {fault}", "value")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths.attributes import (
@@ -19,6 +19,7 @@ from jausml.language.semantics.paths.attributes import (
     named_values,
     table_text,
 )
+from jausml.language.semantics.paths.markers import VALUE, is_said, marks_of
 from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -41,8 +42,9 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
     which means its number. Of several entries with one value the first counts; one whose values
     both stand in earlier entries is never found. Each enumerated value of the source should be in
-    the table, and each constant of a ROS field, since one that is not drops the message. Where both
-    ends name their values, a number that no constant of the ROS type has means nothing there.
+    the table, and each constant of a ROS field that no marker takes for none, since one that is not
+    drops the message. Where both ends name their values, a number that no constant of the ROS type
+    has means nothing there.
 
     Bad: a table `OPEN <-> true` for a JAUS field with the values Opened and Closed
 
@@ -271,8 +273,18 @@ def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
     Constants belong to a type, not to a field: where a table has values without a name, or of
     other names, it says nothing of them.
     """
-    own = [(each.name, str(each.number)) for each in named_values(meaning.attribute).values()]
+    own = [
+        (each.name, str(each.number))
+        for each in named_values(meaning.attribute).values()
+        if not _is_none(each.number, meaning.attribute)
+    ]
     return own if known <= {meaning.of(name) for name, _ in own} else []
+
+
+def _is_none(number: int, attribute: Attribute) -> bool:
+    """Whether a marker takes a value of a ROS field for none, which no table is asked for."""
+    marks = marks_of(attribute.field) if isinstance(attribute.field, ros.Field) else ()
+    return any(is_said(each.condition, {VALUE: number}) for each in marks)
 
 
 class _Meaning:
