@@ -59,8 +59,8 @@ is_control_available is_controlling_client is_id_stored lift_emergency loop name
 payload_caller permissions_changed permit_control provide provide_by_machines provision query
 query_found raise_event read_list request_core_state request_handoff run_action run_condition
 running send services set_emergency set_list settings shut_down simulation start status stop
-subscribe subscribe_to_found supports_element transport unanswered_greetings watch_emergency watch_unwanted
-when_shut_down when_started
+subscribe subscribe_to_found supports_element transport unanswered_greetings watch_emergency
+watch_unwanted when_shut_down when_started
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the component's class that no method of a machine may replace."""
