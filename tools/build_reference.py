@@ -1,4 +1,4 @@
-"""Writes docs/reference/ from metamodels, rules and command line: it cannot drift from them."""
+"""Writes docs/reference/ from metamodels, library, rules and command line: it cannot drift."""
 
 from __future__ import annotations
 
@@ -17,14 +17,28 @@ from jausml.language.metamodel import (
     documentation,
     load_metamodels,
 )
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import read_models
+from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
+from jausml.language.semantics.paths.attributes import Attribute
+from jausml.language.semantics.paths.markers import unknown
+from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.scopes import flattened, outer_scope
+from jausml.language.text.notation import NOTATIONS
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
+    from jausml.language.semantics.paths.attributes import Found
+    from jausml.language.semantics.paths.scopes import Placed
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "reference"
+READY_MAPS = sorted((ROOT / "models" / "library" / "mappings").glob("*.ros2jaus"))
+ROS_TYPES = sorted((ROOT / "models" / "library" / "ros").glob("*.xmi"))
 LANGUAGES = ("jaus", "ros", "bridge", "system")
 
 _RULES = """\
@@ -45,6 +59,40 @@ several, which are applied one after the other. `takes` and `yields` are the kin
 and after. [Carry a message across a bridge](../how-to/map-a-message.md) shows how to use them, and
 [Frames, signs and units](../explanation/frames.md) which ones a pair of axes needs.
 """
+
+_MARKERS = """\
+# Markers of ROS fields
+
+Look up by which values the fields of the ROS types of the library say that they have no value: that
+it is unknown, that there is none, or that nothing limits it. A ROS message has all of its fields,
+so its definition lends some of their values another meaning. A translation takes a field whose
+marker holds for absent, and writes what says so into a field that nothing sets; without anything in
+`written`, the default of the field says it, or another field has to.
+
+In a condition, `value` is the field, or each element of an array; other names are paths from the
+type. [Carry a message across a bridge](../how-to/map-a-message.md#absent-values) shows what a map
+can make of absent values.
+"""
+
+_UNKNOWN = """\
+# Unknown values in the ready maps
+
+Look up what comes out of a [ready map](../how-to/ready-mappings.md) where a value that goes in is
+unknown: an optional field of JAUS that is left out, an element that a list lacks, or a field of ROS
+whose [marker](markers.md) says so. What no line names is always there. `no message` is counted as
+`absent_field`.
+
+Values that a target cannot carry, such as an infinity, are
+[another matter](../how-to/map-a-message.md#values-that-do-not-fit).
+"""
+
+_OUTCOMES = {
+    "dropMessage": "no message",
+    "lastValue": "the last value",
+    "receptionTime": "the time of arrival",
+    "leave": "stays as ROS makes it",
+}
+"""What comes of a source that is absent, where the assignment alone says it."""
 
 _ARITHMETIC = """\
 ## What they compute
@@ -144,6 +192,97 @@ def _arithmetic(name: str, definition: Definition | NoArithmetic) -> list[str]:
     return [head, *refusal, *(f"  {line}" for line in definition.lines)]
 
 
+def markers_page() -> str:
+    """Returns the page of the markers of the library, by package."""
+    lines = [_MARKERS]
+    packages = read_models(ROS_TYPES).model.instances(ros.InterfacePackage)
+    for package in sorted(packages, key=lambda each: str(each.name)):
+        fields = [f for m in _messages(package) for f in m.fields if f.markers]
+        if fields:
+            head = ("field", "says", "if", "written", "stated in")
+            lines += [f"## {package.name}", ""]
+            lines += [*markdown_table(head, [row for f in fields for row in _markers(f)]), ""]
+    return "\n".join(lines)
+
+
+def _messages(package: ros.InterfacePackage) -> Iterator[ros.MessageType]:
+    yield from package.messages
+    for service in package.services:
+        yield from (service.request, service.response)
+    for action in package.actions:
+        yield from (action.goal, action.result, action.feedback)
+
+
+def _markers(field: ros.Field) -> Iterator[tuple[str, ...]]:
+    owner = field.eContainer()
+    place = f"{owner.name if owner is not None else ''}.{field.name}"
+    for marker in field.markers:
+        yield (
+            f"`{place}`",
+            marker.meaning.name,
+            f"`{marker.condition}`",
+            f"`{marker.value}`" if marker.value else "",
+            str(marker.stated),
+        )
+
+
+def unknown_page() -> str:
+    """Returns the page of what becomes of unknown values in the ready maps, by file."""
+    model = read_models(READY_MAPS, notations=NOTATIONS).model
+    by_file: dict[str, list[tuple[str, ...]]] = {path.stem: [] for path in READY_MAPS}
+    for each in model.instances(bridge.AttributeMap):
+        stem = Path(model.location(each).path).stem
+        for to_ros in (True, False):
+            by_file[stem] += _unknown(each, to_ros=to_ros)
+    lines = [_UNKNOWN]
+    for stem, rows in by_file.items():
+        if rows:
+            head = ("map", "to", "unknown", "because of", "comes out")
+            lines += [f"## {stem}", "", *markdown_table(head, rows), ""]
+    return "\n".join(lines)
+
+
+def _unknown(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, ...]]:
+    """Yields a row for all fields of a map for which the same is unknown, and comes out."""
+    assignments = used.toRos if to_ros else used.toJaus
+    rows: dict[tuple[str, str], list[str]] = {}
+    for placed in flattened(assignments, outer_scope(used, to_ros=to_ros)):
+        assignment = placed.assignment
+        if not isinstance(assignment, bridge.FieldAssignment | bridge.ListAssignment):
+            continue
+        for path, found in placed.sources:
+            if isinstance(found, Attribute) and found.may_lack and not knows_unknown(assignment):
+                key = _reason(placed, path), _outcome(assignment, placed.targets[0][1])
+                rows.setdefault(key, []).append(path)
+    for (reason, outcome), paths in rows.items():
+        names = ", ".join(f"`{each}`" for each in dict.fromkeys(paths))
+        yield f"`{used.name}`", "ROS" if to_ros else "JAUS", names, reason, outcome
+
+
+def _reason(placed: Placed[bridge.Assignment], path: str) -> str:
+    """Why a source is absent: the markers of the fields on its way, or that it is not there."""
+    steps = path.split(".")
+    ways = (".".join(steps[: length + 1]) for length in range(len(steps)))
+    places = (placed.scope.find_source(way) for way in ways)
+    fields = (each.field for each in places if isinstance(each, RosPlace))
+    marks = [mark for each in fields if each is not None for mark in each.markers]
+    told = dict.fromkeys(f"`{each.condition}`" for each in marks)
+    return " or ".join(told) or "is not there"
+
+
+def _outcome(assignment: bridge.FieldAssignment | bridge.ListAssignment, target: Found) -> str:
+    policy = assignment.whenAbsent.name
+    if policy == "useDefault" and isinstance(assignment, bridge.FieldAssignment):
+        return f"`{assignment.defaultValue}`"
+    if policy in _OUTCOMES:
+        return _OUTCOMES[policy]
+    if not isinstance(target, Attribute) or not target.is_ros:
+        return "is left out"
+    written = unknown(target.field) if isinstance(target.field, ros.Field) else None
+    says = ", which says so" if target.says_unknown else ""
+    return f"`{written}`" if written else f"{_OUTCOMES['leave']}{says}"
+
+
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = [_RULES]
@@ -186,6 +325,8 @@ def pages() -> Mapping[str, str]:
         "rules.md": rules_page,
         "cli.md": command_line_page,
         "conversions.md": conversions_page,
+        "markers.md": markers_page,
+        "unknown-values.md": unknown_page,
     }
     texts = {f"{language}.md": metamodel_page(language) for language in LANGUAGES}
     return texts | {name: maker() for name, maker in makers.items()}

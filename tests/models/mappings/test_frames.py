@@ -19,7 +19,7 @@ from geometry_msgs.msg import (
     TwistStamped,
 )
 from nav_msgs.msg import Odometry, Path
-from sensor_msgs.msg import Imu, NavSatFix
+from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -324,6 +324,8 @@ def test_a_fix_becomes_a_position_without_an_attitude(
     maps = translator("global_pose_sensor")
     fix = NavSatFix(latitude=-33.25, longitude=151.5, altitude=12.5)
     fix.position_covariance = [1.0, 0, 0, 0, 1.0, 0, 0, 0, 10.0]
+    fix.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
+    fix.status.status = NavSatStatus.STATUS_FIX
     report = maps.to_jaus("global_pose", fix)
     assert report.latitude == near(-33.25, 1e-7)
     assert report.longitude == near(151.5, 1e-7)
@@ -340,6 +342,7 @@ def test_unknown_is_absent(translator: Callable[[str], Translator]) -> None:
     assert (report.latitude, report.longitude, report.altitude) == (None, None, None)
     assert report.position_rms is None
     without_altitude = NavSatFix(latitude=1.0, longitude=2.0, altitude=math.nan)
+    without_altitude.status.status = NavSatStatus.STATUS_FIX
     report = maps.to_jaus("global_pose", without_altitude)
     assert report.latitude == near(1.0)
     assert report.altitude is None

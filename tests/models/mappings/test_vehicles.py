@@ -98,7 +98,19 @@ def test_a_steering_rate_is_a_limit(translator: Callable[[str], Translator]) -> 
     assert maps.to_ros("ackermann_drive", made).drive.steering_angle_velocity == pytest.approx(
         0.25, abs=1e-3
     )
-    assert maps.to_jaus("ackermann_drive", ackermann(0.0, 1.0, -1.0)).max_steering_rate is None
+    with pytest.raises(error("OutOfRangeError"), match="MaxSteeringRate"):
+        maps.to_jaus("ackermann_drive", ackermann(0.0, 1.0, -1.0))
+
+
+def test_a_steering_rate_of_zero_is_none_in_ros_and_a_limit_in_jaus(
+    translator: Callable[[str], Translator],
+) -> None:
+    maps = translator("ackermann_driver")
+    made = maps.to_jaus("ackermann_drive", ackermann(-0.3, 1.0))
+    assert made.max_steering_rate is None
+    made.max_steering_rate = 0.0
+    with pytest.raises(error("OutOfRangeError"), match="nothing limits it"):
+        maps.to_ros("ackermann_drive", made)
 
 
 def test_a_parking_brake(translator: Callable[[str], Translator]) -> None:

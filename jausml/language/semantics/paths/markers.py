@@ -74,6 +74,9 @@ def unknown(field: ros.Field) -> str | None:
         field alone cannot. That nothing limits a quantity is said by a default, and never written.
     """
     found = marks_of(field)
+    if field.arrayKind.name not in ("single", "fixedArray"):
+        # What says that a sequence is empty says nothing of its elements.
+        found = tuple(each for each in found if each.is_of_elements)
     said = (str(each.marker.value or "") for each in found if not each.is_unlimited)
     written = next(filter(None, said), None) if isinstance(field, ros.PrimitiveField) else None
     if written is None and any(_is_said_by_default(field, each) for each in found):
