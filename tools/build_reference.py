@@ -195,13 +195,22 @@ def _arithmetic(name: str, definition: Definition | NoArithmetic) -> list[str]:
 def markers_page() -> str:
     """Returns the page of the markers of the library, by package."""
     lines = [_MARKERS]
-    for package in read_models(ROS_TYPES).model.instances(ros.InterfacePackage):
-        fields = [f for f in package.eAllContents() if isinstance(f, ros.Field) and f.markers]
+    packages = read_models(ROS_TYPES).model.instances(ros.InterfacePackage)
+    for package in sorted(packages, key=lambda each: str(each.name)):
+        fields = [f for m in _messages(package) for f in m.fields if f.markers]
         if fields:
             head = ("field", "says", "if", "written", "stated in")
             lines += [f"## {package.name}", ""]
             lines += [*markdown_table(head, [row for f in fields for row in _markers(f)]), ""]
     return "\n".join(lines)
+
+
+def _messages(package: ros.InterfacePackage) -> Iterator[ros.MessageType]:
+    yield from package.messages
+    for service in package.services:
+        yield from (service.request, service.response)
+    for action in package.actions:
+        yield from (action.goal, action.result, action.feedback)
 
 
 def _markers(field: ros.Field) -> Iterator[tuple[str, ...]]:
