@@ -159,11 +159,11 @@ audit: $(RELEASING)  ## ask whether there are known weaknesses in what CI, relea
 	for each in ci image release; do \
 	  $</bin/pip-audit --disable-pip --requirement requirements/$$each.txt || exit 1; done
 
-sbom: $(RELEASING)  ## build sdist and wheel in dist/, and write there what they install (CycloneDX)
+sbom: $(READY) $(RELEASING)  ## build sdist and wheel in dist/, and write there what they install (CycloneDX)
 	rm -rf dist
-	$(PYTHON) tools/build_studio.py --no-check
-	$</bin/python -m build --outdir dist .
-	$</bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible \
+	$(BIN)/python tools/build_studio.py --no-check
+	$(RELEASING)/bin/python -m build --outdir dist .
+	$(RELEASING)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible \
 	  --output-file dist/sbom.cdx.json requirements/image.txt
 
 release-check: $(READY)  ## check version, changelog, wheel, sdist and the lowest dependency versions
