@@ -8,7 +8,7 @@ BIN := $(ENVIRONMENT)/bin
 READY := $(ENVIRONMENT)/.ready
 
 .PHONY: help demo quick test test-all test-beside test-random coverage live live-each lint format bench docs fuzz emf reference \
-	types release-check fresh faults soak stories experiment mutate proofs studio studio-check wheel clean
+	types constraints held audit sbom release-check fresh faults soak stories experiment mutate proofs studio studio-check wheel clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -130,6 +130,41 @@ reference: $(READY)  ## write docs/reference/, the lists of the command line, an
 
 types: $(READY)  ## write the type stubs of the metamodel classes
 	$(BIN)/python tools/build_model_types.py
+
+# Python 3.10 and all later ones, on any system; no index is named.
+COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \
+	--no-header --no-annotate --no-emit-index-url --no-emit-find-links pyproject.toml
+
+constraints: $(READY)  ## hold what CI, releases and the image install to versions with hashes, in requirements/
+	$(BIN)/python -m pip install --quiet "uv>=0.5"
+	$(COMPILE) --extra ros --extra demo --extra editor --extra dev --output-file requirements/ci.txt
+	$(COMPILE) --extra diagram --output-file requirements/image.txt
+	$(COMPILE) --extra release --output-file requirements/release.txt
+
+held:  ## make the environment with these versions, as CI does
+	$(PYTHON) -m venv $(ENVIRONMENT)
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements/ci.txt
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	rm -rf jausml.egg-info
+	touch $(READY)
+
+RELEASING := build/releasing
+
+$(RELEASING): requirements/release.txt
+	$(PYTHON) -m venv $@
+	$@/bin/python -m pip install --quiet --require-hashes --requirement $<
+	touch $@
+
+audit: $(RELEASING)  ## ask whether there are known weaknesses in what CI, releases and the image install
+	for each in ci image release; do \
+	  $</bin/pip-audit --disable-pip --requirement requirements/$$each.txt || exit 1; done
+
+sbom: $(READY) $(RELEASING)  ## build sdist and wheel in dist/, and write there what they install (CycloneDX)
+	rm -rf dist
+	$(BIN)/python tools/build_studio.py --no-check
+	$(RELEASING)/bin/python -m build --outdir dist .
+	$(RELEASING)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible \
+	  --output-file dist/sbom.cdx.json requirements/image.txt
 
 release-check: $(READY)  ## check version, changelog, wheel, sdist and the lowest dependency versions
 	$(BIN)/python tools/release_check.py

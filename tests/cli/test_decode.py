@@ -77,6 +77,13 @@ def test_json(jausml):
     }
 
 
+def test_numbers_of_named_values(jausml, tmp_path):
+    (found,) = objects(jausml("decode", "--numbers", STATUS))
+    assert found["fields"] == {"ReportStatusRec": {"Status": 1, "Reserved": 0}}
+    (tmp_path / "status.json").write_text(json.dumps(found), encoding="utf-8")
+    assert jausml("encode", "status.json").output.split() == STATUS.split()
+
+
 @pytest.mark.parametrize("source", [(), ("-",), ("lines.hex",)])
 def test_each_bad_line_is_told_and_the_run_goes_on(jausml, tmp_path, source):
     text = f"# messages\n\n{STATUS}\n02 4z\nffff\n0240\n0220\n"

@@ -16,11 +16,12 @@ from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.text.notation import Ros2Jaus
 
+ROOT = Path(__file__).resolve().parents[2]
 NOTATIONS = (Ros2Jaus(),)
 MODELS = sorted(
     each
     for pattern in ("*.xmi", "*.ros2jaus")
-    for each in Path("models").rglob(pattern)
+    for each in (ROOT / "models").rglob(pattern)
     if "library" not in each.parts
 )
 COMPONENT = """<?xml version="1.0" encoding="UTF-8"?>

@@ -125,6 +125,16 @@ def test_what_is_repeated_for_long_is_no_new_life() -> None:
     assert (account.came, account.lost, account.repeated, account.restarts) == (101, 0, 6, 0)
 
 
+def test_what_comes_again_soon_is_counted() -> None:
+    window = DuplicateWindow(seconds=1.5)
+    for number in range(100):
+        assert not window.is_duplicate(packet(number), 0.0)
+    for number in (95, 96, 96):
+        assert window.is_duplicate(packet(number), 1.0)
+    account = account_of(window)
+    assert (account.came, account.doubled, account.repeated) == (100, 3, 0)
+
+
 def test_few_that_come_again_after_they_were_forgotten_are_no_new_life() -> None:
     window = DuplicateWindow(history=10)
     for number in range(100):

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 try:
     import tomllib
 except ImportError:  # Python 3.10
     tomllib = None
 
-GUARDS = (".github", ".pre-commit-config.yaml", "Makefile")
+GUARDS = (".github", ".pre-commit-config.yaml", "Makefile", "pyproject.toml", "requirements")
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
@@ -31,11 +34,42 @@ def workflow():
     return read(".github/workflows/ci.yml")
 
 
-def test_the_workflow_runs_targets_that_are_there(workflow):
-    steps = [step for job in workflow["jobs"].values() for step in job["steps"]]
+@pytest.mark.parametrize(
+    ("file", "wanted"),
+    [
+        ("ci", {"held", "lint", "coverage", "test-all", "test-random", "audit"}),
+        ("release", {"held", "sbom"}),
+    ],
+)
+def test_workflows_run_targets_that_are_there(file, wanted):
+    jobs = read(f".github/workflows/{file}.yml")["jobs"]
+    steps = [step for job in jobs.values() for step in job["steps"]]
     run = "\n".join(step.get("run", "") for step in steps)
     named = set(re.findall(r"\bmake ([a-z-]+)", run))
-    assert {"lint", "coverage", "test-all", "test-random"} <= named <= TARGETS
+    assert wanted <= named <= TARGETS
+
+
+HELD = re.compile(r"[a-z0-9-]+==\S+( ; [^\\]+)? \\(\n    --hash=sha256:[0-9a-f]{64}( \\)?)+\n")
+
+
+@pytest.mark.parametrize("name", ["ci", "image", "release"])
+def test_what_is_installed_is_held_by_hashes_and_names_no_index(name):
+    text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8")
+    assert HELD.sub("", text) == ""
+
+
+@pytest.mark.skipif(tomllib is None, reason="needs Python 3.11")
+def test_what_is_held_fits_what_is_required():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    required = [*project["dependencies"], *extras["ros"], *extras["dev"], *extras["editor"]]
+    text = (ROOT / "requirements" / "ci.txt").read_text(encoding="utf-8")
+    held = defaultdict(list)
+    for found in re.finditer(r"^([a-z0-9-]+)==(\S+)", text, re.MULTILINE):
+        held[found[1]].append(found[2])
+    for requirement in map(Requirement, required):
+        versions = held[canonicalize_name(requirement.name)]
+        assert list(requirement.specifier.filter(versions)), requirement
 
 
 @pytest.mark.skipif(tomllib is None, reason="needs Python 3.11")

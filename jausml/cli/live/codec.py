@@ -81,6 +81,9 @@ Line = tuple[str, str]
     help="Indented text with units, or one JSON object per line; by default, text on a terminal "
     "and JSON otherwise.",
 )
+@click.option(
+    "--numbers", is_flag=True, help="In JSON, write the numbers of named values, not their names."
+)
 @model_option
 @port_option(text="For --pcap and --listen: UDP port of JUDP.")
 @interface_option(text="For --listen: IPv4 address of the network interface.")
@@ -102,6 +105,7 @@ def decode(
     service: str | None,
     message: str | None,
     output_format: str | None,
+    numbers: bool,
     models: tuple[str, ...],
     count: int | None,
     **options: Any,
@@ -117,7 +121,7 @@ def decode(
     if sum((bool(inputs), pcap is not None, listen)) > 1:
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
     by_default = "text" if sys.stdout.isatty() else "json"
-    output = _Output(output_format or by_default)
+    output = _Output(output_format or by_default, are_numbers=numbers)
     catalogue = open_catalogue(models)
     _check_meaning(catalogue, service, message)
     reading = _Reading(catalogue, (service, message), output, count)
@@ -175,8 +179,9 @@ def _refuse_capture(path: str) -> None:
 class _Output:
     """Writes what is decoded."""
 
-    def __init__(self, output_format: str) -> None:
+    def __init__(self, output_format: str, *, are_numbers: bool = False) -> None:
         self.has_failed = False
+        self._shown = _numbered if are_numbers else lambda content: content
         self._is_json = output_format == "json"
 
     def message(self, decoded: DecodedMessage) -> None:
@@ -184,7 +189,7 @@ class _Output:
         from jausml.live.messages import text as message_text
 
         if self._is_json:
-            write(to_json(decoded.to_json()))
+            write(to_json(self._shown(decoded.to_json())))
             return
         write(message_text.title(decoded))
         for line in message_text.lines(decoded):
@@ -200,7 +205,7 @@ class _Output:
         if located:
             click.echo(f"{place}: {observation.error}", err=True)
         if self._is_json:
-            write(to_json({**observation.to_json(), **located}))
+            write(to_json(self._shown({**observation.to_json(), **located})))
             return
         from jausml.live.traffic import observing
 
@@ -213,6 +218,21 @@ class _Output:
         click.echo(f"{place}: {reason}", err=True)
         if self._is_json:
             write(to_json({"error": reason, "place": place}))
+
+
+def _numbered(content: Any) -> Any:
+    """Returns what JSON shows, with the numbers of named values."""
+    from jausml.live.messages.values import NamedValue
+
+    match content:
+        case NamedValue():
+            return int(content)
+        case dict():
+            return {name: _numbered(value) for name, value in content.items()}
+        case list() | tuple():
+            return [_numbered(value) for value in content]
+        case _:
+            return content
 
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:

@@ -79,6 +79,7 @@ class PeerTraffic(NamedTuple):
     came: int = 0
     lost: int = 0
     late: int = 0
+    doubled: int = 0
     repeated: int = 0
     restarts: int = 0
     is_exact: bool = False

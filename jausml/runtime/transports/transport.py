@@ -257,6 +257,7 @@ class PeerAccount(NamedTuple):
             "came": traffic.came,
             "lost on the way, at most": traffic.lost,
             "came late": traffic.late,
+            "came twice": traffic.doubled,
             "came again": traffic.repeated,
             "began anew": traffic.restarts,
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},

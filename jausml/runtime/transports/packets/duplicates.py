@@ -46,6 +46,7 @@ class Account:
 
     Attributes:
         late: Those of them that came after newer ones.
+        doubled: Packets that came again soon, and were dropped as duplicates.
         repeated: Packets that came again, too late to be known as duplicates.
         is_exact: Whether the sender surely does not number for all that it talks to: its numbers
             of packets to wildcards, which a single count would have taken among these, are others.
@@ -61,6 +62,7 @@ class Account:
         "_missing",
         "_top",
         "came",
+        "doubled",
         "is_exact",
         "late",
         "repeated",
@@ -70,6 +72,7 @@ class Account:
     def __init__(self) -> None:
         self.came = 0
         self.late = 0
+        self.doubled = 0
         self.repeated = 0
         self.restarts = 0
         self.is_exact = False
@@ -294,6 +297,8 @@ class DuplicateWindow:
             since, known = before
             is_same = known == _content(known, packet.destination, packet.payload)
             if now - since < self.seconds and is_same:
+                if pair in self._accounts:
+                    self._accounts[pair][2].doubled += 1
                 return True
             self._forget(pair, numbers, [packet.sequence])
         self.remember(pair, numbers, packet.sequence, packet.destination, packet.payload, now)

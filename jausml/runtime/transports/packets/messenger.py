@@ -192,6 +192,7 @@ class Messenger(Generic[Origin]):
                 came=account.came,
                 lost=account.lost,
                 late=account.late,
+                doubled=account.doubled,
                 repeated=account.repeated,
                 restarts=account.restarts,
                 is_exact=account.is_exact,
