@@ -152,7 +152,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
             is_command=True,
             silence_timeout=0.5,
             safe_value=self.safe_cruise,
-            stop="twist.linear.x = 0.0",
+            stop=("twist.linear.x = 0.0",),
             peers=[JausAddress(20, 1, 1)],
 """,
         """
@@ -166,7 +166,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
             is_command=True,
             silence_timeout=0.4,
             safe_value=self.safe_drive,
-            stop="PropulsiveLinearEffortX = 0",
+            stop=("PropulsiveLinearEffortX = 0",),
             peers=[JausAddress(10, 1, 1), JausAddress(10, 1, 2)],
 """,
         """

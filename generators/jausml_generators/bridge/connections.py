@@ -223,7 +223,7 @@ class ConnectionView:
         if self.has_safe_value:
             found.append(("safe_value", f"self.safe_{self.name}"))
             if values := stops.stated(self.connection):
-                found.append(("stop", python_string(values)))
+                found.append(("stop", f"({', '.join(map(python_string, values))},)"))
         elif self.is_command and stops.holds(self.connection):
             found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
         return found

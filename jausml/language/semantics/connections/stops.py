@@ -142,16 +142,16 @@ def _is_quantity(attribute: Attribute) -> bool:
     return attribute.kind == NUMBER and (not attribute.integral or bool(attribute.units))
 
 
-def stated(connection: bridge.Connection) -> str:
-    """Returns what the stop of a connection states, as `thrust = 0`; empty where it is zeros."""
+def stated(connection: bridge.Connection) -> list[str]:
+    """Returns what the stop of a connection states, each as `thrust = 0`; none: it is zeros."""
     stop = stop_of_map(connection)
     values = connection.safeValue or (stop.values if stop is not None else ())
-    return ", ".join(f"{value.target} = {value.value}" for value in values)
+    return [f"{value.target} = {value.value}" for value in values]
 
 
 def told(connection: bridge.Connection) -> str:
     """Returns what the stop of a connection sends, in words."""
-    return stated(connection) or "zeros"
+    return ", ".join(stated(connection)) or "zeros"
 
 
 def driving(connection: bridge.Connection) -> list[tuple[str, str]]:

@@ -55,13 +55,13 @@ class Stopping:
         is_command: bool = False,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], Any] | None = None,
-        stop: str = "",
+        stop: tuple[str, ...] = (),
         hold_reason: str = "",
     ) -> None:
         """Minds nothing before `watch`.
 
         Args:
-            stop: What the model states for the safe value, in words; empty where it is zeros.
+            stop: What the model states for the safe value, each as `thrust = 0`; none: zeros.
             hold_reason: Why the last command may stand then, for one that has no safe value.
         """
         self.name = name
@@ -70,7 +70,7 @@ class Stopping:
         self.is_command = is_command
         self.stopped: StopReason | None = None
         self._halt: StopReason | None = None
-        self._stop = stop
+        self._stop = ", ".join(stop)
         self._hold_reason = hold_reason
         self._safe_value = safe_value
         self._next_log = 0.0
