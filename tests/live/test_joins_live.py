@@ -65,7 +65,7 @@ def system(tmp_path, monkeypatch):
 
 
 def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
-    from sensor_msgs.msg import Imu, NavSatFix
+    from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
 
     observer, ros = system
 
@@ -74,7 +74,8 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
         told = [each for each in observer.of_kind("pose") if each["latitude"] is not None]
         return [each for each in told if (each["yaw"] is not None) is with_yaw]
 
-    fix = NavSatFix(latitude=48.5, longitude=-11.25, altitude=519.75)
+    has_fix = NavSatStatus(status=NavSatStatus.STATUS_FIX)
+    fix = NavSatFix(status=has_fix, latitude=48.5, longitude=-11.25, altitude=519.75)
     east = Imu()  # REP 103: no turn is east
     with Repeater(ros.publisher(NavSatFix, "fix"), fix):
         before = wait_for(lambda: poses(with_yaw=False), "pose without attitude")
@@ -89,14 +90,15 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
 
 @pytest.mark.slow
 def test_a_report_says_that_its_sensor_is_dead_and_that_it_lives_again(system):
-    from sensor_msgs.msg import NavSatFix
+    from sensor_msgs.msg import NavSatFix, NavSatStatus
 
     observer, ros = system
 
     def latitudes():
         return [each["latitude"] for each in observer.of_kind("pose")]
 
-    fix = NavSatFix(latitude=48.5, longitude=-11.25, altitude=519.75)
+    has_fix = NavSatStatus(status=NavSatStatus.STATUS_FIX)
+    fix = NavSatFix(status=has_fix, latitude=48.5, longitude=-11.25, altitude=519.75)
     publisher = ros.publisher(NavSatFix, "fix")
     for _ in range(2):
         with Repeater(publisher, fix):

@@ -19,7 +19,7 @@ from geometry_msgs.msg import PoseStamped, Quaternion
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from sensor_msgs.msg import Imu, NavSatFix
+from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
 from std_msgs.msg import Float64
 
 NOSE_UP = 0.1
@@ -65,6 +65,7 @@ class Sensors(Node):
         imu = Imu(orientation=orientation(-NOSE_UP, YAW))
         imu.orientation_covariance = diagonal(1e-4, 1e-4, 1e-4)
         fix = NavSatFix(latitude=48.5, longitude=11.25, altitude=520.0)
+        fix.status.status = NavSatStatus.STATUS_FIX
         fix.position_covariance = diagonal(1.0, 1.0, 4.0)
         fix.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
         odom = Odometry()

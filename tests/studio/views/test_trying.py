@@ -172,7 +172,7 @@ def test_a_join_may_have_a_name_that_is_none_of_a_parameter(trials, tmp_path, jo
     file = tmp_path / "joined.ros2jaus"
     file.write_text(text.replace("join imu ", f"join {join} ").replace("imu.", f"{join}."), "utf-8")
     scope = Scope(read_models([file], notations=NOTATIONS).model, tmp_path)
-    given = {"latitude": "48", "longitude": "11"}
+    given = {"status.status": "0", "latitude": "48", "longitude": "11"}
     given |= {f"{join}.orientation.z": "1", f"{join}.orientation.w": "0"}
     found = shown(trials.run(scope, map_of(scope, "global_pose"), given, to_ros=False))
     assert float(found["Latitude"]) == pytest.approx(48, abs=1e-6)

@@ -56,8 +56,13 @@ def test_a_line_that_follows_from_its_ends_is_not_taken_away(page: Page) -> None
 def test_a_map_is_filled_by_what_is_offered(page: Page) -> None:
     asked = {"file": "catvehicle.xmi", "view": "map:velocity_state"}
     found = page.ask("fill_map", **asked)
-    assert "Velocity_Z -> twist.twist.linear.z : negate" in found["statements"]
-    assert "Velocity_RMS -> twist.covariance[7] : square" in found["statements"]
+    assert (
+        "Velocity_Z -> twist.twist.linear.z : negate { whenAbsent: dropMessage }"
+        in found["statements"]
+    )
+    assert (
+        "Velocity_RMS -> twist.covariance[7] : square { whenAbsent: leave }" in found["statements"]
+    )
     assert found["left"]["to_ros"] == ["pose"]
     done = page.ask("edit", commands=found["commands"], label=found["label"])
     assert len(done["created"]) == len(found["statements"])
