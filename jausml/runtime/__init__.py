@@ -30,7 +30,7 @@ from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.translations import Join, Transcode, ros_classes
+from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages
@@ -137,6 +137,7 @@ __all__ = [
     "MessageToTopics",
     "MissionMessages",
     "ModelledComponent",
+    "NamedPlaces",
     "On",
     "OutOfRangeError",
     "PeerChoice",
