@@ -38,6 +38,7 @@ from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
 from .bridge.ends.ros_side import ListAction, Progress, RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
+from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
@@ -168,6 +169,7 @@ __all__ = [
     "Transport",
     "TransportKind",
     "TransportSettings",
+    "WaypointMessages",
     "all_of",
     "any_of",
     "by_name",

@@ -153,7 +153,8 @@ class ActionView(ConnectionView):
 
     @property
     def _driver(self) -> str:
-        kind = "MissionMessages" if self.driver.spooler else "ListMessages"
+        of_one = "WaypointMessages" if self.driver.is_single else "ListMessages"
+        kind = "MissionMessages" if self.driver.spooler else of_one
         return call(kind, *(self.view_of(each).class_name for each in self.driver.all))
 
     @property
@@ -220,7 +221,7 @@ class ActionView(ConnectionView):
         kind = ros_type(self.action.type).full_name
         if not self.to_ros:
             return f"Returns the speed in m/s at which the list of a goal of {kind} is executed."
-        spoken = knows_speed(messages_of_driver(self.action))
+        spoken = knows_speed(self.driver)
         speed = "is in m/s, as ExecuteList says it" if spoken else "is None: this driver knows none"
         member = printable(self.action.goalMember)
         return f"Sets what a goal of {kind} has besides {member}.\n\nThe speed {speed}."
