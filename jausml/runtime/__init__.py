@@ -30,7 +30,7 @@ from .bridge.connections.requests import CommandAnswer, ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.translations import Join, Transcode, ros_classes
+from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages
@@ -38,6 +38,7 @@ from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
 from .bridge.ends.ros_side import ListAction, Progress, RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
+from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
@@ -137,6 +138,7 @@ __all__ = [
     "MessageToTopics",
     "MissionMessages",
     "ModelledComponent",
+    "NamedPlaces",
     "On",
     "OutOfRangeError",
     "PeerChoice",
@@ -167,6 +169,7 @@ __all__ = [
     "Transport",
     "TransportKind",
     "TransportSettings",
+    "WaypointMessages",
     "all_of",
     "any_of",
     "by_name",

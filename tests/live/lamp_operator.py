@@ -24,7 +24,7 @@ class Operator(JausComponent):
         super().__init__(transport, address, name="operator", services=SERVICES, settings=settings)
         self.session = None
         self.on_message(ConfirmLamp, lambda message, _: say("confirm", value=message.brightness))
-        self.on_message(RejectLamp, lambda *_: say("reject"))
+        self.on_message(RejectLamp, lambda message, _: say("reject", reason=message.reason))
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):

@@ -1,6 +1,7 @@
 """A ROS robot of the live tests that follows waypoints, one each time the test says so.
 
-With the argument `path` it follows a path, and its feedback tells the distance that is left.
+With the argument `path` it follows a path, and its feedback tells the distance that is left. With
+`pose` it goes to one pose.
 
 It says on stdout what happens, as JSON: goal with the x of its poses, reached, canceled, aborted,
 done. On stdin it is told: next, abort, refuse (the goals to come) and accept.
@@ -15,7 +16,7 @@ import threading
 from contextlib import suppress
 
 import rclpy
-from nav2_msgs.action import FollowPath, FollowWaypoints
+from nav2_msgs.action import FollowPath, FollowWaypoints, NavigateToPose
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
@@ -28,7 +29,7 @@ def say(**facts: object) -> None:
 
 
 class Robot(Node):
-    """Serves follow_waypoints, or follow_path."""
+    """Serves follow_waypoints, follow_path or navigate_to_pose."""
 
     def __init__(self, kind: type, action: str) -> None:
         super().__init__("list_robot", namespace="robot")
@@ -67,7 +68,10 @@ class Robot(Node):
 
     def follow(self, handle):
         request, frame = handle.request, ""
-        poses = request.path.poses if self.kind is FollowPath else request.poses
+        if self.kind is NavigateToPose:
+            poses = [request.pose]
+        else:
+            poses = request.path.poses if self.kind is FollowPath else request.poses
         if poses:
             frame = (request.path if self.kind is FollowPath else poses[0]).header.frame_id
         xs = [round(each.pose.position.x, 2) for each in poses]
@@ -92,6 +96,8 @@ class Robot(Node):
         """Tells that an element is under way; where that is a distance, half a metre before it."""
         if self.kind is FollowWaypoints:
             return FollowWaypoints.Feedback(current_waypoint=at)
+        if self.kind is NavigateToPose:
+            return NavigateToPose.Feedback(distance_remaining=xs[-1])
         return FollowPath.Feedback(distance_to_goal=xs[-1] - xs[at] + 0.5)
 
     def order(self, handle) -> str:
@@ -105,12 +111,8 @@ class Robot(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    follows_path = sys.argv[1:2] == ["path"]
-    robot = (
-        Robot(FollowPath, "follow_path")
-        if follows_path
-        else Robot(FollowWaypoints, "follow_waypoints")
-    )
+    kinds = {"path": (FollowPath, "follow_path"), "pose": (NavigateToPose, "navigate_to_pose")}
+    robot = Robot(*kinds.get("".join(sys.argv[1:2]), (FollowWaypoints, "follow_waypoints")))
     executor = MultiThreadedExecutor(num_threads=4)
     executor.add_node(robot)
     with suppress(ExternalShutdownException, KeyboardInterrupt):

@@ -148,7 +148,7 @@ def test_a_message_calls_a_service(system):
 
     def handler(request, response):
         taken.append(request.data)
-        response.success = request.data
+        response.success, response.message = request.data, "the bulb is hot"
         return response
 
     service = system.serve(handler)
@@ -158,6 +158,7 @@ def test_a_message_calls_a_service(system):
     operator.tell("set 0")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     assert taken == [True, False]
+    assert operator.of_kind("reject")[0]["reason"] == "the bulb is hot"
     operator.tell("set 7")  # no counterpart in the table
     wait_for(lambda: len(operator.of_kind("reject")) == 2, "rejection")
     assert taken == [True, False]

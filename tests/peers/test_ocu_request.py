@@ -6,6 +6,8 @@ import json
 
 import pytest
 
+from jausml.language.text.notation import NOTATIONS
+from jausml.live.messages import load_catalogue
 from jausml.live.peers.entry_messages import message_class
 from jausml.runtime.services.definitions import Guard
 
@@ -37,7 +39,7 @@ def test_a_list_is_confirmed_and_read_as_it_was_given(jausml, component):
     # What was printed is taken.
     again = json.dumps({"ElementList": [{**ELEMENT, "ElementUID": 2, "ElementData": found}]})
     result = jausml("ocu", "request", "100.1.1", "SetElement", again)
-    assert result.exit_code == 1
+    assert result.exit_code == 1, result.output
     assert "rejects SetElement: RejectElementRequest" in result.stderr
     assert "(Invalid previous element)" in result.stderr
 
@@ -66,6 +68,42 @@ def test_what_was_set_is_asked_for_by_its_type(jausml, component, catalogue):
     assert result.exit_code == 0, result.output
     assert "ReportVelocityCommand  CommandType=1 (Set maximum allowed values)" in result.stdout
     assert "Velocity_X=1.5" in result.stdout
+
+
+MOTORS = """\
+import `jaus.core-1.1`
+service Motors {
+    urn: "urn:jaus:jss:example:Motors"
+    inherits: Management
+    inputs: new message_def SetMotors {
+        code: 0xD102  isCommand: true  record Body { fixed_field On { type: uint8 } }
+    }
+    inputs: new message_def QueryMotors { code: 0xD103 }
+    outputs: new message_def ReportMotors {
+        code: 0xD104  record Body { fixed_field On { type: uint8 } }
+    }
+    outputs: new message_def RejectMotors {
+        code: 0xD105  record Body { variable_length_string Reason }
+    }
+}
+"""
+
+
+def test_a_rejection_is_told_though_there_is_no_report(jausml, component, tmp_path):
+    model = tmp_path / "motors.ros2jaus"
+    model.write_text(MOTORS, "utf-8")
+    catalogue = load_catalogue([model], notations=NOTATIONS)
+    target = component(services=("example:Motors",))
+    command, rejection = (
+        message_class(catalogue.message(f"{each}Motors")) for each in ("Set", "Reject")
+    )
+    refused = rejection({"Body": {"Reason": "the e-stop is pressed"}})
+    target.handle(command, lambda _, sender: target.send(refused, sender), when=Guard.READY)
+    request = ("ocu", "request", "100.1.1", "SetMotors", "On=1", "--timeout", "1")
+    result = jausml(*request, "--model", model)
+    assert result.exit_code == 1, result.output
+    assert "100.1.1 rejects SetMotors: RejectMotors" in result.stderr
+    assert "the e-stop is pressed" in result.stderr
 
 
 def test_what_needs_no_control_takes_none(jausml, vehicle):

@@ -138,6 +138,35 @@ def test_a_list_driver_gives_its_goals(robot, jausml, notation):
     sound(jausml, model)
 
 
+@NOTATION
+def test_a_waypoint_driver_gives_its_goal(robot, jausml, notation):
+    model = robot(notation)
+    done = jausml("new", "action-connection", "navigate_to_pose:nav2_msgs/NavigateToPose")
+    assert done.exit_code == 0, done.output
+    assert "local_waypoint: SetLocalWaypoint of LocalWaypointDriver is pose" in done.output
+    assert "which element is active" not in done.output
+    checked = jausml("validate", "models")
+    assert checked.exit_code == 0, checked.output
+    done = jausml("generate", model, "-o", "src")
+    assert done.exit_code == 0, done.output
+    done = jausml("new", "action-connection", "gps:nav2_msgs/FollowGPSWaypoints", "--yes")
+    assert done.exit_code == 0, done.output
+    found = jausml("validate", "models")
+    assert "JML488 a bridge executes lists, missions or one kind of waypoints" in found.output
+
+
+def test_the_waypoint_of_an_action_is_for_no_topic(robot, jausml):
+    robot("text")
+    done = jausml("new", "action-connection", "navigate_to_pose:nav2_msgs/NavigateToPose")
+    assert done.exit_code == 0, done.output
+    topic = "goal_pose:geometry_msgs/PoseStamped:local_waypoint"
+    done = jausml("new", "connection", topic, "--hold", "goal_pose=the planner holds the goal")
+    assert done.exit_code == 0, done.output
+    found = jausml("validate", "models")
+    assert found.exit_code == 1
+    assert "JML488 'goal_pose' has SetLocalWaypoint, which is of an action here" in found.output
+
+
 def test_goals_of_a_tool_are_for_those_who_say_so(robot, jausml):
     model = robot("text")
     arm = ("--driver", "ManipulatorEndEffectorPoseListDriver")
@@ -227,7 +256,7 @@ def test_goals_of_an_operator_need_a_speed_that_a_person_states(robot, jausml, n
         (("service-connection", *TRIGGER, "--request", "data=Lit"), "nothing has to be carried"),
         (("service-connection", *TRIGGER, "--answer", "ReportLocalPose"), "does not send"),
         (
-            ("action-connection", "a:nav2_msgs/NavigateToPose"),
+            ("action-connection", "a:nav2_msgs/NavigateToPose", "--side", "operator"),
             "has no list of messages, which list drivers have; a single pose goes to a topic, if "
             "its planner takes one: jausml new connection goal_pose:geometry_msgs/PoseStamped",
         ),

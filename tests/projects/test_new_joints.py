@@ -12,6 +12,7 @@ from sweeps import sweep
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
+from jausml.language.semantics.assignments.named_places import NamedPlaces, named_places
 from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
@@ -122,6 +123,47 @@ def test_the_stop_of_a_copy_has_each_joint_of_the_robot(rover, jausml, notation)
     assert stop == expected
     stop = [str(each.target) for each in made.stopJaus.values]
     assert stop == [f"JointVelocityList[{at}].JointVelocity.radianPerSecond" for at in range(2)]
+
+
+PAN_TILT = "ptu/cmd:sensor_msgs/JointState"
+
+
+@NOTATION
+def test_a_pan_tilt_unit_has_the_names_of_the_robot(rover, jausml, notation):
+    model = rover(notation)
+    joints = ("--joints", "ptu/cmd=ptu_tilt,ptu_pan")
+    done = jausml("new", "bridge", "ptu", f"{PAN_TILT}:set_pan_tilt_velocities", "--yes", *joints)
+    assert done.exit_code == 0, done.output
+    assert "joints ptu_pan, ptu_tilt" in done.output
+    (made,) = (each for name, each in maps_in(model).items() if "set_pan_tilt" in name)
+    assert named_places(made) == NamedPlaces("name", ("ptu_pan", "ptu_tilt"), ("velocity",))
+    assert [str(each.target) for each in made.stopRos.values] == ["velocity[0]", "velocity[1]"]
+    done = jausml("validate", "models", "--strict")
+    assert done.exit_code == 0, done.output
+
+
+def test_joints_called_pan_and_tilt_are_those_of_a_pan_tilt_unit(rover, jausml):
+    rover("text")
+    joints = ("--joints", "ptu/cmd=ptu_pan,ptu_tilt")
+    done = jausml("new", "bridge", "ptu", PAN_TILT, "--yes", *joints)
+    assert done.exit_code == 0, done.output
+    assert "JAUS -> ROS, set_pan_tilt_positions: " in done.output
+    refused = jausml("new", "bridge", "arm", f"{PAN_TILT}:set_pan_tilt_positions", "--yes")
+    assert refused.exit_code == 2
+    assert "set_pan_tilt_positions knows the joints of ptu/cmd by their names" in refused.output
+
+
+def test_a_copy_of_a_map_of_a_pan_tilt_unit_has_its_two_names(rover, jausml):
+    model = rover("text")
+    assert jausml("new", "bridge", "arm", STATES, "--yes", *NAMED[:2]).exit_code == 0
+    copy = ("new", "map", "goal", "SetPanTiltJointPositions", "sensor_msgs/JointState")
+    copy += ("--copy", "set_pan_tilt_positions", "--joints")
+    refused = jausml(*copy, "pan,tilt,roll")
+    assert refused.exit_code == 2
+    assert "set_pan_tilt_positions has one for each of pan, tilt" in refused.output
+    done = jausml(*copy, "head_yaw,head_pitch")
+    assert done.exit_code == 0, done.output
+    assert named_places(maps_in(model)["goal"]).names == ("head_yaw", "head_pitch")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ TYPES = (
     "action/FollowPath.action",
     "action/FollowWaypoints.action",
     "action/NavigateThroughPoses.action",
+    "action/NavigateToPose.action",
 )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.named_places import named_places
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import freshness_of, joined_reports
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.assignments.named_places import NamedPlaces
     from jausml.language.semantics.connections.reports import JoinedReport
     from jausml_generators.bridge.translation.translating import Translated
     from jausml_generators.python.codec.messages import MessageView
@@ -70,7 +72,7 @@ class ConnectionView:
     def compiled_mark(self) -> str:
         """The decorator that names its compiled form, as Python text; empty without one."""
         found = self.translated.compiled
-        if found is None:
+        if found is None or self._named is not None:
             return ""
         given = [python_string(found.function)]
         for name in ("quantities", "texts", "joins", "unknown"):
@@ -192,11 +194,21 @@ class ConnectionView:
             found += self._telling()
         if self.is_capped and self.connection.rateCap > 0:
             found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
+        if self._named is not None:
+            lists = (self._named.names, self._named.arrays)
+            stated = (tuple_of(*map(python_string, each)) for each in lists)
+            given = call("NamedPlaces", python_string(self._named.keys), *stated)
+            found.append(("named", given))
         if self.kind == "TopicsToMessage":
             found += self._sending()
         if self.kind == "TopicsToReport":
             found += self._reporting()
         return (*found, *self._shape, *self._when_lost)
+
+    @property
+    def _named(self) -> NamedPlaces | None:
+        """The elements of what it takes that are put in order by their names."""
+        return None if self.to_ros else named_places(self.connection.map)
 
     @property
     def is_capped(self) -> bool:

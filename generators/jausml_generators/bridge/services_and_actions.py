@@ -31,6 +31,7 @@ from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import peers_of, priority_of, query_call
 from jausml_generators.common.ros import ros_type
+from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call, condition, tuple_of
 
@@ -153,7 +154,8 @@ class ActionView(ConnectionView):
 
     @property
     def _driver(self) -> str:
-        kind = "MissionMessages" if self.driver.spooler else "ListMessages"
+        of_one = "WaypointMessages" if self.driver.is_single else "ListMessages"
+        kind = "MissionMessages" if self.driver.spooler else of_one
         return call(kind, *(self.view_of(each).class_name for each in self.driver.all))
 
     @property
@@ -220,7 +222,7 @@ class ActionView(ConnectionView):
         kind = ros_type(self.action.type).full_name
         if not self.to_ros:
             return f"Returns the speed in m/s at which the list of a goal of {kind} is executed."
-        spoken = knows_speed(messages_of_driver(self.action))
+        spoken = knows_speed(self.driver)
         speed = "is in m/s, as ExecuteList says it" if spoken else "is None: this driver knows none"
         member = printable(self.action.goalMember)
         return f"Sets what a goal of {kind} has besides {member}.\n\nThe speed {speed}."
@@ -292,10 +294,27 @@ class CallView:
         if connection.rejections:
             names = ", ".join(self.view_of(each).class_name for each in connection.rejections)
             found.append(("rejections", f"[{names}]"))
+            found += self._reason
         found += self._guarding
         found += priority_of(connection)
         found.append(("timeout", python_literal(float(connection.timeout))))
         return tuple(f"{key}={value}" for key, value in found)
+
+    @property
+    def _reason(self) -> list[tuple[str, str]]:
+        """Argument for the only text of the rejection that is sent, which says why."""
+        if calls.serves(self.connection):
+            return []
+        members = self.view_of(self.connection.rejections[0]).body.members
+        sizes = {
+            each.attribute: value.upper if isinstance(value, Blob) else value.size
+            for each in members
+            if isinstance(value := each.value, Fixed | Blob) and value.python_type == "str"
+        }
+        if len(sizes) != 1:
+            return []
+        ((name, size),) = sizes.items()
+        return [("reason", tuple_of(python_string(name), str(size)))]
 
     @property
     def _guarding(self) -> list[tuple[str, str]]:

@@ -21,6 +21,7 @@ from jausml.language.project import library
 from jausml.language.semantics.connections.calls import (
     ELEMENTS,
     PATH_SEGMENTS,
+    WAYPOINTS,
     driver_messages,
     knows_speed,
     takes,
@@ -52,7 +53,9 @@ class ListWay:
         """Whether nobody has to name it: waypoints of vehicles, whose lists say how fast to go."""
         messages = driver_messages(self.driver)
         is_segment = code(self.map.message) in PATH_SEGMENTS
-        return messages is not None and knows_speed(messages) and not is_segment
+        if messages is None or is_segment:
+            return False
+        return messages.is_single or knows_speed(messages)
 
     def says(self) -> str:
         """Returns what it is in words, for people who choose."""
@@ -78,6 +81,13 @@ def _lists(
             yield from _lists(each.messageType, f"{path}.", depth - 1)
 
 
+def singles_in(kind: ros.ActionType) -> Iterator[tuple[str, ros.MessageType]]:
+    """Yields the members of a goal that are one message, with the types of these."""
+    for each in kind.goal.fields:
+        if isinstance(each, ros.MessageField) and each.arrayKind.name == "single":
+            yield str(each.name), each.messageType
+
+
 def list_ways(
     maps: Iterable[bridge.AttributeMap],
     drivers: Iterable[jaus.Service],
@@ -85,10 +95,20 @@ def list_ways(
     *,
     to_ros: bool,
 ) -> list[ListWay]:
-    """Returns the ways for an action, by maps of one element of a list that its goal has."""
-    known = [each for each in drivers if driver_messages(each) is not None]
+    """Returns the ways for an action, by maps of one element of a list that its goal has.
+
+    A goal without lists may have a single message, as that of NavigateToPose: it goes to a
+    waypoint.
+    """
+    ends = list(lists_in(kind))
+    singles = [] if ends or not to_ros else list(singles_in(kind))
+    known = [
+        each
+        for each in drivers
+        if (messages := driver_messages(each)) is not None and messages.is_single is bool(singles)
+    ]
     found: dict[tuple[str, str, str], ListWay] = {}
-    for member, element in lists_in(kind):
+    for member, element in ends or singles:
         for used in maps:
             if used.message is None or used.type is None or are_examples(used):
                 continue
@@ -105,7 +125,7 @@ def list_ways(
 
 def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
     """Tells whether a message is of elements: one of one's own only for drivers of one's own."""
-    is_of_standard = str(driver.urn) in ELEMENTS
+    is_of_standard = str(driver.urn) in ELEMENTS | WAYPOINTS
     is_own = str(message.eContainer().urn) == str(driver.urn)  # type: ignore[union-attr]
     return takes(driver, message) and (is_of_standard or is_own)
 
@@ -212,7 +232,8 @@ def opens_of(
     if not to_ros and not speed and messages is not None and knows_speed(messages):
         text = "state the speed at which peers execute lists: speed, or --speed"
         found.append(OpenPoint(text, "JML486"))
-    if not progress_of(kind)[0]:
+    is_list = messages is not None and not messages.is_single
+    if is_list and not progress_of(kind)[0]:
         numbers = members_of(kind.feedback, ("int", "uint"))
         text = "nothing tells which element is active: "
         if numbers:

@@ -13,6 +13,8 @@ from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.project import library
+from jausml.language.semantics.assignments.named_places import NamedPlaces, named_by, named_places
+from jausml.language.semantics.names import words
 
 _ELEMENT = re.compile(r"\[[0-9]+\]")
 
@@ -23,7 +25,8 @@ FRAME_IDS = ("frame_id", "child_frame_id")
 def names_in(used: bridge.AttributeMap) -> list[str]:
     """Returns the names by which a map knows the elements of lists; none for most maps."""
     found = (name for each in (*used.toRos, *used.toJaus) for name in _names(each))
-    return list(dict.fromkeys(found))
+    places = named_places(used)
+    return list(dict.fromkeys(found if places is None else places.names))
 
 
 def _names(assignment: bridge.Assignment) -> Iterator[str]:
@@ -31,6 +34,35 @@ def _names(assignment: bridge.Assignment) -> Iterator[str]:
         yield from assignment.names
         for each in assignment.assignments:
             yield from _names(each)
+
+
+def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...]:
+    """Returns which of the names of a robot stand for those of a map, in the order of the map.
+
+    A list has all of them. The places of a pan-tilt unit have those that say what theirs do, as
+    `ptu_pan` says pan, else as many as there are; none where nobody can tell.
+    """
+    places = named_places(used)
+    if places is None:
+        return tuple(known)
+    found = _bearers(places, known)
+    if all(len(each) == 1 for each in found):
+        return tuple(name for (name,) in found)
+    return tuple(known) if len(known) == len(places.names) else ()
+
+
+def are_named(used: bridge.AttributeMap, known: Sequence[str]) -> bool:
+    """Tells whether the names of a robot say that they are those of the places of a map."""
+    places = named_places(used)
+    if places is None or len(known) != len(places.names):
+        return False
+    return all(len(each) == 1 for each in _bearers(places, known))
+
+
+def _bearers(places: NamedPlaces, known: Sequence[str]) -> list[list[str]]:
+    """Returns for each place the names of a robot that have its name as a word."""
+    told = {each: [word.lower() for word in words(each)] for each in known}
+    return [[each for each, own in told.items() if name in own] for name in places.names]
 
 
 def are_examples(used: bridge.AttributeMap) -> bool:
@@ -102,6 +134,9 @@ def _with_names(made: AddedT, names: Sequence[str]) -> AddedT:
     values = dict(made.values)
     if "names" in values:
         values["names"] = tuple(names)
+    place = named_by(*values.get("target", ("",)))
+    if place is not None and "value" in values:
+        values["value"] = (names[place],)
     kept = [each for each in made.children if each.feature != "vectors"]
     if made.kind == "bridge.Stop":
         return replace(made, children=tuple(_stopping(kept, names)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from jausml.authoring.proposals.bridging import Offer, is_served, lacks_stop, offer_of
-from jausml.authoring.proposals.named_elements import are_examples, frames_in
+from jausml.authoring.proposals.named_elements import are_examples, are_named, frames_in, names_for
 from jausml.authoring.proposals.topic_names import TopicName, is_bare
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
@@ -81,12 +81,12 @@ class Crossing:
     @property
     def lacks_names(self) -> bool:
         """Whether its map knows elements by names, and those of the robot are not known."""
-        return are_examples(self.map) and not self.topic.names
+        return are_examples(self.map) and not self.names
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of elements that an own copy of its map has; none for a map as it is."""
-        return self.topic.names if are_examples(self.map) else ()
+        return names_for(self.map, self.topic.names) if are_examples(self.map) else ()
 
     @property
     def frames(self) -> dict[str, str]:
@@ -137,13 +137,14 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
     """
     said = TopicName(topic.name)
 
-    def rank(each: Crossing) -> tuple[bool, bool, int, int, int]:
+    def rank(each: Crossing) -> tuple[bool, bool, bool, int, int, int]:
         moves = (
             each.offer.to_ros
             if is_emergency(each.offer.message)
             else is_command(each.offer.message)
         )
-        return moves is not said.commands, *said.distance(each.map)
+        is_named = are_named(each.map, topic.names)
+        return moves is not said.commands, not is_named, *said.distance(each.map)
 
     found = sorted(_possible(topic, maps, is_vehicle=side == VEHICLE), key=rank)
     is_open = topic.maps or not is_bare(topic.type)

@@ -137,6 +137,7 @@ def _copy(
     )
     from jausml.cli.authoring.topics import joints_of
     from jausml.language.model.names import name_of
+    from jausml.language.semantics.assignments.named_places import named_places
 
     found = between(scope, wish.message, wish.type)
     names = [name_of(each) for each in found]
@@ -157,6 +158,10 @@ def _copy(
         own = joints_of(joints)
         if not names_in(used):
             raise click.UsageError(f"--joints: {name_of(used)} knows no joints by names")
+        places = named_places(used)
+        if places is not None and len(own) != len(places.names):
+            wanted = ", ".join(places.names)
+            raise click.UsageError(f"--joints: {name_of(used)} has one for each of {wanted}")
         click.echo(f"a copy of the ready map {name_of(used)} for {', '.join(own)}")
         return copied_with_names(scope, place, used, wish.name, own, {}, first=0)
     if are_examples(used):

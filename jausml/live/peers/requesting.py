@@ -275,17 +275,16 @@ def _report(
         operator.send(target, message, acknowledge=True)
         while True:
             left = max(_PAUSE, end - time.monotonic())
-            try:
-                found = operator.ask(target, question, message_class(report), left).fields
-            except NoAnswer:
-                reason = operator.why_ignored(target)
-                if not reason:
-                    raise
-                raise Refused(f"{target} does not answer {query.name}: {reason}") from None
+            found, unanswered = _asked(operator, target, question, report, left)
             if not rejected.empty():
                 payload = rejected.get()
                 answer = by_code[read_code(payload)]
                 raise _rejected(target, entry, answer, answer.decode(payload))
+            if unanswered is not None:
+                reason = operator.why_ignored(target)
+                if not reason:
+                    raise unanswered
+                raise Refused(f"{target} does not answer {query.name}: {reason}")
             told = report.shortened(found)
             differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
             if not differing:
@@ -297,6 +296,16 @@ def _report(
                 text = f"{target} reports {shown} after {entry.name}"
                 raise Refused(f"{text}: {reason}" if reason else text)
             time.sleep(_PAUSE)
+
+
+def _asked(
+    operator: Operator, target: JausAddress, question: Message, report: MessageEntry, left: float
+) -> tuple[dict[str, Any], NoAnswer | None]:
+    """Returns the fields of a report that was asked for, or the error that none came."""
+    try:
+        return operator.ask(target, question, message_class(report), left).fields, None
+    except NoAnswer as error:
+        return {}, error
 
 
 def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -> dict[str, Any]:

@@ -175,6 +175,8 @@ def _ways_of_lists(
     name = calls.SPOOLER[0] if is_mission else SetElement.NAME
     inputs = (each for service in lineage(action.driver) for each in service.inputs)
     holder = named(name, inputs)
+    if messages is not None and messages.is_single:
+        name, holder = str(messages.execute.name), None
     serves = action.direction.name != "jausToRos"
     ends = tuple(
         CallEnd(each, serves, action.timeout, *told)

@@ -30,6 +30,7 @@ from .ends.ends import SharedMessages, SharedTopics
 from .ends.list_driver import ListDriver
 from .ends.mission_driver import MissionDriver, MissionMessages
 from .ends.simulation import Simulation
+from .ends.waypoint_driver import WaypointDriver, WaypointMessages
 from .fastpath.library import NoFastPathError
 from .fastpath.side import FastSide
 from .messages.compiled import NoCoreError
@@ -313,6 +314,8 @@ class Bridge:
         if messages not in self._list_drivers:
             if isinstance(messages, MissionMessages):
                 self._list_drivers[messages] = MissionDriver(self.component, messages)
+            elif isinstance(messages, WaypointMessages):
+                self._list_drivers[messages] = WaypointDriver(self.component, messages)
             else:
                 self._list_drivers[messages] = ListDriver(self.component, messages)
         return self._list_drivers[messages]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from jausml.runtime import Guard
 from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
+from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime
 from jausml.runtime.transports.packets.packet import Priority
 
@@ -129,6 +132,83 @@ def test_connections_may_feed_one_report(world, setting):
         setting.ros.deliver[topic](Number(value))
         (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
         assert report.time_stamp.minutes == value
+
+
+def joints_served(setting, **options):
+    """Opens a report of the joints left and right, as seconds and minutes.
+
+    A number names them by its hundreds: left by 1, right by 2, both by 3, another joint by 4.
+    """
+    names = {1: ["left"], 2: ["right"], 3: ["right", "left"], 4: ["wheel"]}
+
+    def translate(source):
+        keys, value = names[source.data // 100], int(source.data) % 100
+        left, right = joints.by_name(("left", "right"), keys, [value] * len(keys), "position")
+        return ReportTime(time_stamp=ReportTime.TimeStamp(seconds=left, minutes=right))
+
+    joints = TopicsToReport(
+        "joints",
+        translate,
+        message=ReportTime,
+        type=Number,
+        query=QueryTime,
+        topics=[Topic("numbers")],
+        **options,
+    )
+    return setting.open(joints, services=CORE)
+
+
+def asking(world):
+    """Returns what asks for both joints; there are none where there is no report."""
+    probe = world.probe("8.1.1")
+
+    def ask():
+        reports = probe.ask(QueryTime(presence_vector=1), OWN)
+        return [(each.time_stamp.seconds, each.time_stamp.minutes) for each in reports]
+
+    return ask
+
+
+def test_a_report_has_the_newest_value_of_each_name_whoever_said_it(world, setting):
+    connection, ask = joints_served(setting, freshness=1.0), asking(world)
+    say = setting.ros.deliver["numbers"]
+    say(Number(105))
+    assert ask() == []
+    assert connection.statistics.failures == {
+        "absent_field": "position: 'right' is not among the names"
+    }
+    say(Number(206))
+    assert ask() == [(5, 6)]
+    say(Number(107))
+    assert ask() == [(7, 6)]
+    say(Number(308))
+    assert ask() == [(8, 8)]
+
+
+def test_such_a_report_is_as_old_as_its_oldest_value(world, setting):
+    joints_served(setting, freshness=1.0)
+    ask = asking(world)
+    say = setting.ros.deliver["numbers"]
+    say(Number(105))
+    for _ in range(9):
+        world.run(0.1)
+        say(Number(206))
+    assert ask() == [(5, 6)]
+    world.run(0.2)  # the right one is fresh, the left one is not
+    assert ask() == []
+    say(Number(206))
+    assert ask() == []
+    say(Number(107))
+    assert ask() == [(7, 6)]
+
+
+def test_a_translation_that_is_tried_knows_nothing_of_messages_before():
+    joints = TopicsToReport(
+        "joints", lambda _: None, message=ReportTime, type=Number, query=QueryTime, topics=[]
+    )
+    for key in ("left", "right"):
+        with pytest.raises(AbsentFieldError):
+            joints.by_name(("left", "right"), [key], [1.0], "position")
 
 
 # ------------------------------------------------------------------ who gets what, and when

@@ -15,6 +15,7 @@ from jausml.runtime.messages import (
     QueryStatus,
     QueryTimeout,
     RejectControl,
+    RejectEventRequest,
     ReportStatus,
     ReportTimeout,
     SetEmergency,
@@ -210,6 +211,27 @@ def test_emergency_lets_queries_be(world, setting, client):
     world.settle()
     answer(world, setting, ReportStatus())
     assert client.told == [(True, "")]
+
+
+def test_a_rejection_says_why_in_its_text(world, setting):
+    asked = JausToRosService(
+        "ask",
+        service=RosService(
+            "ask", "test_srvs/srv/Trigger", Request, Response, success="success", reason="message"
+        ),
+        request=SetTime,
+        response=ReportTimeout,
+        rejections=[RejectEventRequest],
+        reason=("error_message", 12),
+        timeout=1.5,
+    )
+    setting.open(asked)
+    caller = world.probe(str(PEER))
+    (told,) = caller.ask(minutes(5), OWN)
+    assert told.error_message == "nobody serve"
+    setting.ros.answers["ask"] = lambda _request: '[false, "too hot: 90 \N{DEGREE SIGN}C"]'.encode()
+    (told,) = caller.ask(minutes(6), OWN)
+    assert told.error_message == "too hot: 90 "
 
 
 def test_a_service_that_is_absent_is_told_and_found_when_it_comes(world, setting):

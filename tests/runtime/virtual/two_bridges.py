@@ -13,11 +13,12 @@ import logging
 import sys
 
 from jausml_runtime.virtual import Link, VirtualWorld
-from station.ros_types import Twist
+from station.ros_types import JointState, Twist
 from station.station import Station
 from vehicle.vehicle import Vehicle
 
 STREAM = "velocity_command"
+JOINTS = "set_pan_tilt_velocities"
 SCALE = 100.0
 """What the speed of a command is its time by, which is below the limit of the model then."""
 
@@ -26,6 +27,7 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
     """Returns what arrived and when, and a digest of all bytes with their times."""
     link = Link(delay=asked.delay, loss=asked.loss)
     arrived: list[tuple[float, float]] = []
+    turned: list[tuple[list[str], list[float]]] = []
     digest = hashlib.sha256()
     with VirtualWorld(seed=asked.seed) as world:
         world.watch(lambda now, where, data: digest.update(f"{now!r} {where} ".encode() + data))
@@ -38,6 +40,20 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
             Twist,
             lambda data: arrived.append((world.now(), Twist.from_cdr(data).linear.x)),
         )
+
+        def note(data: bytes) -> None:
+            joints = JointState.from_cdr(data)
+            turned.append((list(joints.name), [round(each, 3) for each in joints.velocity]))
+
+        world.ros.subscribe(f"/out/{JOINTS}", JointState, note)
+
+        def turn(names: list[str], velocities: list[float]) -> None:
+            joints = JointState(name=names, velocity=velocities)
+            world.ros.publish(f"/in/{JOINTS}", JointState, joints.to_cdr())
+
+        world.call_at(1.0, lambda: turn(["wheel", "tilt", "pan"], [9.0, 0.25, 0.5]))
+        world.call_at(1.1, lambda: turn(["wheel", "pan"], [9.0, 1.5]))
+        world.call_at(1.2, lambda: turn([], [0.75, 0.125]))
 
         def publish() -> None:
             if world.now() < asked.until:
@@ -54,6 +70,7 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
         vehicle.close()
         return {
             "arrived": arrived,
+            "turned": turned,
             "digest": digest.hexdigest(),
             "counters": world.counters.snapshot(),
         }

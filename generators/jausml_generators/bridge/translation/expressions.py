@@ -247,12 +247,15 @@ class ByName:
 
     Attributes:
         needed: The list of which no element may be missing, to be told; empty where some may.
+        owner: Attribute of the bridge that is the connection, which may know them by messages
+            before; empty where they are of this message alone.
     """
 
     names: str
     keys: Expression
     items: Expression
     needed: str = ""
+    owner: str = ""
     kind: str = LIST
 
 

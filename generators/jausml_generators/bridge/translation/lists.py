@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import python_string
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import conversion_of
 from jausml.language.semantics.conversions.authored import User
 from jausml.language.semantics.paths.attributes import COUNT
@@ -27,7 +28,6 @@ from jausml_generators.bridge.translation.together import alike
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
 
 if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import Many
@@ -141,7 +141,9 @@ class _ListSteps:
             return self._named_in_ros(items, keys, constant, len(names), must=must)
         key_list = Read(self._outer.source.many(keys).place, LIST)
         needed = self._many.path if must else ""
-        local = self._body.local("items", ByName(constant, key_list, items.value, needed))
+        is_outermost = isinstance(self._assignment.eContainer(), bridge.AttributeMap)
+        owner = self._body.owner if needed and is_outermost else ""
+        local = self._body.local("items", ByName(constant, key_list, items.value, needed, owner))
         counts = (len(names), len(names))
         return _Items(Read(Place(local), LIST), Place(constant), counts, may_be_none=True)
 

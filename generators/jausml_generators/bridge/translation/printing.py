@@ -337,9 +337,10 @@ class _Printer:
                 return call(f"{name}.decode", self.text(data))
             case values.Encode(message=message):
                 return call(f"{self.text(message)}.encode")
-            case values.ByName(names=names, keys=keys, items=items, needed=needed):
+            case values.ByName(names=names, keys=keys, items=items, needed=needed, owner=owner):
+                function = f"self.{owner}.by_name" if owner else "by_name"
                 given = [names, self.text(keys), self.text(items)]
-                return call("by_name", *given, *([python_string(needed)] if needed else []))
+                return call(function, *given, *([python_string(needed)] if needed else []))
             case values.FirstOf(items=items, names=names):
                 return f"{self.text(items)}[: len({names})]"
             case values.NamesOf(names=names, items=place):

@@ -808,7 +808,8 @@ class RosActionConnection(DecisionOwner):
 
     driver: jaus.Service
     """The list driver: a JAUS service that executes a list, such as LocalWaypointListDriver, or a
-    mission, as MissionSpooler does.
+    mission, as MissionSpooler does; with jausToRos also a waypoint driver, whose waypoint is a list
+    of one.
 
     The bridge provides it, or a peer does.
     """
@@ -818,7 +819,8 @@ class RosActionConnection(DecisionOwner):
     element of the goal."""
 
     goalMember: str
-    """Path of the array of the goal that has the elements, such as poses."""
+    """Path of the array of the goal that has the elements, such as poses; for a waypoint driver
+    also that of a single message, such as pose of NavigateToPose."""
 
     progressMember: str | None
     """Path of the number of the feedback that says how far the list is done."""

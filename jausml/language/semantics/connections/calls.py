@@ -118,6 +118,12 @@ ELEMENTS = {
 """Code of what an element holds, by the driver (AS6009, AS6057); the runtime has the same."""
 
 
+WAYPOINTS = {
+    "urn:jaus:jss:mobility:GlobalWaypointDriver": 0x040C,
+    "urn:jaus:jss:mobility:LocalWaypointDriver": 0x040D,
+}
+"""Code of what sets the only waypoint of a driver (AS6009), which is executed as a list of one."""
+
 PATH_SEGMENTS = frozenset({0x040F, 0x0410})
 """Codes of elements that are ways between points, and no points."""
 
@@ -127,13 +133,17 @@ class DriverMessages:
     """The messages of a list driver.
 
     Attributes:
+        execute: What has a list executed, or sets a single waypoint.
+        report: What tells of the list, or the waypoint.
         spooler: What a mission spooler takes besides, in the order of SPOOLER.
+        is_single: Whether it is a single waypoint.
     """
 
     execute: jaus.MessageDef
     query: jaus.MessageDef
     report: jaus.MessageDef
     spooler: tuple[jaus.MessageDef, ...] = ()
+    is_single: bool = False
 
     @property
     def all(self) -> tuple[jaus.MessageDef, ...]:
@@ -143,6 +153,8 @@ class DriverMessages:
 
 def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     """Returns the messages of a list driver; None when a service is none."""
+    if service is not None and str(service.urn) in WAYPOINTS:
+        return _waypoint_messages(service)
     services = lineage(service)
     inputs = [m for each in services for m in each.inputs]
     outputs = [m for each in services for m in each.outputs]
@@ -160,6 +172,15 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     return DriverMessages(execute, query, report, spooler)
 
 
+def _waypoint_messages(service: jaus.Service) -> DriverMessages | None:
+    wanted = WAYPOINTS[str(service.urn)]
+    command = next((each for each in service.inputs if code(each) == wanted), None)
+    answer = None if command is None else answer_alike(service, command)
+    if command is None or answer is None:
+        return None
+    return DriverMessages(command, answer.query, answer.report, is_single=True)
+
+
 def speed_answer(driver: jaus.Service) -> Answer | None:
     """Returns how a driver tells its speed; None when it knows none, or is not asked."""
     messages = driver_messages(driver)
@@ -173,6 +194,9 @@ def answers(action: bridge.RosActionConnection) -> list[Answer]:
     """Returns what a bridge that is a list driver answers besides QueryActiveElement."""
     if action.direction.name != "jausToRos":
         return []
+    messages = driver_messages(action.driver)
+    if messages is not None and messages.is_single:
+        return []
     found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
     return [each for each in found if each is not None]
 
@@ -184,7 +208,7 @@ def knows_speed(messages: DriverMessages) -> bool:
 
 def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
     """Tells whether the list of a driver may hold a message; of drivers of one's own any."""
-    expected = ELEMENTS.get(str(service.urn))
+    expected = (ELEMENTS | WAYPOINTS).get(str(service.urn))
     return expected is None or code(message) == expected
 
 

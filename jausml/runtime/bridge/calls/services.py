@@ -235,6 +235,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         *,
         peers: Sequence[JausAddress] | PeerSearch = (),
         rejections: Sequence[type[Message]] = (),
+        reason: tuple[str, int] | None = None,
         when: Guard | Callable[[Any], Guard] = Guard.ANY,
         **options: Any,
     ) -> None:
@@ -243,10 +244,12 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         Args:
             peers: JAUS components that may ask, or how they are found; none means anybody.
             rejections: The first of these messages answers when a call came to nothing.
+            reason: Its text that says why, with the most characters that it holds; None for none.
         """
         super().__init__(name, **options)
         self._peers = PeerBinding(peers)
         self._rejections = tuple(rejections)
+        self._reason = reason
         self._when = when
         self._client: ServiceClient
 
@@ -320,9 +323,14 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         return b"" if answer is None or isinstance(answer, CallTranslation) else answer().encode()
 
     def abandon(self, call: AskedCall, reason: str, text: str) -> None:  # noqa: ARG002
-        """Answers with a rejection, where there is one."""
+        """Answers with a rejection, where there is one; it says why, where it has a text."""
         if self._rejections:
-            self._send(self._rejections[0]().encode(), call.sender)
+            rejection = self._rejections[0]()
+            if self._reason is not None:
+                name, size = self._reason
+                in_latin_1 = text.encode("latin-1", "replace").decode("latin-1")
+                setattr(rejection, name, in_latin_1[:size])
+            self._send(rejection.encode(), call.sender)
         else:
             self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .ages import Age
     from .connection import Take
     from .stopping import Switch
-    from .translations import Join, Transcode
+    from .translations import Join, NamedPlaces, Transcode
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -58,6 +58,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         topics: Sequence[Topic],
         message: type[TargetT],
         joins: Sequence[Join] = (),
+        named: NamedPlaces | None = None,
         **when_lost: Any,
     ) -> None:
         """Prepares the connection.
@@ -65,12 +66,14 @@ class FromTopics(Connection[SourceT, TargetT]):
         Args:
             translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
                 their messages as keyword arguments.
+            named: What it takes by place, and is put in order by its names.
         """
         super().__init__(name, translate, **when_lost)
         self._topic_joins = tuple(map(JoinedTopic, joins))
         self._type = type
         self._topics = tuple(topics)
         self._message = message
+        self._named = named
         self._feeds: list[SharedFeed] = []
         self._sink = Sink(self.deliver)
 
@@ -151,7 +154,9 @@ class FromTopics(Connection[SourceT, TargetT]):
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes objects of serialized messages."""
         real = uses_ros_classes(self._translate)
-        return ros_decoder(self._ends.ros, self._type, real=real)
+        decode = ros_decoder(self._ends.ros, self._type, real=real)
+        named = self._named
+        return decode if named is None else lambda data: named.ordered(decode(data), self.by_name)
 
     def encode(self, target: TargetT) -> bytes:
         """Encodes a JAUS message."""

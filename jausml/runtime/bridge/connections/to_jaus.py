@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
+from ..messages import limits
 from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers, RepeatedStops
 from .from_topics import FromTopics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Sequence
     from typing import Concatenate
 
     from ...base.address import JausAddress
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
+ValueT = TypeVar("ValueT")
 
 
 _OF_MANY = ("sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticStatus")
@@ -270,12 +273,36 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         self._empty = empty
         self._report: ReportHolder
         self._put: Callable[[bytes | None], None]
+        self._parts: dict[str, dict[str, tuple[float, Any]]] = {}
+        self._oldest = math.inf
 
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
+        self._parts.clear()
+        self._oldest = math.inf
         self._report = ends.shared_messages.report(self._query, self._message)
         self._sink.deliver = self._put = self._putting(ends)
         super().open(ends)
+
+    def by_name(
+        self, names: Collection[str], keys: Sequence[str], values: Sequence[ValueT], needed: str
+    ) -> list[ValueT | None]:
+        """Returns values in the order of names; messages before may have said some of them.
+
+        Several nodes publish joint states of one robot, each of its own joints. The newest value of
+        each name counts, for as long as a report of it would: such a report is as old as its oldest
+        value. A message with all names stands by itself.
+        """
+        told = dict(zip(keys, values, strict=False))
+        if not self._is_open or all(name in told for name in names):
+            return limits.by_name(names, keys, values, needed)
+        now, parts = self._ends.clock.now(), self._parts.setdefault(needed, {})
+        parts |= {name: (now, told[name]) for name in names if name in told}
+        since = now - self.silence_timeout if self.silence_timeout > 0 else -math.inf
+        fresh = {name: part for name, part in parts.items() if part[0] > since}
+        found = limits.by_name(names, [*fresh], [value for _, value in fresh.values()], needed)
+        self._oldest = min(self._oldest, *(at for at, _ in fresh.values()))
+        return found
 
     def deliver(self, payload: bytes) -> bool:
         """Makes the message the present report."""
@@ -300,6 +327,8 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
         def put(report: bytes | None) -> None:
             holder.value, holder.feeder = report, self
+            if self._oldest < math.inf:
+                self.statistics.heard, self._oldest = self._oldest, math.inf
             changed(message)
 
         return put

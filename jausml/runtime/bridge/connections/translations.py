@@ -167,6 +167,35 @@ class Join:
     drop: bool = False
 
 
+@dataclass(frozen=True)
+class NamedPlaces:
+    """Elements that a translation takes by place, and that messages have in any order.
+
+    Attributes:
+        keys: The field with the name of each element, such as `name` of sensor_msgs/JointState.
+        names: The names, in the order of the places.
+        arrays: The fields whose elements the translation takes.
+    """
+
+    keys: str
+    names: tuple[str, ...]
+    arrays: tuple[str, ...]
+
+    def ordered(self, source: Any, by_name: Callable[..., list[Any]]) -> Any:
+        """Returns a message with its elements in order; one that names none is as it should be.
+
+        Args:
+            by_name: Returns values in the order of names, and raises AbsentFieldError.
+        """
+        keys = getattr(source, self.keys)
+        if len(keys):
+            for array in self.arrays:
+                found = by_name(self.names, keys, getattr(source, array), array)
+                setattr(source, array, found)
+            setattr(source, self.keys, list(self.names))
+        return source
+
+
 class Joined:
     """The latest message of a join; it is made an object when somebody asks for it."""
 

@@ -186,15 +186,19 @@ class ListDriver:
         if executor is None:
             begun.fail()
             return begun
+        self._take_over(executor, begun)
+        self.speed = speed or 0.0
+        executor.begin(uid, speed)
+        self._tell()
+        return begun
+
+    def _take_over(self, executor: ListExecutor, begun: Completion) -> None:
+        """Has an executor execute what a command says; the command before it has failed."""
         self._completion.fail()
         former = self._running
         if former is not None and former is not executor:
             former.leave()
         self._running, self._completion = executor, begun
-        self.speed = speed or 0.0
-        executor.begin(uid, speed)
-        self._tell()
-        return begun
 
     def _change_speed(self, speed: float) -> Completion:
         if self._running is not None:
@@ -222,7 +226,7 @@ class ListDriver:
         counters.count("list_driver.mixed_list", f"the list of {sender} has elements of two kinds")
         return None
 
-    def _report(self, _query: Message, _sender: JausAddress) -> Message | None:
+    def _report(self, _query: Message, _sender: JausAddress) -> Message | bytes | None:
         report: Any = self._messages.report
         made: Message = report(element_uid=self.active)
         return made
@@ -242,7 +246,12 @@ class ListDriver:
         told = self._last.get(executor) or first
         if told is None or not executor.is_of(told):
             return None
-        return code.to_bytes(MESSAGE_CODE_SIZE, "little") + told.data[MESSAGE_CODE_SIZE:]
+        return self._told_as(code, told)
+
+    @staticmethod
+    def _told_as(code: int, element: ListElement) -> bytes:
+        """Returns the report of an element, which is laid out as that is."""
+        return code.to_bytes(MESSAGE_CODE_SIZE, "little") + element.data[MESSAGE_CODE_SIZE:]
 
     def _set_active(self, uid: int) -> None:
         if uid != self.active:

@@ -44,7 +44,7 @@ def by_name(
     missing = [name for name in names if name not in found] if needed else ()
     if missing:
         told = ", ".join(map(ascii, missing))
-        raise AbsentFieldError(f"{needed}: {told} is not among the names of the message")
+        raise AbsentFieldError(f"{needed}: {told} is not among the names")
     return [found.get(name) for name in names]
 
 

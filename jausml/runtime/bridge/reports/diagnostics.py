@@ -16,7 +16,7 @@ from ...wire.records import FEWEST
 from ..messages import limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, MutableSequence, Sequence
+    from collections.abc import Callable, Collection, Mapping, MutableSequence, Sequence
 
     from ...base.address import JausAddress
     from ...base.counters import Counters
@@ -296,6 +296,16 @@ class Limiting:
         self.drop_message = limits.DropMessage(self._note_out_of_range)
         self.error = limits.Error(self._note_out_of_range)
         self._is_open = False
+
+    def by_name(
+        self, names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str
+    ) -> list[T | None]:
+        """Returns values in the order of names, all of which one message has to have.
+
+        Raises:
+            AbsentFieldError: One is missing.
+        """
+        return limits.by_name(names, keys, values, needed)
 
     def each(
         self, make: Callable[[T], Made], items: Sequence[T], code: str = ""

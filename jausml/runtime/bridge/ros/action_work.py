@@ -87,7 +87,9 @@ class ActionMessages:
         self._action = action
         kind = self._codec.message_class
         element = f"{kind.__module__.split('.')[0]}/{kind.__name__}"
-        _require(self.type.Goal, action.goal, f"sequence<{element}", action.type_name)
+        wanted = (f"sequence<{element}", element)
+        found = _require(self.type.Goal, action.goal, wanted, action.type_name)
+        self._is_single = found == element
         is_distance = action.counting is Progress.DISTANCE
         numbers = ("float", "double") if is_distance else ("int", "uint")
         _require(self.type.Feedback, action.progress, numbers, action.type_name)
@@ -97,7 +99,7 @@ class ActionMessages:
         """Returns a goal with these serialized elements."""
         goal = self.type.Goal()
         made = [self._codec.decode(each) for each in elements]
-        assign(goal, self._action.goal, value=made)
+        assign(goal, self._action.goal, value=made[0] if self._is_single else made)
         # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
         around = self._action.goal.rpartition(".")[0]
         holder: Any = attrgetter(around)(goal) if around else None
@@ -153,10 +155,10 @@ class ActionMessages:
         return str(attrgetter(self._action.reason)(result)) if self._action.reason else ""
 
 
-def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> None:
-    """Refuses a type that has not what the bridge reads and writes there."""
+def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> str:
+    """Refuses a type that has not what the bridge reads and writes there; returns what it has."""
     if not path:
-        return
+        return ""
     parent, _, member = path.rpartition(".")
     try:
         owner = attrgetter(parent)(kind()) if parent else kind
@@ -166,6 +168,7 @@ def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> N
     if not found.startswith(types):
         wanted = types if isinstance(types, str) else " or ".join(types)
         raise RosTypeError(f"{name}: {path} is {found} there, not {wanted}")
+    return str(found)
 
 
 def _position(element: Any) -> Any:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import jaus, ros
+    from jausml.language.semantics.connections.calls import DriverMessages
     from jausml.language.semantics.jaus.services import Provider
     from jausml.language.semantics.subject import Subject
 
@@ -43,10 +44,11 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
     """The driver of an action connection executes lists with the message of its map.
 
     It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
-    ReportActiveElement. A mission spooler executes its mission in the same way.
+    ReportActiveElement. A mission spooler executes its mission in the same way. A waypoint driver
+    of the bridge executes its waypoint as a list of one; peers are given lists or missions.
 
-    Bad: `driver="LocalWaypointDriver"`, which drives to one waypoint; or LocalWaypointListDriver
-    with the map of SetGlobalWaypoint
+    Bad: `driver="LocalVectorDriver"`, which is given a direction; or LocalWaypointListDriver with
+    the map of SetGlobalWaypoint
 
     Good: `driver="LocalWaypointListDriver"` with the map of SetLocalWaypoint
     """
@@ -55,6 +57,9 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
         message = f"'{each.driver.name}' executes no lists"
         hint = "name a service that inherits ListManager and takes ExecuteList"
         yield Finding(each, message, "driver", hint)
+    elif messages.is_single and not _to_ros(each):
+        message = f"goals become lists or missions of a peer, not waypoints of {each.driver.name}"
+        yield Finding(each, message, "driver", "name a list driver or MissionSpooler")
     elif not takes(each.driver, each.element.message):
         note = Note(each.element, f"map '{each.element.name}'")
         message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
@@ -65,6 +70,8 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
 def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
     """The goal of an action has at goalMember a sequence of the ROS type of the map.
 
+    A waypoint driver has one waypoint, so a single message will do there.
+
     Bad: `goalMember="pose"`; or gps_poses of FollowGPSWaypoints with a map to PoseStamped
 
     Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
@@ -73,7 +80,7 @@ def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterato
     wanted = ros_name(each.element.type)
     if isinstance(found, PathFault):
         yield Finding(each, found.message, "goalMember", found.hint)
-    elif found is not None and not _is_sequence_of(found, each.element.type):
+    elif found is not None and not _holds(found, each):
         message = f"'{each.goalMember}' is no sequence of {wanted}, which the map makes"
         yield Finding(each, message, "goalMember")
 
@@ -230,15 +237,16 @@ def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
 def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The lists of one kind of elements go to one action, and a bridge has lists or missions.
 
-    A bridge has one list or one mission; the content of its elements determines which action
-    executes it. So a robot never follows two.
+    A bridge has one list, one mission or one waypoint; the content of its elements determines which
+    action executes it. So a robot never follows two. For the same reason, no other connection takes
+    the waypoint of an action, or tells it.
 
     Bad: two connections with `direction="jausToRos"` and the map of SetLocalWaypoint
 
     Good: one of them
     """
     first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
-    kinds: dict[bool, bridge.RosActionConnection] = {}
+    kinds: dict[object, bridge.RosActionConnection] = {}
     for each in owner.actionConnections:
         if not _is_sound(subject, each) or not _to_ros(each):
             continue
@@ -249,21 +257,46 @@ def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Fi
             yield Finding(each, message, "element", related=(note,))
             continue
         messages = driver_messages(each.driver)
-        has_missions = messages is not None and bool(messages.spooler)
-        kinds.setdefault(has_missions, each)
-        different = kinds.get(not has_missions)
+        if messages is None:
+            continue
+        kind = messages.execute if messages.is_single else bool(messages.spooler)
+        kinds.setdefault(kind, each)
+        different = next((kinds[key] for key in kinds if key != kind), None)
         if different is not None:
             note = Note(different, f"'{different.name}' has the others")
-            message = "a bridge executes lists or missions, not both"
+            message = "a bridge executes lists, missions or one kind of waypoints"
             yield Finding(each, message, "driver", related=(note,))
+        if messages.is_single:
+            yield from _taken_twice(owner, each, messages)
 
 
-def _to_ros(each: bridge.RosActionConnection) -> bool:
+def _taken_twice(
+    owner: bridge.Bridge, action: bridge.RosActionConnection, messages: DriverMessages
+) -> Iterator[Finding]:
+    """Yields the connections that take the waypoint of an action, or tell it, too."""
+    for each in owner.bridgeConnections:
+        message = each.map.message if each.map is not None else None
+        if message is None or message not in (messages.execute, messages.report):
+            continue
+        if _to_ros(each) is (message is messages.execute):
+            note = Note(action, f"'{action.name}' executes the waypoint, and tells it")
+            text = f"'{each.name}' has {message.name}, which is of an action here"
+            yield Finding(each, text, "map", related=(note,))
+
+
+def _to_ros(each: bridge.RosActionConnection | bridge.Connection) -> bool:
     return each.direction.name == "jausToRos"
 
 
 def _place(owner: ros.MessageType, path: str | None) -> RosPlace | PathFault | None:
     return RosPlace(type=owner).follow(path) if path else None
+
+
+def _holds(place: RosPlace, each: bridge.RosActionConnection) -> bool:
+    messages = driver_messages(each.driver)
+    is_single = messages is not None and messages.is_single
+    fits = is_single and not place.is_array and place.type is each.element.type
+    return fits or _is_sequence_of(place, each.element.type)
 
 
 def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
