@@ -31,16 +31,16 @@ scan {
   JAUS SetScan (
     uint16 [<=20] distances { lower: 0  upper: 65.535 }
   ) { code: 0xD101 }
-  ROS sensor_msgs/LaserScan
-  JAUS->ROS ( distances -> ranges { value -> . } )
-  ROS->JAUS ( ranges -> distances { . -> value { outOfRange: clamp } } )
+  ROS sensor_msgs/ChannelFloat32
+  JAUS->ROS ( distances -> values { value -> . } )
+  ROS->JAUS ( values -> distances { . -> value { outOfRange: clamp } } )
 }
 
 strict_scan {
   JAUS SetScan
-  ROS sensor_msgs/LaserScan
-  JAUS->ROS ( distances -> ranges { value -> . : negate } )
-  ROS->JAUS ( ranges -> distances { . -> value : negate { outOfRange: dropMessage } } )
+  ROS sensor_msgs/ChannelFloat32
+  JAUS->ROS ( distances -> values { value -> . : negate } )
+  ROS->JAUS ( values -> distances { . -> value : negate { outOfRange: dropMessage } } )
 }
 
 joints {
@@ -119,9 +119,8 @@ def test_text_is_clean(made: Generated) -> None:
 
 def scan(order: str, values: list[float]) -> bytes:
     head = b"\0\1\0\0" if order == "<" else b"\0\0\0\0"
-    texts = struct.pack(f"{order}iIIxxxx", 1, 2, 1)
-    rest = struct.pack(f"{order}7fI", *[0.0] * 7, len(values))
-    return head + texts + rest + struct.pack(f"{order}{len(values)}fI", *values, 0)
+    name = struct.pack(f"{order}Ixxxx", 1)
+    return head + name + struct.pack(f"{order}I{len(values)}f", len(values), *values)
 
 
 def joints(order: str, positions: list[float], efforts: list[float]) -> bytes:

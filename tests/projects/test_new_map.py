@@ -396,7 +396,8 @@ def test_values_of_one_name_are_mapped_by_a_table(ears, jausml, notation):
     full, charging = "POWER_SUPPLY_STATUS_FULL", "POWER_SUPPLY_STATUS_CHARGING"
     assert f"table supply ( full <-> {full}  charging <-> {charging} )" in done.output
     assert "Supply -> power_supply_status : look_up(supply)" in done.output
-    assert "JML440 table 'supply' lacks POWER_SUPPLY_STATUS_UNKNOWN, " in done.output
+    # UNKNOWN says that there is none, and is not looked up.
+    assert "JML440 table 'supply' lacks POWER_SUPPLY_STATUS_DISCHARGING, " in done.output
     own = map_in(model, "supply")
     [table] = own.tables
     assert [(each.jaus, each.ros) for each in table.entries] == [

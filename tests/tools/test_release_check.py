@@ -42,7 +42,7 @@ def test_a_requirement_without_a_lower_bound_is_refused():
 
 def test_each_dependency_of_the_project_has_a_lowest_version():
     found = lowest(metadata.requires("jausml"), USED)
-    assert {"pyecore==0.15.2", "textual==6.2", "rosbags==0.10.8", "uvicorn==0.53"} <= set(found)
+    assert {"pyecore==0.15.2", "textual==6.2", "mcap==1.6", "uvicorn==0.53"} <= set(found)
 
 
 def test_a_wheel_has_the_page_of_the_studio() -> None:

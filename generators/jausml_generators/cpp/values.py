@@ -212,7 +212,9 @@ class Values(Places):
         """Returns the test that a condition holds."""
         if not isinstance(condition, HasValue):
             return super().holds(condition)
-        names = {name: self._operand(each) for name, each in condition.operands}
+        names = {
+            name: self._operand(values.marker_value(each)) for name, each in condition.operands
+        }
         return joined_truth(condition.condition, names)
 
     def _elements(self, items: Expression) -> Type:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths import attributes
-    from jausml.language.semantics.paths.scopes import PathPlace
+    from jausml.language.semantics.paths.wholes import PathPlace
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 

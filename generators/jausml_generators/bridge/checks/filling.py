@@ -20,9 +20,6 @@ from jausml_generators.bridge.translation.expressions import (
     OCTETS,
     REAL,
     TEXT,
-    Cast,
-    Length,
-    Read,
 )
 from jausml_generators.bridge.translation.places import HasValue, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
@@ -291,9 +288,11 @@ class RosMessage:
         Those that ask for the number of elements are left out: a path gives its list enough.
         """
         marks = (each for each in self.field(path).conditions if isinstance(each, HasValue))
-        found = (m for m in marks if not any(isinstance(e, Length) for _, e in m.operands))
+        found = (m for m in marks if all(operand.type for _, operand in m.operands))
         return [
-            Marker(self.type, each.marker, {n: self.place(_path(e)) for n, e in each.operands})
+            Marker(
+                self.type, each.marker, {n: self.place(_path(e.place)) for n, e in each.operands}
+            )
             for each in found
         ]
 
@@ -354,10 +353,9 @@ class RosMessage:
         return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
 
 
-def _path(value: Expression) -> str:
-    """The path of what an operand of a marker reads."""
-    read = value.value if isinstance(value, Cast) else value
-    steps = read.place.steps if isinstance(read, Read) else ()
+def _path(place: places.Place) -> str:
+    """The path of a place in a message."""
+    steps = place.steps
     return "".join(f"[{e}]" if isinstance(e, int) else f".{e}" for e in steps).removeprefix(".")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
     from jausml.language.attributes import expressions as authored
-    from jausml_generators.bridge.translation.places import Condition, Place
+    from jausml_generators.bridge.translation.places import Condition, MarkerOperand, Place
 
 REAL, INTEGER, BOOLEAN, TEXT, OCTETS = "real", "integer", "boolean", "text", "octets"
 BITS, LIST, FORMAT, OTHER = "bits", "list", "format", "other"
@@ -74,6 +74,19 @@ class Length:
 
     of: Place
     kind: str = INTEGER
+
+
+_MARKER_KINDS = {"float32": REAL, "float64": REAL, "bool": BOOLEAN}
+_LARGE = frozenset({"int64", "uint64"})
+
+
+def marker_value(operand: MarkerOperand) -> Read | Cast | Length:
+    """Returns the value of a number that a marker asks for."""
+    if not operand.type:
+        return Length(operand.place)
+    read = Read(operand.place, _MARKER_KINDS.get(operand.type, INTEGER))
+    # Reals cannot tell large integers apart, in whatever language.
+    return Cast(read, REAL) if operand.type in _LARGE else read
 
 
 @dataclass(frozen=True)

@@ -17,21 +17,12 @@ from jausml.language.semantics.paths.ros_paths import (
     named_constants,
 )
 from jausml.language.semantics.paths.scopes import parse_path
-from jausml_generators.bridge.translation.expressions import (
-    BOOLEAN,
-    INTEGER,
-    REAL,
-    Cast,
-    Length,
-    Read,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.language.attributes import expressions as authored
     from jausml.language.semantics.paths.markers import Mark
-    from jausml_generators.bridge.translation.expressions import Expression
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +114,19 @@ class AsLongAs:
 
 
 @dataclass(frozen=True)
+class MarkerOperand:
+    """A number that a marker asks for.
+
+    Attributes:
+        place: The number, or the list whose elements are counted.
+        type: The primitive type of ROS; empty for the count of a list.
+    """
+
+    place: Place
+    type: str
+
+
+@dataclass(frozen=True)
 class HasValue:
     """A marker does not say that the field at a place has no value.
 
@@ -133,7 +137,7 @@ class HasValue:
 
     place: Place
     marker: authored.Expression
-    operands: tuple[tuple[str, Expression], ...]
+    operands: tuple[tuple[str, MarkerOperand], ...]
 
     @property
     def condition(self) -> authored.Expression:
@@ -168,8 +172,6 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
     return tuple(dict.fromkeys(kept))
 
 
-_KINDS = {"float32": REAL, "float64": REAL, "bool": BOOLEAN}
-_LARGE = frozenset({"int64", "uint64"})
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
 
@@ -288,7 +290,7 @@ def markers(
         yield HasValue(place, mark.condition, operands)
 
 
-def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> Expression:
+def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerOperand:
     """What a name in a marker stands for."""
     holder, found = field.eContainer(), place
     if name != VALUE and isinstance(holder, ros.MessageType):
@@ -298,12 +300,11 @@ def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> Express
         parts = parse_path(name)
         steps = [int(each[1:-1]) if each.startswith("[") else each for each in parts]
         if end.is_count:
-            return Length(owner.at(*steps[:-1]))
+            return MarkerOperand(owner.at(*steps[:-1]), "")
         field, found = end.field, owner.at(*steps)
-    kind = field.type.name if isinstance(field, ros.PrimitiveField) else ""
-    read = Read(found, _KINDS.get(kind, INTEGER))
-    # Reals cannot tell large integers apart, in whatever language.
-    return Cast(read, REAL) if kind in _LARGE else read
+    return MarkerOperand(
+        found, field.type.name if isinstance(field, ros.PrimitiveField) else "int32"
+    )
 
 
 def _counts(field: ros.Field) -> tuple[int, int] | None:

@@ -283,7 +283,9 @@ class _Printer:
             case places.AsLongAs(names=names):
                 return f"len({at}) >= len({names})", f"len({at}) < len({names})"
             case places.HasValue(marker=marker, operands=operands):
-                given = {name: self.text(operand) for name, operand in operands}
+                given = {
+                    name: self.text(values.marker_value(operand)) for name, operand in operands
+                }
                 holds = python_condition(condition.condition, given, is_joined=is_joined)
                 return holds, python_condition(marker, given)
 

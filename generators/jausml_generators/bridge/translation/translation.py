@@ -37,6 +37,7 @@ from jausml_generators.bridge.translation.expressions import (
     Operand,
     Read,
     Setting,
+    marker_value,
 )
 from jausml_generators.bridge.translation.places import (
     HasValue,
@@ -281,8 +282,8 @@ class Translation(ABC):
         if not is_element or not all(map(_is_total, assignment.conversions)):
             return None
         marks = [way for way in ways if isinstance(way, HasValue)]
-        operands = dict(operand for mark in marks for operand in mark.operands)
-        is_clear = all(operands[name] == each for mark in marks for name, each in mark.operands)
+        asked = dict(operand for mark in marks for operand in mark.operands)
+        is_clear = all(asked[name] == each for mark in marks for name, each in mark.operands)
         if not is_clear:
             return None
         value, *more = self.results_of(assignment, [replace(values[0], conditions=())])
@@ -291,6 +292,8 @@ class Translation(ABC):
         condition = reduce(lambda a, b: Operation("or", (a, b)), (mark.marker for mark in marks))
         default = Number(float(assignment.defaultValue or 0))
         expression = Conditional(condition, default, Variable(_RESULT))
+        operands: dict[str, Expression] = {}
+        operands.update((name, marker_value(each)) for name, each in asked.items())
         operands[_RESULT] = value.expression
         given = tuple(
             (name, Operand(each, name, is_computed=False)) for name, each in operands.items()

@@ -13,7 +13,8 @@ from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import LIST, TIME, TIME_STAMP, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import PathPlace, is_many, outer_scope
+from jausml.language.semantics.paths.scopes import is_many, outer_scope
+from jausml.language.semantics.paths.wholes import PathPlace
 
 _DEEPEST = 8
 

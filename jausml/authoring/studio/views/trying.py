@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from jausml.authoring.proposals.elements import Scope
-    from jausml.language.semantics.paths.scopes import PathPlace, PathScope
+    from jausml.language.semantics.paths.scopes import PathScope
+    from jausml.language.semantics.paths.wholes import PathPlace
     from jausml.live.workers.worker import BridgeCode
 
 

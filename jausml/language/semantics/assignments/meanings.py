@@ -37,7 +37,7 @@ from jausml.language.semantics.paths.scopes import (
 
 if TYPE_CHECKING:
     from jausml.language.semantics.paths.attributes import Part
-    from jausml.language.semantics.paths.scopes import FoundPlace
+    from jausml.language.semantics.paths.wholes import FoundPlace
 
 
 def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, str]]:

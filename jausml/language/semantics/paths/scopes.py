@@ -13,7 +13,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.wholes import ShapeError, parts_of
+from jausml.language.semantics.paths.wholes import FoundPlace, PathPlace, ShapeError, parts_of
 from jausml.language.semantics.subject import RememberedProperty, Subject, remembered
 
 if TYPE_CHECKING:
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
         bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
     )
 
-
-PathPlace = JausPlace | RosPlace
-FoundPlace = PathPlace | PathFault | None
 
 COUNTERS = ("index", COUNT)
 

@@ -13,6 +13,7 @@ from jausml.language.metamodel import FeatureKind, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.filling import hang, new_object, point, set_value
 from jausml.language.semantics.names import snake_case
+from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 
@@ -20,7 +21,10 @@ if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.scopes import FoundPlace, PathPlace
+
+PathPlace = JausPlace | RosPlace
+FoundPlace = PathPlace | PathFault | None
+"""Where a path leads."""
 
 _WRITTEN = "written_assignment"
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths.attributes import JausPart
-    from jausml.language.semantics.paths.scopes import Directed, Direction, PathPlace, Placed
+    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
+    from jausml.language.semantics.paths.wholes import PathPlace
     from jausml.language.semantics.subject import Subject
 
     Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection

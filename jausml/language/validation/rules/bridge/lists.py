@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.scopes import Directed, Direction, FoundPlace
+    from jausml.language.semantics.paths.scopes import Directed, Direction
+    from jausml.language.semantics.paths.wholes import FoundPlace
     from jausml.language.semantics.subject import Subject
 
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
