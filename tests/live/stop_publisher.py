@@ -19,7 +19,9 @@ def moving(name: str) -> Twist | TwistStamped | Float64 | Float64MultiArray | Jo
         return Float64MultiArray(data=[2.0, -3.0])
     if name.endswith("velocities"):
         velocities = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
-        return JointState(name=[f"joint_{n}" for n in range(1, 7)], velocity=velocities)
+        arm = [f"joint_{n}" for n in range(1, 7)]
+        names = ["pan", "tilt"] if "pan_tilt" in name else arm
+        return JointState(name=names, velocity=velocities[: len(names)])
     twist = Twist()
     twist.linear.x, twist.angular.z = 1.0, 0.5
     is_stamped = name.endswith(("stamped", "vector", "effector_velocity"))
