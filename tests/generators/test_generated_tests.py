@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -273,9 +274,9 @@ def outcomes_of(package, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
     folder = package.parent
     text = (package / module).read_text(encoding="utf-8")
-    replacements = []
+    replacements, place = [], Path(tempfile.mkdtemp(dir=folder))
     for number, (found, replacement) in enumerate(damages.values()):
-        replacements.append(folder / f"damage_{Path(module).stem}_{number}.py")
+        replacements.append(place / f"damage_{number}.py")
         replacements[-1].write_text(damaged(text, found, replacement), encoding="utf-8")
     runner = Path(__file__).with_name("forked_pytest.py")
     done = subprocess.run(

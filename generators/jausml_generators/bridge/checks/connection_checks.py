@@ -11,6 +11,7 @@ from jausml.language.semantics.connections.stops import stop_assignments, told
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.filling import (
+    PRESENT,
     SINGLE,
     Code,
     JausMessage,
@@ -22,6 +23,7 @@ from jausml_generators.bridge.checks.filling import (
     short_name,
 )
 from jausml_generators.bridge.services_and_actions import ActionView
+from jausml_generators.bridge.translation.expressions import TIME
 from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
@@ -44,7 +46,11 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
     for path, value in sample.expected.items():
         lines += has_value(ends.target.place(path), value)
     for path in sample.changed:
-        lines.append(holds(f"{ends.target.place(path).code} != {ends.default(path)}"))
+        place = ends.target.place(path)
+        lines.append(holds(f"{place.code} != {ends.default(path)}"))
+        # A TimeStamp as it is made is a whole second, which the time of reception is not.
+        if place.kind == TIME and PRESENT in sample.values.values():
+            lines.append(holds(f"{place.code}.nanosec == 0"))
     if not ends.to_ros:
         lines += [
             f"decoded = {view.target_name}.decode(target.encode())",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.interfaces.definitions import INTEGER_RANGES
+from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.markers import is_said, number_as_made, unknown
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container, Mapping
 
     from jausml.language.attributes import expressions as authored
-    from jausml.language.metamodel.classes import jaus, ros
+    from jausml.language.metamodel.classes import jaus
     from jausml_generators.bridge.translation import places
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import RosField
@@ -279,8 +280,12 @@ class RosMessage:
 
     def is_told_unset(self, path: str) -> bool:
         """Tells whether something at a path says that it has no value where nothing sets it."""
-        found = marked_paths(self.type)
-        return any(each == path or each.startswith(f"{path}.") for each in found)
+        found = self.field(path)
+        if found.field is None or found.is_array or "[" in path:
+            return False
+        if isinstance(found.field, ros.MessageField):
+            return any(marked_paths(found.field.messageType))
+        return bool(unknown(found.field))
 
     def markers(self, path: str) -> list[Marker]:
         """Returns the markers by which a message says that it has no value at a path.
