@@ -15,6 +15,7 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from experiments.right_turn import EXAMPLE, ROOT
@@ -92,8 +93,13 @@ class Workspace:
     processes: Mapping[str, Sequence[str]]
 
 
-def generate(system: System, folder: Path) -> Workspace:
+def generate(
+    system: System, folder: Path, modules: Mapping[str, Path] = MappingProxyType({})
+) -> Workspace:
     """Generates a system around the users' code, into a folder that is made anew.
+
+    Args:
+        modules: Further modules of the users, by their paths in the folder.
 
     Raises:
         RuntimeError: The model cannot be generated; says what jausml said.
@@ -102,6 +108,8 @@ def generate(system: System, folder: Path) -> Workspace:
     for source in system.sources:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(source, folder / source.name, ignore=ignored)
+    for path, module in modules.items():
+        shutil.copy(module, folder / path)
     command = [sys.executable, "-m", "jausml", "generate", str(system.model), "-o", str(folder)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from typing import TYPE_CHECKING
 
 from experiments.right_turn.systems import System, generate
@@ -27,12 +26,6 @@ def generated(name: str, folder: Path) -> Path:
     Raises:
         RuntimeError: The model cannot be generated; says what jausml said.
     """
-    generate(SYSTEMS[name], folder)
-    if name == "J":
-        add_driving(folder)
+    shared = {"robot/robot/driving.py": EXAMPLE / "driving.py"} if name == "J" else {}
+    generate(SYSTEMS[name], folder, shared)
     return folder
-
-
-def add_driving(workspace: Path) -> None:
-    """Puts what all robots share beside the code of the robot of J."""
-    shutil.copy(EXAMPLE / "driving.py", workspace / "robot" / "robot")

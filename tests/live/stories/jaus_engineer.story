@@ -95,6 +95,7 @@ The next version of the service has another name for a value. What that breaks i
 $ cd farm && sed s/moving/running/ ../Boom.xml > ../Next.xml && jausml import jsidl ../Next.xml -o models/ --force
 > models/agro.xmi: 1 set, 1 service, 3 messages, written
 $ cd farm && jausml generate -o ws
+! 1
 > error: JML906 ReportBoom.State has no MOVING any more; it is RUNNING now
 > --fix changes your files
 $ cd farm && jausml generate -o ws --check --strict

@@ -67,7 +67,8 @@ def test_a_cure_a_map_by_mouse_and_keys_a_trial_and_the_rest_at_once(open_studio
 
     # Values are tried by the code that would be generated.
     page.get_by_role("button", name="JAUS → ROS").click()
-    page.get_by_label("YawRate", exact=True).fill("0.5")
+    for name, value in (("Velocity_X", "1"), ("Velocity_Y", "0"), ("YawRate", "0.5")):
+        page.get_by_label(name, exact=True).fill(value)
     expect(page.get_by_role("row", name=re.compile("twist.angular.z -0.5"))).to_be_visible()
 
     # The rest is filled at once, in one step.
