@@ -132,6 +132,8 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
 @given(seed=SEEDS)
 def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
     bridge, name = translator(stem).bridge, f"{each.name}_to_jaus"
+    moment = bridge.now()
+    bridge.now = lambda: moment  # both ways receive it at once
     whole = by_bytes(bridge, name)
     chance = Random(seed)
     for _ in range(10):
@@ -159,6 +161,8 @@ def test_to_ros(
     translator: Callable[[str], Translator], stem: str, each: Any, data: Any, seed: int
 ) -> None:
     bridge, name = translator(stem).bridge, f"{each.name}_to_ros"
+    moment = bridge.now()
+    bridge.now = lambda: moment
     whole = by_bytes(bridge, name)
     view = view_of(each.message)
     source = getattr(translator(stem).messages, view.class_name)
