@@ -7,7 +7,7 @@ _CONNECTION = """\
         map: velocity_state_twist
         peers: {peer}
         rate: {rate}
-        topic twist{number}
+        topic twist{group}_{number}
     }}
 """
 
@@ -25,7 +25,9 @@ def large_system(groups: int, hosts: int = 0) -> str:
                 f"component {name} {{ {address}  provides: VelocityStateSensor  external: true }}\n"
             )
         connections = "".join(
-            _CONNECTION.format(number=number, peer=vehicles[number % 4], rate=5 + number)
+            _CONNECTION.format(
+                group=group, number=number, peer=vehicles[number % 4], rate=5 + number
+            )
             for number in range(8)
         )
         text += f"bridge bridge{group} {{\n    address: {node}.200\n{connections}}}\n"
