@@ -177,7 +177,10 @@ class RosPeer(SpinningNode):
         return self.received[topic]
 
     def listen_to_publisher(self, message_type, topic: str, qos=10) -> list:
-        """Subscribes and waits until a publisher was found, whose messages then all arrive."""
+        """Subscribes and waits until a publisher was found.
+
+        That publisher may find the subscription later: what it sends until then does not arrive.
+        """
         found = self.listen(message_type, topic, qos)
         subscription = self._subscriptions[topic]
         wait_for(lambda: subscription.get_publisher_count() > 0, f"publisher of {topic}")
