@@ -52,6 +52,18 @@ def test_timers_run_in_order_when_they_are_due(loop: Loop, clock) -> None:
     assert ran == ["first", "second", "late"]
 
 
+def test_a_delay_below_the_resolution_of_the_clock_ends_later(loop: Loop, clock) -> None:
+    clock.time = 2.0**33
+    delay = 2.0**-24
+    assert clock.time + delay == clock.time
+    ran: list[float] = []
+    loop.call_later(delay, lambda: ran.append(clock.time))
+    assert loop.run_once(0) == 0
+    clock.time += 2.0**-19
+    assert loop.run_once(0) == 1
+    assert ran == [clock.time]
+
+
 def test_a_cancelled_timer_does_not_run(loop: Loop, clock) -> None:
     ran: list[str] = []
     first = loop.call_later(1.0, lambda: (second.cancel(), ran.append("first")))

@@ -9,7 +9,7 @@ import heapq
 from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING, Protocol
 
-from .loop import Timer
+from .loop import Timer, due_after
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -132,7 +132,7 @@ class SimulatedClock:
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
         """Run a callback after a delay in simulated seconds."""
-        return self.call_at(self._progress + delay_s, callback)
+        return self.call_at(due_after(self._progress, delay_s), callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
         """Run a callback at a time of this clock, when the simulation says that it is there."""

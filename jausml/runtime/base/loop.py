@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import math
 import os
 import select
 import threading
@@ -24,6 +25,16 @@ _COMPACT_FROM = 64
 
 _AT_ONCE = 64
 """Descriptors served in one turn: timers are due between turns, and the kernel serves in turn."""
+
+
+def due_after(now: float, delay_s: float) -> float:
+    """Return the time after a delay: later than now, unless the delay is 0.
+
+    What is left until a deadline may be less than the resolution of a large time. Who asks for it
+    again and again must see time pass, also where a clock stands still between two turns.
+    """
+    when = now + delay_s
+    return math.nextafter(now, math.inf) if when == now and delay_s > 0.0 else when
 
 
 class Timer:
@@ -113,7 +124,7 @@ class Loop:
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
         """Run a callback after a delay in seconds."""
-        return self.call_at(self.now() + delay_s, callback)
+        return self.call_at(due_after(self.now(), delay_s), callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
         """Run a callback at a time of the loop's clock."""
