@@ -26,6 +26,14 @@ winch {
 }
 """
 
+TYPE = """
+rope {
+    JAUS ReportRope ( float32 Length ) { code: 0xD112 }
+    ROS rope_msgs/Rope ( float32 length { markers: { meaning: none  condition: "value < 0" } } )
+    ROS->JAUS ( length -> Length )
+}
+"""
+
 
 @pytest.fixture
 def jausml(tmp_path, monkeypatch):
@@ -143,6 +151,26 @@ def test_versions_of_a_service_in_json(jausml):
     assert {"message": "Resume", "code": "0x0004", "command": True} in found[0]["inputs"]
 
 
+def test_a_ros_type_says_by_which_values_its_fields_have_none(jausml):
+    result = jausml("show", "type", "sensor_msgs/msg/NavSatFix")
+    assert result.exit_code == 0, result.stderr
+    text = re.sub(" +", " ", result.stdout)
+    assert text.startswith("sensor_msgs/NavSatFix\n")
+    assert "\n status sensor_msgs/NavSatStatus\n" in text
+    assert re.search(r"\n altitude float64 m\n unknown if value != value, written NaN \(", text)
+    assert re.search(r"\n latitude float64 degree\n unknown if status.status < 0 \(NavSat", text)
+    shown = json.loads(jausml("show", "type", "nav_msgs/Odometry", "--format", "json").stdout)
+    (orientation,) = (f for f in shown["fields"] if f["path"] == "pose.pose.orientation")
+    assert orientation["type"] == "geometry_msgs/Quaternion"
+    assert orientation["markers"][0].startswith("unknown if orientation.x == 0 and ")
+
+
+def test_a_ros_type_of_an_own_model(jausml, tmp_path):
+    (tmp_path / "own.ros2jaus").write_text(TYPE)
+    result = jausml("show", "type", "rope_msgs/Rope", "--model", "own.ros2jaus")
+    assert re.sub(" +", " ", result.stdout).endswith("length float32 none if value < 0\n")
+
+
 def test_a_map_tells_its_quantities_and_how_to_import_it(jausml, tmp_path):
     result = jausml("show", "map", "wrench_effort")
     assert result.stdout.startswith("wrench_effort: SetWrenchEffort (PrimitiveDriver) and geom")
@@ -210,6 +238,8 @@ def test_maps_of_a_joined_report(jausml):
         (("show", "message", "SetVelocityComand"), "did you mean SetVelocityCommand"),
         (("show", "message", "ReportStatus", "--service", "Nowhere"), "no service 'Nowhere'"),
         (("show", "service", "Managment"), "did you mean Management"),
+        (("show", "type", "nav_msgs/Odometri"), "did you mean nav_msgs/Odometry?"),
+        (("show", "nav_msgs/Odometry"), "jausml show type nav_msgs/Odometry"),
         (("show", "map", "velocty_command"), "did you mean velocity_command"),
         (("show", "map", "qqqqqqqq"), "`jausml list maps` lists them"),
         (("list", "maps", "--ros", "nav_msgs/Odometri"), "did you mean nav_msgs/Odometry?"),

@@ -145,6 +145,8 @@ def test_a_map_has_a_line_for_each_assignment():
     marks = {each.id: each.mark for each in ros.ports}
     assert marks["header.frame_id"] == "= odom"
     assert marks["pose"] == "unmapped"
+    (stamp,) = (dict(each.details) for each in ros.ports if each.id == "header.stamp")
+    assert stamp["markers"].startswith("unknown if stamp.sec == 0 and stamp.nanosec == 0 (")
     rows = {each.id: each.note for each in jaus.ports}
     assert (
         rows["Velocity_X"]

@@ -125,7 +125,7 @@ def test_offered_units_are_units(unit):
         (to_ros("a -> b : look_up(ge¦ar)"), ["value_table **gear**"]),
         (to_ros("a -> b { when¦Absent: leave }"), ["**whenAbsent**: AbsentPolicy"]),
         (to_ros("a -> b { whenAbsent: le¦ave }"), ["**leave**"]),
-        (to_jaus("imu.orient¦ation -> a"), ["geometry_msgs/Quaternion"]),
+        (to_jaus("imu.orient¦ation -> a"), ["Quaternion", "unknown if orientation_covariance[0]"]),
         ("m { JAUS ReportVelocity¦State }", ["VelocityStateSensor.ReportVelocityState", "0x"]),
         ("m { ROS geometry_msgs/Tw¦ist }", ["geometry_msgs.Twist"]),
         ("bri¦dge b { }", ["**bridge**"]),
@@ -409,6 +409,8 @@ def test_hover_shows_the_fields_of_a_message(bench, at):
 def test_hover_shows_the_fields_of_a_ros_type(bench, at):
     said = said_at(bench, at, "m { ROS nav_msgs/Odo¦metry }")
     assert "| pose | geometry_msgs/PoseWithCovariance |" in said
+    fix = said_at(bench, at, "m { ROS sensor_msgs/NavSat¦Fix }")
+    assert "| latitude | float64 | degree | unknown if status.status < 0 (" in fix
     assert "| covariance | float64[36] |" in said_at(
         bench, at, "m { ROS geometry_msgs/PoseWith¦Covariance }"
     )

@@ -9,16 +9,16 @@ from jausml.authoring.editor.context import Part, context_at, features_of, keywo
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
 from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import names_in
-from jausml.language.interfaces.definitions import FieldType
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.paths.markers import in_words
 from jausml.language.text.reading.pieces import roughly_parsed
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
-from jausml.live.messages.text import rows_of
+from jausml.live.messages.text import ros_rows, rows_of
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def _path(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     attribute = found.attribute()
     said: list[Any] = [f"**{_name(token)}**: {', '.join(facts(attribute))}"]
     field = attribute.field
+    said += map(in_words, getattr(field, "markers", ()))
     said += [getattr(field, "interpretation", None), getattr(field, "documentation", None)]
     if attribute.constants:
         said.append(", ".join(f"{name} = {value}" for name, value in attribute.constants[:12]))
@@ -188,18 +189,11 @@ def _names(names: Mapping[int, str] | None) -> str:
 
 def _ros_fields(type_: ros.MessageType) -> str:
     cells = [
-        (each.name or "", _ros_type(each), _first_line(each.documentation)) for each in type_.fields
+        (row.name, row.type, row.units, _joined(_first_line(row.documentation), *row.markers))
+        for row in ros_rows(type_)
+        if row.depth == 0
     ]
-    return _table(("field", "type", ""), cells)
-
-
-def _ros_type(field: ros.Field) -> str:
-    if isinstance(field, ros.MessageField):
-        word = qualified_name(field.messageType).replace(".", "/") if field.messageType else ""
-    else:
-        word = str(getattr(getattr(field, "type", None), "name", ""))
-    kind, size = field.arrayKind.name, int(field.arraySize or 0)
-    return str(FieldType(word, array=kind, array_size=size))
+    return _table(("field", "type", "unit", ""), cells)
 
 
 def _service(service: jaus.Service) -> str:

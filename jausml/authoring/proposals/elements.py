@@ -16,6 +16,7 @@ from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
 from jausml.language.semantics.jaus.services import lineage, outputs
+from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
@@ -124,6 +125,8 @@ def _by_what_it_says(element: EObject) -> str:
         message = element.message
         trigger = name_of(message) if message is not None else element.event or "anything else"
         return f"{trigger} to {element.target}" if element.target else trigger
+    if isinstance(element, ros.Marker):
+        return in_words(element)
     if isinstance(element, bridge.OpenDecision) and element.text:
         return element.text
     target, source = getattr(element, "target", None), getattr(element, "source", None)

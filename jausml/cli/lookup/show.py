@@ -1,4 +1,4 @@
-"""`jausml show`: shows one message, service or attribute map, and how to write it."""
+"""`jausml show`: shows one message, service, ROS type or attribute map, and how to write it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import line_format_option, to_json, write
-from jausml.cli.shared.models import model_option, open_catalogue, told
+from jausml.cli.shared.models import (
+    model_option,
+    open_catalogue,
+    project_files,
+    readable_model,
+    told,
+)
 from jausml.cli.shared.names import completing, known, map_names, message_names, service_names
 
 if TYPE_CHECKING:
@@ -34,15 +40,15 @@ class Kinds(click.Group):
         """Returns the kind that is meant and its command."""
         name = args[0]
         if name not in self.commands:
-            kind = next((k for k in _NAMES if name in _known_names(k)), None)
-            if kind is not None:
+            kind = next((k for k in _NAMES if name in _known_names(k)), "type" * ("/" in name))
+            if kind:
                 ctx.fail(f"{name} is a {kind}: jausml show {kind} {name}")
         return super().resolve_command(ctx, args)
 
 
 @click.group("show", cls=Kinds)
 def command() -> None:
-    """Show one message, service or attribute map, of the library or of your models."""
+    """Show one message, service, ROS type or attribute map, of the library or of your models."""
 
 
 @command.command("message")
@@ -122,7 +128,8 @@ def _field_lines(fields: Sequence[Row]) -> Iterator[str]:
     for field, (*columns, values) in zip(fields, cells, strict=True):
         padded = "  ".join(cell.ljust(width) for cell, width in zip(columns, widths, strict=True))
         names = (f"{value} '{name}'" for value, name in sorted((field.names or {}).items()))
-        notes = [each for each in (values, field.documentation, *names) if each] or [""]
+        told = (values, field.documentation, *names, *field.markers)
+        notes = [each for each in told if each] or [""]
         yield f"  {padded}  {notes[0]}".rstrip()
         yield from (" " * (len(padded) + 4) + note for note in notes[1:])
 
@@ -185,6 +192,42 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
         for each in entries:
             mark = " (command)" if each.is_command else ""
             yield f"  {word}  {each.code_text}  {each.name}{mark}"
+
+
+@command.command("type")
+@click.argument("name", metavar="TYPE")
+@line_format_option
+@model_option
+def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
+    """Show the fields of the ROS type TYPE, and by which values they say that they have none.
+
+    TYPE is nav_msgs/Odometry or nav_msgs/msg/Odometry, or a part of a call or action such as
+    std_srvs/SetBool.request.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (an unknown type), 3 internal error.
+    """
+    from jausml.authoring.proposals.elements import plain_type
+    from jausml.language.metamodel.classes import ros
+    from jausml.language.model.library import library_paths
+    from jausml.language.semantics.paths.ros_paths import ros_name
+    from jausml.live.messages.errors import did_you_mean, similar
+    from jausml.live.messages.text import ros_rows
+
+    plain = plain_type(name)
+    shipped = [str(each) for each in library_paths("ros") if each.stem == plain.partition("/")[0]]
+    paths = [*shipped, *(models or project_files())]
+    kinds = readable_model(paths).instances(ros.MessageType) if paths else ()
+    found = {ros_name(each): each for each in kinds}
+    if plain not in found:
+        raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, found))}")
+    kind, fields = found[plain], list(ros_rows(found[plain]))
+    documentation = str(kind.documentation or "")
+    if output_format == "json":
+        shown = [field.to_json() for field in fields]
+        write(to_json({"type": plain, "documentation": documentation, "fields": shown}))
+        return
+    head = [plain, *(f"  {line}" for line in documentation.splitlines())]
+    _write((*head, "", *_field_lines(fields)))
 
 
 @command.command("map")

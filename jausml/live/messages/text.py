@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, SupportsInt
 
 from jausml.language import wire
+from jausml.language.interfaces.definitions import FieldType
+from jausml.language.metamodel.classes import ros
+from jausml.language.semantics.paths.markers import in_words
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.entries import parts
@@ -122,6 +126,7 @@ class Row:
             `names` say it.
         presence: `optional` when a presence vector says whether it is there, `option 0` and so on
             in a variant, else empty.
+        markers: By which values a ROS field says that it has none, in words.
     """
 
     path: str
@@ -132,6 +137,7 @@ class Row:
     presence: str = ""
     names: Mapping[int, str] | None = None
     documentation: str = ""
+    markers: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -148,6 +154,7 @@ class Row:
             "presence": self.presence or "always",
             "names": {str(value): name for value, name in (self.names or {}).items()},
             "documentation": self.documentation,
+            "markers": list(self.markers),
         }
         return {key: value for key, value in content.items() if value}
 
@@ -178,6 +185,31 @@ def rows_of(definition: jaus.MessageDef) -> list[Row]:
     except wire.LayoutError as error:
         raise DefinitionError(error.reason, error.path) from None
     return [] if body is None else list(_rows(body, "", 0))
+
+
+def ros_rows(
+    kind: ros.MessageType, before: str = "", around: tuple[ros.MessageType, ...] = ()
+) -> Iterator[Row]:
+    """Yields the fields of a ROS type from the outermost inwards, a type in itself once."""
+    for field in kind.fields:
+        inner = field.messageType if isinstance(field, ros.MessageField) else None
+        word = "" if inner is None else ros_name(inner)
+        if isinstance(field, ros.PrimitiveField):
+            word = field.type.name
+        array, size = field.arrayKind.name, int(field.arraySize or 0)
+        bound = int(getattr(field, "stringBound", 0) or 0)
+        row = Row(
+            f"{before}{field.name}",
+            len(around),
+            str(FieldType(word, "", bound, array, size)),
+            units=str(field.units or ""),
+            documentation=str(field.documentation or ""),
+            markers=tuple(map(in_words, field.markers)),
+        )
+        yield row
+        if inner is not None and inner not in (kind, *around):
+            step = f"{row.path}{'' if array == 'single' else '[]'}."
+            yield from ros_rows(inner, step, (*around, kind))
 
 
 def _rows(field: wire.Field, before: str, depth: int, presence: str = "") -> Iterator[Row]:

@@ -9,7 +9,7 @@ from scope_support import CAR, SHIPPED, named, scope_of
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.forms import choices, form, form_of
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import Diagnostic, Severity
 from jausml.language.semantics.names import in_words
 
@@ -47,6 +47,13 @@ def test_every_class_has_a_form(name):
             child = load_metamodels().classes[kind.kind]
             assert not child.abstract
             assert child in table.features[each.feature].target.subtypes
+
+
+def test_a_ros_field_lists_what_its_markers_say():
+    scope = scope_of("library/ros/sensor_msgs.xmi")
+    found = form(scope, named(scope, ros.Field, "NavSatFix.altitude"))
+    (markers,) = (each for each in found.children if each.feature == "markers")
+    assert markers.elements[0].label.startswith("unknown if value != value, written NaN (NavSatFix")
 
 
 @for_each("name", SHIPPED, shards=3, slow=True)

@@ -65,6 +65,13 @@ def marks_at(field: ros.Field, *, is_element: bool) -> tuple[Mark, ...]:
     return tuple(each for each in marks_of(field) if is_element or not each.is_of_elements)
 
 
+def in_words(marker: ros.Marker) -> str:
+    """Returns what a marker says, when, by which value if it is its own, and where it is stated."""
+    written = f", written {marker.value}" if marker.value else ""
+    stated = f" ({marker.stated})" if marker.stated else ""
+    return f"{marker.meaning.name} if {marker.condition}{written}{stated}"
+
+
 @remembered
 def unknown(field: ros.Field) -> str | None:
     """Returns what is written into a field to say that it has no value.

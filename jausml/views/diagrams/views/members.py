@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.views.diagrams.graph import Port
 from jausml.views.diagrams.views.context import details, number
@@ -146,6 +147,7 @@ def _details(part: Part, attribute: Attribute) -> tuple[tuple[str, str], ...]:
         range=_range(attribute),
         axes=_axes(attribute),
         values=", ".join(f"{value} {name}" for name, value in attribute.constants),
+        markers="; ".join(in_words(each) for each in getattr(part, "markers", ())),
     )
 
 
