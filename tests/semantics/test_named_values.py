@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from jausml.language.semantics.paths.attributes import (
+    BOOL,
     NUMBER,
     Attribute,
     compared,
@@ -60,6 +63,31 @@ def test_names_are_compared_without_case_and_separators() -> None:
     assert [each.name for each in found.unmatched] == ["MODE_LOST"]
     assert found.is_of_one_enumeration
     assert table_text(found, to_ros=False) == '"Stand By" <-> MODE_STAND_BY  ready <-> MODE_READY'
+
+
+@pytest.mark.parametrize(
+    ("label", "names", "true"),
+    [
+        ("data", "off on", "on"),
+        ("lamp_state", "Off On", "On"),
+        ("is_enabled", "OFF ON", "ON"),
+        ("engine_off", "OFF ON", "OFF"),
+        ("disabled", "Disabled Enabled", "Disabled"),
+        ("gate_open", "Closed Open", "Open"),
+        ("gate_closed", "Closed Open", "Closed"),
+        ("gate", "Closed Open", None),
+        ("stopped", "Off On", None),
+        ("not_on", "Off On", None),
+        ("on_hold", "Off On", None),
+        ("data", "Off Standby", None),
+    ],
+)
+def test_a_flag_has_the_names_that_mean_true_and_false_to_it(label, names, true) -> None:
+    values = {name: at for at, name in enumerate(names.split())}
+    jaus = number("LampState" if "lamp" in label else "State", is_ros=False, **values)
+    found = compared(jaus, replace(number(label), kind=BOOL, integral=False))
+    meant = [] if found is None else [one.name for one, other in found.common if other.number]
+    assert meant == ([] if true is None else [true])
 
 
 def test_what_has_no_names_is_not_compared() -> None:

@@ -205,6 +205,9 @@ class NamedValue:
     number: int
 
 
+_TRUE, _FALSE = NamedValue("true", 1), NamedValue("false", 0)
+
+
 _Named: TypeAlias = "tuple[list[str], NamedValue]"
 """A value with the words of its name."""
 
@@ -243,9 +246,46 @@ class Comparison:
 
 
 def compared(source: Attribute, target: Attribute) -> Comparison | None:
-    """Returns the enumerations of the ends of an assignment; None if not both have names."""
-    found = Comparison(named_values(source), named_values(target))
+    """Returns the enumerations of the ends of an assignment; None if not both have names.
+
+    A flag has those names of the other end that mean true and false to it without a doubt.
+    """
+    found = Comparison(
+        _of_flag(source, target) or named_values(source),
+        _of_flag(target, source) or named_values(target),
+    )
     return found if found.source and found.target and found.common else None
+
+
+_SWITCHED = {
+    "on": "off", "true": "false", "yes": "no", "active": "inactive",
+    "enabled": "disabled", "enable": "disable",
+}
+"""Names of two values, of which a flag without a name of its own says the first."""
+_OPENED = (("open", "closed"), ("opened", "closed"), ("open", "close"))
+"""Names of two values, of which a flag says the one that it is called like."""
+_PLAIN = frozenset({"data", "value", "state", "status"})
+"""Words in the name of a flag that say nothing of what it is."""
+
+
+def _of_flag(flag: Attribute, other: Attribute) -> dict[str, NamedValue]:
+    """Returns true and false by their names at the other end; nothing where there is a doubt.
+
+    The last word of the flag's name tells, or it says no more than the name of the other end.
+    """
+    values = named_values(other) if flag.kind == BOOL else {}
+    told = _words(flag.label)
+    if not values or not told or "not" in told:
+        return {}
+    is_plain, last = {*told} <= {*_PLAIN, *_words(other.label)}, told[-1]
+    for pair in (*_SWITCHED.items(), *_OPENED):
+        if {*pair} <= values.keys():
+            is_switched = pair not in _OPENED
+            if last == pair[0] or (is_switched and (is_plain or last in _SWITCHED)):
+                return {pair[0]: _TRUE, pair[1]: _FALSE}
+            if last == pair[1] or (is_switched and last in _SWITCHED.values()):
+                return {pair[0]: _FALSE, pair[1]: _TRUE}
+    return {}
 
 
 def named_values(attribute: Attribute) -> dict[str, NamedValue]:

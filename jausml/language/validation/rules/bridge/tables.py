@@ -77,6 +77,8 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
     JAUS, a closed gate would be told as something else. A table that is written leads each of
     these names to its namesake, by name or by number. Names are compared without case and
     separators; constants of a ROS type that begin with the name of a field belong to that field.
+    On and off, enabled and disabled, yes and no are true and false to a bool whose name has no
+    other meaning, open and closed to one that is called like one of them.
 
     Bad: `State -> state`, with open 0 and closed 1 in JAUS, CLOSED 0 and OPEN 1 in ROS
 
@@ -287,6 +289,9 @@ def _is_none(number: int, attribute: Attribute) -> bool:
     return any(is_said(each.condition, {VALUE: number}) for each in marks)
 
 
+_FLAGS = {"true": "1", "false": "0"}
+
+
 class _Meaning:
     """What entries mean to an attribute."""
 
@@ -297,6 +302,8 @@ class _Meaning:
     def of(self, value: str | None) -> str:
         """Returns one text for one value: numbers and their names alike."""
         text = self._names.get(value or "", value or "").strip()
+        if self.attribute.kind == BOOL:
+            return _FLAGS.get(text, text)
         if self.attribute.kind == NUMBER and is_real(text):
             return f"{float(text):.17g}"
         return text
