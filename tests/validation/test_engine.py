@@ -11,6 +11,7 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Severity, library_root, read_models
 from jausml.language.semantics.jaus.machines import behaviours_of
 from jausml.language.semantics.subject import Subject, remembering
+from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import RuleError, check, check_project
 from jausml.language.validation.rule import Finding, rule
 
@@ -73,6 +74,14 @@ def test_a_service_with_published_faults_can_be_provided(tmp_path):
     (found,) = check_project([path]).diagnostics
     assert (found.rule, found.severity) == ("JML313", Severity.WARNING)
     assert "0xF932" in found.message
+
+
+def test_a_ready_map_without_vectors_would_not_be_shipped():
+    path = library_root() / "mappings" / "range_sensor.ros2jaus"
+    text = re.sub(r"\n    vector .*?\n    \)", "", path.read_text("utf-8"), flags=re.DOTALL)
+    edited = {path.resolve(): text.encode()}
+    found = check(read_models([path], notations=NOTATIONS, contents=edited)).diagnostics
+    assert {(e.rule, e.severity) for e in found} == {("JML517", Severity.ERROR)}
 
 
 def test_all_shipped_services_fit_into_one_component(tmp_path):

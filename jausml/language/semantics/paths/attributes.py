@@ -258,8 +258,12 @@ def compared(source: Attribute, target: Attribute) -> Comparison | None:
 
 
 _SWITCHED = {
-    "on": "off", "true": "false", "yes": "no", "active": "inactive",
-    "enabled": "disabled", "enable": "disable",
+    "on": "off",
+    "true": "false",
+    "yes": "no",
+    "active": "inactive",
+    "enabled": "disabled",
+    "enable": "disable",
 }
 """Names of two values, of which a flag without a name of its own says the first."""
 _OPENED = (("open", "closed"), ("opened", "closed"), ("open", "close"))

@@ -57,7 +57,8 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
 
     Where rules know neither, a map that is wrong in both directions looks like one that is right.
     A test vector by a person who has looked at the vehicle, or at its manual, says which it is.
-    A safety case leaves it undeveloped until then.
+    A safety case leaves it undeveloped until then. In maps of the library, of which profiles are
+    made, this is an error.
 
     Bad: `Rudder -> rudder : negate` between fields without a frame, and no vector
 
@@ -73,7 +74,8 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
                 does = "turns the sign" if turns_unseen(placed) else "looks up a table"
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
                 hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
-                yield Finding(placed.assignment, message, "target", hint)
+                severity = Severity.ERROR if subject.model.is_library(used) else None
+                yield Finding(placed.assignment, message, "target", hint, severity=severity)
 
 
 @rule("JML518", "vector that its map refutes", severity=Severity.WARNING, each=bridge.AttributeMap)
