@@ -345,8 +345,6 @@ NAN = math.nan
         ("flu_quaternion_to_frd_pitch", ((0, -HALF, 0, HALF),), [QUARTER]),
         ("flu_quaternion_to_frd_roll", ((HALF, 0, 0, HALF),), [QUARTER]),
         ("flu_quaternion_to_frd_angles", ((0, -HALF, 0, HALF),), [0, QUARTER, 0]),
-        ("orientation_if_known", ((0, 0, HALF, HALF), 0.0), [0, 0, HALF, HALF]),
-        ("orientation_if_known", ((0, 0, HALF, HALF), -1.0), [0, 0, 0, 0]),
         # Roll is taken as zero where it turns about the same axis as yaw.
         ("flu_quaternion_to_frd_angles", ((0.5, -0.5, 0.5, 0.5),), [0, QUARTER, -QUARTER]),
         ("flu_quaternion_to_frd_angles", ((0, 0, 0, 0),), [NAN, NAN, NAN]),

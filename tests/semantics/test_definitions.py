@@ -89,7 +89,7 @@ def test_what_is_rational_and_what_the_library_decides():
     }
     of_library = {each.name for each in DEFINED if not each.definition.is_portable}
     turns = {each.name for each in DEFINED if "geometry_msgs/Quaternion" in each.signature}
-    assert of_library == turns - {"orientation_if_known"}
+    assert of_library == turns
 
 
 # ------------------------------------------------------------ the same by two texts

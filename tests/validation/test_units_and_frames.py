@@ -117,15 +117,11 @@ def test_round_trips_are_judged_by_what_their_ends_can_hold(
         ("Yaw", "flu_quaternion_to_frd_yaw", True),
     ],
 )
-def test_what_hides_an_unknown_orientation_hides_no_wrong_axes(
-    targets, conversion, is_wrong, tmp_path
-):
+def test_wrong_axes_of_an_orientation_are_found(targets, conversion, is_wrong, tmp_path):
     text = f"""
     attitude {{
       JAUS ReportGlobalPose
       ROS sensor_msgs/Imu
-      ROS->JAUS (
-        orientation, orientation_covariance[0] -> {targets} : orientation_if_known, {conversion}
-      )
+      ROS->JAUS ( orientation -> {targets} : {conversion} )
     }}"""
     assert ("JML433" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong

@@ -32,7 +32,6 @@ __all__ = [
     "ned_angles_to_enu_quaternion",
     "ned_heading_to_enu_quaternion",
     "ned_heading_to_enu_yaw",
-    "orientation_if_known",
     "wrap_angle",
 ]
 
@@ -50,16 +49,6 @@ def ned_heading_to_enu_yaw(value: float) -> float:
 def enu_yaw_to_ned_heading(value: float) -> float:
     """Yaw counter-clockwise from east to heading clockwise from north, in [-pi, pi]."""
     return wrap_angle(math.pi / 2 - value)
-
-
-def orientation_if_known(orientation: QuaternionLike, variance: float) -> Quaternion:
-    """The orientation, or one of length zero where the variance beside it is negative.
-
-    A first variance of -1 says in sensor_msgs/Imu that the orientation is unknown.
-    """
-    if variance < 0.0:
-        return Quaternion(0.0, 0.0, 0.0, 0.0)
-    return Quaternion(orientation.x, orientation.y, orientation.z, orientation.w)
 
 
 def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:

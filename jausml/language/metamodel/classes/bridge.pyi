@@ -168,7 +168,6 @@ class ConversionKind(EEnumLiteral):
         "look_up",
         "expression",
         "user",
-        "orientation_if_known",
         "limit",
         "pixels_to_pnm",
         "pnm_to_pixels",

@@ -155,28 +155,6 @@ class _ToAngles(_ToOneAngle):
     limits = (TURN, QUARTER, TURN)
 
 
-class OrientationIfKnown(Conversion):
-    """The orientation, or one of length zero where the variance beside it is negative.
-
-    A first variance of -1 says in sensor_msgs/Imu that the orientation is unknown. One of length
-    zero has no angles: what is made of it is not a number.
-    """
-
-    name = "orientation_if_known"
-    inputs = (QUATERNION, NUMBER)
-    outputs = (QUATERNION,)
-    effect = Effect.SAME
-    definition = Definition(
-        "x, y, z, w, variance",
-        """
-        if(variance < 0, 0, x)
-        if(variance < 0, 0, y)
-        if(variance < 0, 0, z)
-        if(variance < 0, 0, w)
-        """,
-    )
-
-
 class FrdAnglesToFluQuaternion(_ToOrientation):
     """Roll, pitch and yaw about forward-right-down axes to an orientation in forward-left-up."""
 
