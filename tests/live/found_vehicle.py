@@ -24,7 +24,7 @@ class Vehicle(JausComponent):
 
     def __init__(self, speed, transport, address, settings):
         super().__init__(transport, address, name="vehicle", services=SERVICES, settings=settings)
-        report = ReportVelocityState(velocity_x=speed)
+        report = ReportVelocityState(velocity_x=speed, yaw_rate=0.0)
         self.provide(QueryVelocityState, ReportVelocityState, lambda *_: report)
         self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
 

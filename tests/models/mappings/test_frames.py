@@ -227,11 +227,12 @@ def test_velocities_to_the_left_are_negative_in_jaus(
     assert (back.twist.angular.x, back.twist.angular.y) == (near(0.1), near(0.2))
 
 
-def test_fields_that_are_absent_are_zero_and_nothing_else(
+def test_axes_without_motion_are_zero_and_nothing_else(
     translator: Callable[[str], Translator],
 ) -> None:
     maps = translator("velocity_state_sensor")
-    target = maps.to_ros("velocity_state", maps.messages.ReportVelocityState(velocity_x=1.0))
+    report = maps.messages.ReportVelocityState(velocity_x=1.0, yaw_rate=0.0)
+    target = maps.to_ros("velocity_state", report)
     twist = target.twist.twist
     assert (twist.linear.y, twist.linear.z) == (0.0, 0.0)
     assert (twist.angular.x, twist.angular.y, twist.angular.z) == (0.0, 0.0, 0.0)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 GUARDS = ("models/library/mappings",)
 
+MOVING = {"velocity_x": 1.0, "yaw_rate": 0.0}
 TIMED = {
     "acceleration_state": ("acceleration_state_sensor", "ReportAccelerationState", {}),
     "global_pose": ("global_pose_sensor", "ReportGlobalPose", {"latitude": 1.0, "longitude": 2.0}),
@@ -26,8 +27,8 @@ TIMED = {
     "local_pose": ("local_pose_sensor", "ReportLocalPose", {"x": 1.0, "y": 2.0}),
     "local_pose_stamped": ("local_pose_sensor", "ReportLocalPose", {"x": 1.0, "y": 2.0}),
     "local_pose_enu": ("local_pose_sensor", "ReportLocalPose", {"x": 1.0, "y": 2.0}),
-    "velocity_state": ("velocity_state_sensor", "ReportVelocityState", {"velocity_x": 1.0}),
-    "velocity_state_twist": ("velocity_state_sensor", "ReportVelocityState", {"velocity_x": 1.0}),
+    "velocity_state": ("velocity_state_sensor", "ReportVelocityState", MOVING),
+    "velocity_state_twist": ("velocity_state_sensor", "ReportVelocityState", MOVING),
 }
 """Maps of reports with a time: their file, and a report without one."""
 
