@@ -201,6 +201,15 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(parameter, words, bri
     assert not any("Traceback" in line for line in lines)
 
 
+def test_the_command_line_goes_before_a_file_with_a_value_of_another_type(bridge, tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    jaus_port: true\n")
+    words = ("--params-file", str(file), "-p", "waypoint_vehicle:jaus_port:=0")
+    process = bridge("waypoints", "--ros-args", *words)
+    assert process.popen.wait(timeout=30) == 2
+    assert "jaus_port is 0; it must lie in 1..65535" in process.log.read_text()
+
+
 def test_all_values_that_do_not_do_are_told(bridge):
     wrong = ("autostart:=0", "velocity_state.topic:=7", "global_pose.imu.freshness:=0.0")
     process = bridge("waypoints", "--ros-args", *(part for each in wrong for part in ("-p", each)))

@@ -111,7 +111,7 @@ class RosNode:
         self._topics: NodeTopics | None = None
         self._services: NodeServices | None = None
         self._introspection: CallIntrospection | None = None
-        self._parameters = NodeParameters(self._node)
+        self._parameters = NodeParameters(self._node, arguments or ())
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
         self._node.add_post_set_parameters_callback(self._follow_simulation)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.msg import (
@@ -17,10 +18,12 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
+from rcl_interfaces.msg import Parameter as ParameterMessage
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RclpyParameter
+from rclpy.parameter import get_parameter_value
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -111,9 +114,14 @@ class NodeParameters:
         given: Parameters that the command line and parameter files give, by name.
     """
 
-    def __init__(self, node: Any) -> None:
-        """Follows changes from now on; the node is one of `LazyParameters`."""
-        self.given = _given(node)
+    def __init__(self, node: Any, line: Sequence[str] = ()) -> None:
+        """Follows changes from now on.
+
+        Args:
+            node: One of `LazyParameters`.
+            line: The command line that it was made with.
+        """
+        self.given = {**_given(node), **_outvoted(node, line)}
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
@@ -221,6 +229,24 @@ def as_parameter_error(about: str = "") -> Iterator[None]:
 def _given(node: Any) -> Mapping[str, Any]:
     # rclpy keeps what command line and files say here, and has no other way to ask for it.
     found: Mapping[str, Any] = node._parameter_overrides  # noqa: SLF001
+    return found
+
+
+def _outvoted(node: Any, line: Sequence[str]) -> dict[str, Any]:
+    """Returns what the command line says of parameters to which a file gives another type.
+
+    Of several types ROS takes the first of an order of its own, and the others are lost.
+    """
+    found = {}
+    if "--params-file" in line:
+        for option, text in pairwise(line):
+            path, _, value = text.partition(":=")
+            owner, _, name = path.rpartition(":")
+            taken = _given(node).get(name) if option in ("-p", "--param") else None
+            if taken and owner in ("", node.get_name(), node.get_fully_qualified_name()):
+                stated = ParameterMessage(name=name, value=get_parameter_value(value))
+                if stated.value.type != taken.type_.value:
+                    found[name] = RclpyParameter.from_parameter_msg(stated)
     return found
 
 
