@@ -142,7 +142,7 @@ def test_an_index_that_leads_to_one_chunk_again_and_again_gives_it_once(tmp_path
 
 def bomb(stated, made):
     """Returns a file with one chunk that says a size, and unpacks to another."""
-    packed = zstandard.compress(bytes(made))
+    packed = zstandard.compress(bytes(made) if isinstance(made, int) else made)
     head = struct.pack("<QQQI", 0, 0, stated, 0) + struct.pack("<I", 4) + b"zstd"
     chunk = head + struct.pack("<Q", len(packed)) + packed
     whole = recording(count=1, use_chunking=False)
@@ -164,6 +164,14 @@ def test_a_chunk_that_unpacks_to_other_than_it_says_is_refused(tmp_path, stated,
     found, fault = read(tmp_path, bomb(stated, made))
     assert found == [0]
     assert said in fault
+
+
+def test_more_messages_than_so_small_a_file_can_have_are_refused(tmp_path):
+    count = (1 << 18) + 1
+    messages = (struct.pack("<BQ", 5, 22) + bytes(22)) * count
+    found, fault = read(tmp_path, bomb(len(messages), messages))
+    assert found == [0]
+    assert "holds more than 262,144 messages, which a file of " in fault
 
 
 @pytest.mark.parametrize("at", range(8, 400, 13))

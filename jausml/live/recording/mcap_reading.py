@@ -43,6 +43,10 @@ _MESSAGE = struct.Struct("<HIQQ")
 _TIME_OFFSET = HEAD.size + 6
 """Where the time of a message stands in its record."""
 
+_MOST_SMALL, _MOST_PER_BYTE = 1 << 18, 64
+"""Messages that a small file may have, and those for each byte of a larger one: messages of
+different times cannot be packed so well, and each takes time to read."""
+
 _STEP = 1 << 20
 _MOST_NAMED = 3
 
@@ -152,6 +156,7 @@ class _Contents:
         self._more = 0
         self._unknown: Counter[int] = Counter()
         self._count = self._held = 0
+        self._left = max(_MOST_SMALL, _MOST_PER_BYTE * self._size)
         self._is_over = self._has_end = self._has_summary = self._is_ours = False
         stream.seek(0)
         self._has_begin = stream.read(len(MAGIC)) == MAGIC
@@ -340,9 +345,13 @@ class _Contents:
                 time = time_at(at)
                 is_sorted, last = is_sorted and time >= last, time
                 places.append(at)
+                if len(places) > self._left:
+                    told = f"messages, which a file of {self._size:,} bytes cannot have"
+                    raise DamageError(f"{where} holds more than {self._left:,} {told}")
             else:
                 begin = at + HEAD.size
                 self._take(opcode, at, data[begin : begin + length])
+        self._left -= len(places)
         return places if is_sorted else sorted(places, key=time_at)
 
     def _take(self, opcode: int, at: int, content: bytes) -> None:
