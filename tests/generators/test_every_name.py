@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import re
 import subprocess
 import sys
 from collections.abc import MutableSequence, Sequence
+from functools import cache
+from keyword import iskeyword, kwlist, softkwlist
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 import needs
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 from lupa import lua54
 from workspaces import python_path, write
 
 from jausml.generation.native import compiler
 from jausml.generation.python.modules import STANDARD
 from jausml.language.interfaces import parse_definition
-from jausml.language.model import read_models
+from jausml.language.model import Severity, read_models
+from jausml.language.semantics.names import DEVICES, LONGEST, is_identifier, snake_case
 from jausml.language.text.notation import NOTATIONS
+from jausml.language.validation.engine import check
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.codec_cpp.target import TARGET as CODEC_CPP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.python.names import WIRE
-from jausml_generators.python.package import runtime_names
+from jausml_generators.python.names import WIRE, class_name, package_name
 from jausml_generators.ros_interfaces.target import TARGET as ROS_INTERFACES
+from jausml_generators.ros_node.target import TARGET as NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml_generators.wireshark.target import TARGET as WIRESHARK
 
 from .codec_support import load, read_messages, render
 
 if TYPE_CHECKING:
-    from pathlib import Path
     from types import ModuleType
+
+    from jausml.generation import Target
 
 
 MESSAGE = """
@@ -66,7 +76,7 @@ MESSAGE = """
             <fields xsi:type="jaus:FixedField" name="{name}" type="uint32"/>
           </element>
         </fields>
-        <fields xsi:type="jaus:Variant" name="{name}">
+        <fields xsi:type="jaus:Variant" name="{name} or">
           <options xsi:type="jaus:Record" name="{name}">
             <fields xsi:type="jaus:FixedField" name="{name}" type="int8"/>
           </options>
@@ -128,73 +138,165 @@ def test_names_of_generated_python_may_stand_in_messages(tmp_path: Path) -> None
         assert type(message).decode(message.encode()) == message, name
 
 
-OF_CPP = """
-    alignas and asm auto bitand bool break case catch char class compl const constexpr continue
-    decltype default delete do double else enum explicit export extern false float for friend goto
-    if inline int long mutable namespace new noexcept not nullptr operator or private protected
-    public register return short signed sizeof static struct switch template this throw true try
-    typedef typeid typename union unsigned using virtual void volatile wchar_t while xor std jaus
-    final override
+ROS = """<?xml version="1.0" encoding="UTF-8"?>
+<ros:InterfacePackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:ros="http://www.jausml.org/ros/1.0" name="own_msgs">{types}</ros:InterfacePackage>
 """
-OF_LUA = "end elseif function local nil repeat then until tree at read"
-OF_ROS = "string wstring byte time duration uint8 Time Duration MIN MAX PRESENCE header"
-
+TYPE = """
+    <messages name="{type}">
+      <fields xsi:type="ros:PrimitiveField" name="{field}" type="float64"/>
+      <fields xsi:type="ros:PrimitiveField" name="more" type="uint8" arrayKind="unboundedSequence"/>
+      <constants name="{constant}" type="uint8" value="1"/>
+    </messages>
+"""
 SYSTEM = """
 import "names.xmi"
-component unit {{ address: 1.1.1  provides: Names }}
-bridge front {{ address: 1.1.2  uses: Names
+import "own_msgs.xmi"
+component `{unit}` {{ address: 1.1.1  provides: Names }}
+bridge `{front}` {{ address: 1.1.2  uses: Names
 {connections}
+}}
+node `{node}` {{
+{members}
 }}
 {maps}
 """
+CONNECTION = """
+    connection `{name}` {{ map: `{name}`  direction: rosToJaus  exchange: message
+        peers: `{unit}`  control: false  topic `{name}` {{}} }}
+"""
+MAP = """
+`{name}` {{ JAUS `{name}`  ROS own_msgs/{type}
+    quantity `{name}` {{ value: 2 }}
+    table `{name}` ( a <-> 0  b <-> 1 )
+    join `{other}` {{ type: own_msgs/{type} }}
+    ROS->JAUS ( `{field}` -> First{number}.Scaled : scale(`{name}`)
+        `{other}`.more[0] -> First{number}.Text : look_up(`{name}`) {{ whenAbsent: leave }} )
+    JAUS->ROS ( First{number}.Scaled -> `{field}` : scale(`{name}`) {{ whenAbsent: leave }} )
+}}
+"""
+MEMBER = """
+    parameter `{name}` {{ type: double  value: 1 }}
+    {kind} `{name}` {{ topic: node/`{name}`  type: std_msgs/Float64 }}
+"""
+PYTHON = [MESSAGES, COMPONENT, BRIDGE, NODE, RUNTIME]
+OTHERS = [CODEC_CPP, WIRESHARK]
+IMPORTED = """
+import importlib, pathlib
+for path in sorted(pathlib.Path().glob("*/*/*.py")):
+    if path.parts[0] == path.parts[1] and path.parts[0] not in ("jausml_runtime", "{node}"):
+        importlib.import_module(f"{{path.parts[0]}}.{{path.stem}}")
+from jausml_runtime import Bridge
+(base,) = Bridge.__subclasses__()
+(bridge,) = base.__subclasses__()
+bridge()
+"""
+FORMS = (str, str.upper, str.lower, str.capitalize, class_name, snake_case, "{}_".format)
 
 
-def system(folder: Path, names: Sequence[str]) -> str:
-    """Returns a component and a bridge that have a message of each name."""
-    connections = (
-        f"connection c{number} {{ map: m{number}  direction: rosToJaus  exchange: message"
-        f"  peers: unit  control: false  topic t{number} {{ }} }}"
-        for number in range(len(names))
+def system(folder: Path, names: Sequence[str]) -> Path:
+    """Writes a system of a component, a bridge and a node, in which all has these names."""
+    path = model(folder / "names.xmi", names, message="{name}")
+    path.write_text(path.read_text().replace("<outputs", "<inputs").replace("</out", "</in"))
+    types, parts = [], []
+    for number, name in enumerate(names):
+        field = snake_case(name)
+        field = f"f{number}" if iskeyword(field) or field in ("true", "false") else field
+        kinds = {"type": class_name(name), "field": field, "constant": field.upper()}
+        types.append(TYPE.format(**kinds))
+        kind = ("publisher", "subscription")[number % 2]
+        other = names[number - 1]
+        part = {**kinds, "name": name, "other": other, "number": number, "kind": kind}
+        parts.append({**part, "unit": names[0]})
+    (folder / "own_msgs.xmi").write_text(ROS.format(types="".join(types)))
+    path = folder / "system.ros2jaus"
+    text = SYSTEM.format(
+        unit=names[0],
+        front=names[1],
+        node=names[2],
+        connections="".join(CONNECTION.format(**each) for each in parts),
+        members="".join(MEMBER.format(**each) for each in parts),
+        maps="".join(MAP.format(**each) for each in parts),
     )
-    maps = (
-        f"m{number} {{ JAUS `{name}`  ROS std_msgs/Float64"
-        f"  ROS->JAUS ( data -> First{number}.Scaled ) }}"
-        for number, name in enumerate(names)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]] = ()) -> Path:
+    """Returns the workspace of a system of these names, whose Python can be imported."""
+    result = check(read_models([system(folder, names)], notations=NOTATIONS))
+    faults = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    assert not faults, faults[:3]
+    workspace = folder / "ws"
+    write(result.model, [*PYTHON, *targets], workspace)
+    code = IMPORTED.format(node=package_name(names[2]))
+    path = {"PYTHONPATH": python_path(workspace)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=path, cwd=workspace, capture_output=True, text=True
     )
-    model(folder / "names.xmi", names, message="{name}")
-    return SYSTEM.format(connections="\n".join(connections), maps="\n".join(maps))
+    assert not done.returncode, done.stderr
+    return workspace
+
+
+@cache
+def words() -> list[str]:
+    """Returns the words that generated files use, of Python and its library, and of C++ and Lua."""
+    with TemporaryDirectory() as folder:
+        workspace = generated(Path(folder), ("Plain", "SimpleOne", "other_one"), OTHERS)
+        found = {*dir(builtins), *kwlist, *softkwlist, *sys.stdlib_module_names}
+        for path in workspace.rglob("*.*"):
+            if path.suffix in {".py", ".hpp", ".cpp", ".lua", ".msg"}:
+                found.update(re.findall(r"[A-Za-z]\w*", path.read_text("utf-8")))
+    return sorted(each for each in found if each.isascii() and len(each) < LONGEST)
+
+
+def is_legal(name: str) -> bool:
+    """Whether a name may stand everywhere: it is no device, and becomes a type of ROS."""
+    return is_identifier(name) and class_name(name).lower() not in DEVICES
+
+
+@st.composite
+def names(draw: st.DrawFn, size: int) -> list[str]:
+    """Draws names, mostly such as generated files use, of which code makes different names."""
+    known = st.builds(
+        lambda word, form: form(word), st.sampled_from(words()), st.sampled_from(FORMS)
+    )
+    any_name = st.from_regex("[A-Za-z][A-Za-z0-9_]{0,9}", fullmatch=True)
+    legal = (known | known | known | any_name).filter(is_legal)
+    keys = (lambda name: class_name(name).lower(),)
+    found: list[str] = draw(st.lists(legal, min_size=size, max_size=size, unique_by=keys))
+    return found
+
+
+FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
+"""Names with which something could not be imported or compiled once."""
+
+
+@settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
+@given(drawn=names(12))
+def test_any_names_may_stand_anywhere(drawn: list[str]) -> None:
+    with TemporaryDirectory() as folder:
+        by_class = {class_name(each).lower(): each for each in (*drawn, *FOUND)}
+        generated(Path(folder), list(by_class.values()))
 
 
 @pytest.mark.slow
-def test_messages_may_have_names_of_every_target(tmp_path: Path) -> None:
+@settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
+@given(drawn=names(40))
+@example(drawn=FOUND)
+def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
     needs.ask("compiler")
-    taken = {*runtime_names(), *STANDARD, *WIRE, *f"{OF_CPP} {OF_LUA} {OF_ROS}".split()}
-    # Two messages whose classes have one name are no subject here.
-    names = sorted({re.sub("[_ ]", "", each).lower(): each for each in taken}.values())
-    path = tmp_path / "system.ros2jaus"
-    path.write_text(system(tmp_path, names), encoding="utf-8")
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.diagnostics
-    folder = tmp_path / "ws"
-    every = [
-        MESSAGES,
-        COMPONENT,
-        BRIDGE,
-        RUNTIME,
-        CODEC_CPP,
-        WIRESHARK,
-        ROS_INTERFACES.for_whole_library(),
-    ]
-    write(result.model, every, folder)
-    run = [sys.executable, "-c", "import unit.unit, front.front; front.front.Front()"]
-    subprocess.run(run, check=True, env={"PYTHONPATH": python_path(folder)}, cwd=tmp_path)
-    (header,) = folder.rglob("*_jaus.hpp")
-    line = [str(compiler()), "-std=c++17", "-fsyntax-only", "-x", "c++", str(header)]
-    subprocess.run(line, check=True)
-    (dissector,) = folder.rglob("*.lua")
-    lua = lua54.LuaRuntime(unpack_returned_tuples=True).globals().load
-    assert not isinstance(lua(dissector.read_text("utf-8")), tuple)
-    definitions = [*folder.rglob("*.msg")]
-    assert len(definitions) > len(names)
-    for each in definitions:
-        assert parse_definition(each.read_text("utf-8"), "msg").faults == [], each.name
+    with TemporaryDirectory() as folder:
+        every = [*OTHERS, ROS_INTERFACES.for_whole_library()]
+        workspace = generated(Path(folder), drawn, every)
+        for source in (*workspace.rglob("*_jaus.hpp"), *workspace.rglob("core.cpp")):
+            line = [str(compiler()), "-std=c++17", "-fsyntax-only", "-x", "c++", str(source)]
+            subprocess.run(line, check=True)
+        lua = lua54.LuaRuntime(unpack_returned_tuples=True).globals().load
+        for dissector in workspace.rglob("*.lua"):
+            assert not isinstance(lua(dissector.read_text("utf-8")), tuple)
+        definitions = [*workspace.rglob("*.msg")]
+        assert len(definitions) >= len(drawn)
+        for each in definitions:
+            assert parse_definition(each.read_text("utf-8"), "msg").faults == [], each.name

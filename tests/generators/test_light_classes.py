@@ -317,12 +317,6 @@ def test_a_message_in_itself_is_an_error(tmp_path):
         changed(tmp_path, old, new)
 
 
-@pytest.mark.parametrize("name", ["self", "to_cdr", "from_cdr"])
-def test_a_field_that_hides_what_a_light_class_needs_is_an_error(tmp_path, name):
-    with pytest.raises(GenerationError, match=f"a bridge cannot carry a field named {name}"):
-        changed(tmp_path, 'name="self_test"', f'name="{name}"')
-
-
 # ------------------------------------------------------------------ installed types
 
 

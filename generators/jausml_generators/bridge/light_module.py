@@ -114,7 +114,6 @@ class LightModule:
 
 
 _OWN_CONSTANTS = frozenset({"LAYOUT", "LEAST", "NESTED", "TYPE"})
-_OWN_ATTRIBUTES = frozenset({"from_cdr", "self", "to_cdr"})
 
 
 @dataclass(frozen=True)
@@ -157,11 +156,7 @@ class LightClass:
 
     @property
     def fields(self) -> tuple[LightField, ...]:
-        """The fields in order.
-
-        Raises:
-            GenerationError: A field has a name that each light class needs for itself.
-        """
+        """The fields in order."""
         return tuple(self._field(each) for each in fields_of(self.message))
 
     @property
@@ -195,16 +190,13 @@ class LightClass:
         return writing_lines(self.message, self.class_of, self.runs, self.sizes)
 
     def _field(self, field: FieldLayout) -> LightField:
-        if field.name in _OWN_ATTRIBUTES:
-            full = ros_type(self.message).full_name
-            raise GenerationError(f"{full}: a bridge cannot carry a field named {field.name}")
         annotation = self._annotation(field)
-        value = field.name
+        value = "self_" if field.name == "self" else field.name
         if field.is_single and field.message is None:
-            parameter = f"{field.name}: {annotation} = {_single_default(field)}"
+            parameter = f"{value}: {annotation} = {_single_default(field)}"
         else:
-            parameter = f"{field.name}: {annotation} | None = None"
-            value = f"{self._new(field)} if {field.name} is None else {field.name}"
+            parameter = f"{value}: {annotation} | None = None"
+            value = f"{self._new(field)} if {value} is None else {value}"
         return LightField(field.name, annotation, parameter, value, python_string(field.idl))
 
     def _annotation(self, field: FieldLayout) -> str:

@@ -17,6 +17,7 @@ from jausml_generators.cpp.types import (
     Struct,
     Type,
     UnprintableError,
+    cpp_class,
     cpp_name,
     cpp_number,
     cpp_string,
@@ -46,7 +47,7 @@ class RosCodec:
         self.text: dict[ros.MessageType, list[str]] = {}
         self._sizes = Sizes()
         for each in types:
-            struct = Struct(f"ros::{cpp_name(names[each])}")
+            struct = Struct(f"ros::{cpp_class(names[each])}")
             try:
                 self.text[each] = self._struct(each, struct)
             except UnprintableError:

@@ -59,10 +59,11 @@ _SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...]
 def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
 
-    Packages and fields are of lower case with single underscores, types are in CamelCase,
-    constants of upper case. A field is no keyword of Python: rosidl would write a class that cannot
-    be imported. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no
-    more than 4194304, for each message holds all of it.
+    Packages and fields are of lower case with single underscores, types are in CamelCase, constants
+    of upper case. A field is no keyword of Python: rosidl would write a class that cannot be
+    imported. Nor is it from_cdr or to_cdr, as bridges call what reads and writes a message. A fixed
+    array and a bounded sequence have a size of 1 or more; a fixed array no more than 4194304, for
+    each message holds all of it.
 
     Bad: `<messages name="wheel_speeds">` with a field named frontLeft
 
@@ -82,6 +83,9 @@ def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
 def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
     if keyword.iskeyword(field.name or ""):
         yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+    elif field.name in ("from_cdr", "to_cdr"):
+        message = f"field name '{field.name}' is that of a method of generated messages"
+        yield Finding(field, message, "name")
     array, size = field.arrayKind.name, field.arraySize
     is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
     if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
