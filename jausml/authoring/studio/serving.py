@@ -155,7 +155,7 @@ class Studio:
     async def _page_socket(self, socket: WebSocket) -> None:
         async with self._accepted(socket) as is_accepted:
             if is_accepted:
-                await PageSocket(socket, self.session.page()).run(self.token)
+                await PageSocket(socket, self.session).run(self.token)
 
     async def _language_socket(self, socket: WebSocket) -> None:
         await asyncio.to_thread(import_module, "jausml.authoring.editor.server")  # it takes a while

@@ -6,7 +6,6 @@ import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
-import type { PresentPage } from "./presence";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
 import type { ComparedRow, Explanation, ReadRecording } from "./recordings";
@@ -38,8 +37,6 @@ export interface Methods {
   create: [{ file: string; origin: string }, EditResult];
   copy: [{ elements: Ref[] }, { text: string }];
   paste: [{ owner: Ref; text: string }, EditResult & { left_out: LeftOut[] }];
-  /** Tells others where this page looks. */
-  look: [Omit<PresentPage, "id" | "here">, { pages: PresentPage[] }];
   form: [{ element: Ref }, Form];
   /** What a reference may lead to, the best fits of a search; `more` is how many there are beside. */
   choices: [{ element: Ref; feature: string; query: string }, { choices: Choice[]; more: number }];
@@ -146,7 +143,6 @@ export interface Notifications {
   live: { state: LiveState; freshness?: Freshness };
   /** The edits that are kept have changed. */
   kept: { edits: KeptEdit[] };
-  presence: { pages: PresentPage[] };
 }
 
 export interface OutsideChange {
