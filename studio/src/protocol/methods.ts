@@ -8,7 +8,7 @@ import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem 
 import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
-import type { ComparedRow, Explanation, ReadRecording } from "./recordings";
+import type { Explanation, ReadRecording } from "./recordings";
 import type { FileText, OutlineRow, Source } from "./sources";
 import type { StartingPoint } from "./starting";
 import type { ChosenStep, Stepping } from "./steps";
@@ -102,22 +102,6 @@ export interface Methods {
   "recording.why": [
     { recording: string; file: string; bridge: string; connection: string; at: number },
     Explanation,
-  ];
-  "recording.compare": [
-    { file: string; recording: string; at: number; other: string; other_at: number },
-    { rows: ComparedRow[] },
-  ];
-  "recording.numbers": [{ recording: string; topic: string }, { paths: string[] }];
-  "recording.series": [
-    {
-      recording: string;
-      topic: string;
-      path: string;
-      start: number;
-      end: number;
-      points: number;
-    },
-    { times: number[]; values: number[] },
   ];
 }
 
