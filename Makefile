@@ -101,7 +101,7 @@ soak: $(READY)  ## send messages both ways through one bridge for MINUTES, and c
 	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
 	$(BIN)/python benchmarks/page.py
 
-experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about ten minutes, and write docs/experiment.md
+experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about five minutes, and write docs/experiment.md
 	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
 
 mutate: $(READY)  ## break the models of the examples in about ten minutes, and write docs/reference/mutations.md

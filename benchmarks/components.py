@@ -1,16 +1,13 @@
 """Round trips between two JAUS components in two processes, beside ones of raw datagrams.
 
 Each is begun by the thread that receives, as a handler or a timer of a component begins what it
-does. What another thread begins is measured as well: that one still runs when the answer is made.
+does.
 """
 
 from __future__ import annotations
 
 import gc
-import os
 import random
-import select
-import socket
 import threading
 import time
 from contextlib import ExitStack, closing
@@ -28,7 +25,7 @@ from variants import PATIENCE, UnreachableError
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.messages import QueryStatus, ReportStatus
+from jausml.runtime.messages import ReportStatus
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
@@ -36,19 +33,11 @@ if TYPE_CHECKING:
 
     from scale import Scale
 
-    from jausml.runtime import JausComponent
-
     Trips = Callable[[int], list[float | None]]
     """Makes so many round trips, a pause before each; microseconds, None for what was lost."""
 
 HERE = Path(__file__).resolve().parent
-DATAGRAMS, WAITED, MESSAGES, QUERIES, THREADED = (
-    "datagrams",
-    "datagrams, epoll",
-    "messages",
-    "queries",
-    "messages, another thread",
-)
+DATAGRAMS, MESSAGES = "datagrams", "messages"
 _COUNT = 2000
 _BLOCKS = 10
 _PAUSE = 0.001
@@ -60,18 +49,10 @@ _SIZE = 22
 class _Datagrams:
     """Raw datagrams to a process that sends them back."""
 
-    def __init__(self, port: int, *, waits: bool) -> None:
-        """Opens a socket.
-
-        Args:
-            port: Port of the process.
-            waits: Whether a socket that does not block is waited for, as a loop does it.
-        """
+    def __init__(self, port: int) -> None:
+        """Opens a socket (`port`: that of the process)."""
         self._target = (LOOPBACK, port)
         self._sock = udp_socket(timeout=_LOST_AFTER)
-        self._poll = select.epoll()
-        self._poll.register(self._sock, select.EPOLLIN)
-        self._trip = self._waited if waits else self._blocking
         self._data = bytes(_SIZE)
 
     def __call__(self, count: int) -> list[float | None]:
@@ -84,10 +65,9 @@ class _Datagrams:
 
     def close(self) -> None:
         """Closes the socket."""
-        self._poll.close()
         self._sock.close()
 
-    def _blocking(self) -> float | None:
+    def _trip(self) -> float | None:
         started = time.perf_counter_ns()
         self._sock.sendto(self._data, self._target)
         try:
@@ -96,51 +76,25 @@ class _Datagrams:
             return None
         return (time.perf_counter_ns() - started) / 1e3
 
-    def _waited(self) -> float | None:
-        started = time.perf_counter_ns()
-        self._sock.sendto(self._data, self._target)
-        self._poll.poll(_LOST_AFTER)
-        try:
-            self._sock.recv(2048, socket.MSG_DONTWAIT)
-        except BlockingIOError:
-            return None
-        return (time.perf_counter_ns() - started) / 1e3
-
 
 class _Rounds:
     """Round trips of a component, one a pause after the other."""
 
-    def __init__(self, loop: Loop, send: Callable[[], object], *, by_loop: bool = True) -> None:
-        """Begins none.
-
-        Args:
-            loop: The loop of the component.
-            send: Sends what comes back to `came`.
-            by_loop: Whether the thread of the loop begins them, not the one that asks for them.
-        """
+    def __init__(self, loop: Loop, send: Callable[[], object]) -> None:
+        """Begins none (`send`: sends what comes back to `came`)."""
         self._loop = loop
         self._send = send
-        self._by_loop = by_loop
         self._found: list[float | None] = []
         self._wanted = 0
         self._started = 0
-        self._one = threading.Event()
         self._all = threading.Event()
 
     def __call__(self, count: int) -> list[float | None]:
         """Makes round trips."""
         self._found, self._wanted = [], count
         self._all.clear()
-        if self._by_loop:
-            self._plan()
-            self._watch()
-            return self._found
-        for _ in range(count):
-            time.sleep(_PAUSE)
-            self._one.clear()
-            self._begin()
-            if not self._one.wait(_LOST_AFTER):
-                self._found.append(None)
+        self._plan()
+        self._watch()
         return self._found
 
     def came(self, *_: object) -> None:
@@ -164,67 +118,36 @@ class _Rounds:
 
     def _note(self, value: float | None) -> None:
         self._found.append(value)
-        self._one.set()
         if len(self._found) >= self._wanted:
             self._all.set()
-        elif self._by_loop:
+        else:
             self._plan()
 
 
 class _Client:
-    """Components that begin round trips.
-
-    Attributes:
-        trips: What they do, by name.
-    """
+    """A component that begins round trips; each side takes messages in a handler."""
 
     def __init__(self, port: int) -> None:
         self._loop = Loop()
         settings = TransportSettings(port=free_port(), address_book={HOSTED: (LOOPBACK, port)})
         self._transport = JudpTransport(settings, self._loop)
         self._transport.open()
-        self._components: list[JausComponent] = []
-        self.trips: dict[str, Trips] = {
-            MESSAGES: self._sending(by_loop=True),
-            THREADED: self._sending(by_loop=False),
-            QUERIES: self._asking(),
-        }
-        for each in self._components:
-            each.start()
+        self._component = component(self._transport, JausAddress(1, 3, 1))
+        send = partial(self._component.send, ReportStatus(1, 0), HOSTED)
+        self.trips = _Rounds(self._loop, send)
+        self._component.on_message(ReportStatus, self.trips.came)
+        self._component.start()
         self._loop.start()
 
     def close(self) -> None:
         """Leaves the network."""
-        for each in self._components:
-            each.stop()
+        self._component.stop()
         self._loop.stop()
         self._transport.close()
 
-    def _sending(self, *, by_loop: bool) -> Trips:
-        """Returns what exchanges messages that each side takes in a handler."""
-        sender = self._component()
-        rounds = _Rounds(
-            self._loop, partial(sender.send, ReportStatus(1, 0), HOSTED), by_loop=by_loop
-        )
-        sender.on_message(ReportStatus, rounds.came)
-        return rounds
-
-    def _asking(self) -> Trips:
-        """Returns what asks for the status."""
-        asker, query = self._component(), QueryStatus()
-        rounds = _Rounds(
-            self._loop, lambda: asker.query(HOSTED, query, ReportStatus, rounds.came, retries=0)
-        )
-        return rounds
-
-    def _component(self) -> JausComponent:
-        added = component(self._transport, JausAddress(1, 3, len(self._components) + 1))
-        self._components.append(added)
-        return added
-
 
 def measure(scale: Scale, folder: Path) -> dict[str, Any]:
-    """Measures round trips of datagrams, of messages that handlers exchange, and of queries.
+    """Measures round trips of datagrams, and of messages that handlers exchange.
 
     Args:
         scale: How much.
@@ -235,36 +158,18 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     """
     environment = generate(folder, {"one": Measured(("point",))}).environment()
     with Children(environment, folder / "processes.log") as children, ExitStack() as opened:
-        ports = free_port(), free_port(), free_port()
+        ports = free_port(), free_port()
         children.start(HERE / "hosts.py", "components", str(ports[0]), "1")
         children.start(HERE / "hosts.py", "echo", str(ports[1]))
-        children.start(HERE / "hosts.py", "waiting-echo", str(ports[2]))
         client = opened.enter_context(closing(_Client(ports[0])))
         trips: dict[str, Trips] = {
-            DATAGRAMS: opened.enter_context(closing(_Datagrams(ports[1], waits=False))),
-            WAITED: opened.enter_context(closing(_Datagrams(ports[2], waits=True))),
-            **client.trips,
+            DATAGRAMS: opened.enter_context(closing(_Datagrams(ports[1]))),
+            MESSAGES: client.trips,
         }
         for name, trip in trips.items():
             if not wait_until(lambda trip=trip: trip(1) != [None], PATIENCE):
                 raise UnreachableError(f"no {name} come back")
         return _by_turns(scale, trips)
-
-
-def measure_on_one_processor(scale: Scale, folder: Path) -> dict[str, Any]:
-    """Measures the same while all processes share one processor, from now on.
-
-    Where a process is woken no other processor has to be, and the figures scatter less.
-
-    Args:
-        scale: How much.
-        folder: Where files may be written.
-
-    Returns:
-        Those of `measure`.
-    """
-    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    return measure(scale, folder)
 
 
 def _by_turns(scale: Scale, trips: dict[str, Trips]) -> dict[str, Any]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Numbers = tuple[int, int, int]
 LOOPBACK = "127.0.0.1"
-PEER, SINK, FIRST_BRIDGE = (1, 1, 1), (1, 1, 2), 10
+PEER, FIRST_BRIDGE = (1, 1, 1), 10
 """JAUS addresses: the end that measures, and one that takes what nobody measures.
 
 The third is the component number of the first bridge of a system; the others follow.

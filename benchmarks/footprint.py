@@ -7,6 +7,7 @@ seconds, whatever the program is. So the processor time until then is told too.
 
 from __future__ import annotations
 
+import os
 import random
 import socket
 import statistics
@@ -16,13 +17,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ends import QUERY_STATUS, REPORT_STATUS, JausEnd, RosEnd, free_port, wait_until
+from ends import QUERY_STATUS, REPORT_STATUS, JausEnd, RosEnd
 from figures import rounded
-from names import COMPILED, FLOOR, GENERATED, GENERIC, JUDGED
+from names import FLOOR, VARIANTS
 from processes import Children
 from samples import sample
 from systems import Measured, generate
-from variants import PATIENCE, Loop, UnreachableError, reached
+from variants import Loop, reached
 
 if TYPE_CHECKING:
     from ends import Numbers
@@ -31,9 +32,14 @@ if TYPE_CHECKING:
     from scale import Scale
     from systems import System
 
-HERE = Path(__file__).resolve().parent
-CONNECTIONS = (1, 20, 100, 300)
-COMPONENTS = (1, 10, 100)
+CONNECTIONS = (20, 300)
+_EMPTY = """
+import sys, rclpy
+rclpy.init()
+node = rclpy.create_node("empty")
+print(flush=True)
+sys.stdin.read()
+"""
 _RUNS = 3
 _IDLE = 1.0
 
@@ -46,14 +52,14 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         folder: Where files may be written.
 
     Returns:
-        By number of connections and variant: medians of `ready_s` (bridges that were generated),
-        `through_s`, `processor_s`, `memory_mib` and `idle` (share of a processor); `span_s` of
-        `ready_s`; `code` with `lines` and `bytes` of what was generated, and `build_s`, in which
-        it was compiled.
+        Of an empty node of rclpy `memory_mib`, under 0. By number of connections and variant:
+        medians of `ready_s` (bridges that were generated), `through_s`, `processor_s`, `memory_mib`
+        and `idle` (share of a processor); `span_s` of `ready_s`; `code` with `lines` and `bytes` of
+        what was generated, and `build_s`, in which it was compiled.
     """
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"0": {"empty node": _empty(folder)}}
     with closing(RosEnd("meter")) as ros:
-        for count in scale.cases(CONNECTIONS, 2):
+        for count in scale.cases(CONNECTIONS, 1):
             # Systems of their own, since bridges of one system share a package of messages.
             own = folder / str(count)
             own.mkdir()
@@ -70,14 +76,23 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     return found
 
 
+def _empty(folder: Path) -> dict[str, float]:
+    """Returns what a node of rclpy takes that does nothing."""
+    with Children(os.environ, folder / "processes.log") as children:
+        child = children.start("-c", _EMPTY)
+        assert child.process.stdout is not None
+        child.process.stdout.readline()
+        return {"memory_mib": rounded(child.memory())}
+
+
 def _of(
     scale: Scale, folder: Path, system: System, name: str, message: Sample, ros: RosEnd
 ) -> dict[str, Any]:
-    variants = scale.cases((COMPILED, FLOOR, GENERATED, GENERIC), 4)
+    variants = list(VARIANTS)
     samples: dict[str, list[dict[str, float]]] = {each: [] for each in variants}
     for number in range(scale.count(_RUNS, 1)):
         random.shuffle(variants)
-        for variant in variants if number == 0 else list(JUDGED):
+        for variant in variants if number == 0 else [each for each in VARIANTS if each != FLOOR]:
             loop = Loop(variant, ros, system, name, message)
             with Children(system.environment(), folder / "processes.log") as children:
                 loop.start(children, folder)
@@ -94,7 +109,7 @@ def _add_start(samples: list[dict[str, float]], address: Numbers, loop: Loop) ->
 def _started(loop: Loop, address: Numbers) -> dict[str, float]:
     child = loop.processes[0]
     found = {}
-    if loop.variant in JUDGED:
+    if loop.variant != FLOOR:
         query = loop.end.outgoing(QUERY_STATUS, address)
         loop.until(lambda: _answers(loop.end, query))
         found["ready_s"] = time.monotonic() - child.started
@@ -127,36 +142,3 @@ def _summary(samples: list[dict[str, float]]) -> dict[str, Any]:
         times = [each["ready_s"] for each in samples]
         found["span_s"] = [rounded(min(times)), rounded(max(times))]
     return found
-
-
-def measure_components(scale: Scale, folder: Path) -> dict[str, Any]:
-    """Measures a process with JAUS components: until the last one answers, and what it takes then.
-
-    Args:
-        scale: How much.
-        folder: Where files may be written.
-
-    Returns:
-        The same figures by number of components, without `through_s`.
-    """
-    system = generate(folder, {"one": Measured(("point",))})
-    found: dict[str, Any] = {}
-    for count in scale.cases(COMPONENTS, 2):
-        samples = []
-        for _ in range(scale.count(_RUNS, 1)):
-            with Children(system.environment(), folder / "processes.log") as children:
-                samples.append(_answering(children, count))
-        found[str(count)] = _summary(samples)
-        print(f"  {count} components: {found[str(count)]}", flush=True)
-    return found
-
-
-def _answering(children: Children, count: int) -> dict[str, float]:
-    port = free_port()
-    child = children.start(HERE / "hosts.py", "components", str(port), str(count))
-    with closing(JausEnd((1, 1, 1), port)) as end:
-        query = end.outgoing(QUERY_STATUS, (1, 2, count))
-        if not wait_until(lambda: _answers(end, query), PATIENCE):
-            raise UnreachableError(f"component {count} does not answer")
-    ready = time.monotonic() - child.started
-    return {"ready_s": ready, **_at_rest(child)}

@@ -2,12 +2,10 @@
 
 Usage: hosts.py components PORT COUNT   components 1.2.1, 1.2.2, ... that send messages back
        hosts.py echo PORT               a socket that sends datagrams back
-       hosts.py waiting-echo PORT       the same with a socket that does not block, and epoll
 """
 
 from __future__ import annotations
 
-import select
 import signal
 import socket
 import sys
@@ -62,25 +60,11 @@ def echo(port: int) -> None:
         sock.sendto(data, sender)
 
 
-def waiting_echo(port: int) -> None:
-    """Sends datagrams back until the process is ended; waits as a loop does."""
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sock.bind(("127.0.0.1", port))
-    sock.settimeout(0.0)
-    poll = select.epoll()
-    poll.register(sock, select.EPOLLIN)
-    while poll.poll():
-        data, sender = sock.recvfrom(2048)
-        sock.sendto(data, sender)
-
-
 def main() -> None:
     """Runs one of the processes."""
     what, port, *more = sys.argv[1:]
     if what == "components":
         host(int(port), int(more[0]))
-    elif what == "waiting-echo":
-        waiting_echo(int(port))
     else:
         echo(int(port))
 

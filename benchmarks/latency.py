@@ -13,24 +13,19 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from ends import RosEnd
-from events import EventLoop
 from figures import Blocks
-from names import COMPILED, FLOOR, GENERATED, GENERIC, JUDGED, KINDS, RELAY, VARIANTS, WAYS
+from names import COMPILED, GENERATED, KINDS, VARIANTS, WAYS
 from processes import Children
 from samples import sample
-from systems import MAPS, REPORT, Measured, generate
+from systems import MAPS, Measured, generate
 from variants import Loop, reached, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
 
     from samples import Sample
     from scale import Scale
     from systems import System
-
-IDLE = (1, 150, 300)
-"""Connections each way."""
 
 _RATES = {10: 60, 100: 500, 1000: 1000}
 """Messages a second, and how many are measured of each variant and way."""
@@ -70,52 +65,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     with closing(RosEnd("meter")) as ros:
         for kind in kinds:
             message = sample(system.model, kind)
-            found[kind] = side_by_side(scale, folder, system, names[kind], message, ros, VARIANTS)
+            found[kind] = side_by_side(scale, folder, system, names[kind], message, ros)
     return found
-
-
-def measure_connections(scale: Scale, folder: Path) -> dict[str, Any]:
-    """Measures stamped points on bridges with many more connections that carry nothing.
-
-    Args:
-        scale: How much.
-        folder: Where files may be written.
-
-    Returns:
-        Figures by connections each way, way and variant at 100 messages a second.
-    """
-    variants = scale.cases((COMPILED, FLOOR, GENERATED, GENERIC), 4)
-    found = {}
-    with closing(RosEnd("meter")) as ros:
-        for count in scale.cases(IDLE, 2):
-            # Systems of their own, since bridges of one system share a package of messages.
-            own = folder / str(count)
-            own.mkdir()
-            name = f"with_{count}"
-            system = generate(own, {name: Measured(("point",), 2 * (count - 1))})
-            system.compile()
-            message = sample(system.model, "point")
-            figures = side_by_side(scale, folder, system, name, message, ros, variants, (100,))
-            found[str(count)] = figures["100"]
-    return found
-
-
-def measure_events(scale: Scale, folder: Path) -> dict[str, Any]:
-    """Measures a report that goes as an event at every change, each way.
-
-    Args:
-        scale: How much.
-        folder: Where files may be written.
-
-    Returns:
-        Figures by rate, way and variant.
-    """
-    system = generate(folder, {"events": Measured((REPORT,))})
-    system.compile()
-    variants = scale.cases((COMPILED, RELAY, FLOOR, GENERATED), 4)
-    message = sample(system.model, REPORT)
-    with closing(RosEnd("meter")) as ros:
-        return side_by_side(scale, folder, system, "events", message, ros, variants, loop=EventLoop)
 
 
 def side_by_side(
@@ -125,25 +76,22 @@ def side_by_side(
     bridge: str,
     message: Sample,
     ros: RosEnd,
-    variants: Sequence[str],
-    rates: Sequence[int] = tuple(_RATES),
-    loop: type[Loop] = Loop,
 ) -> dict[str, Any]:
-    """Measures variants of one bridge; returns figures by rate, way and variant."""
+    """Measures the variants of one bridge; returns figures by rate, way and variant."""
     with Children(system.environment(), folder / "processes.log") as children:
-        routes = [loop(each, ros, system, bridge, message) for each in variants]
+        routes = [Loop(each, ros, system, bridge, message) for each in VARIANTS]
         for route in routes:
             route.start(children, folder)
-        routes = reached(routes, loop.reach)
+        routes = reached(routes, Loop.reach)
         settle(routes)
         paths = [(route, way) for route in routes for way in WAYS]
         usual = {(route, way): _usual(route, way) for route, way in paths}
         found = {}
         gc.disable()
-        for rate in rates:
+        for rate, messages in _RATES.items():
             slow = _too_slow(usual, rate)
             blocks = {way: Blocks() for way in WAYS}
-            count = scale.count(_RATES[rate], 10)
+            count = scale.count(messages, 10)
             (_bursts if rate >= _BURSTS else _rounds)(paths, slow, blocks, rate, count)
             found[str(rate)] = {way: each.summary() for way, each in blocks.items()}
             for route, way in slow:
@@ -230,6 +178,6 @@ def _told(found: dict[str, Any]) -> str:
     told = []
     for rate, ways in found.items():
         for way, variants in ways.items():
-            ratios = [str(variants.get(each, {}).get("ratio")) for each in JUDGED]
+            ratios = [str(variants.get(each, {}).get("ratio")) for each in (COMPILED, GENERATED)]
             told.append(f"{rate}/s {way} {' '.join(ratios)}")
     return ", ".join(told)

@@ -32,7 +32,6 @@ class Child:
         arguments: Sequence[str | Path],
         environment: Mapping[str, str],
         log: Path,
-        descriptors: Sequence[int] = (),
     ) -> None:
         """Starts it.
 
@@ -40,7 +39,6 @@ class Child:
             arguments: What follows `python`.
             environment: Its environment.
             log: File to which it adds what it reports.
-            descriptors: Open files that it shares.
         """
         self.started = time.monotonic()
         with log.open("a", encoding="utf-8") as errors:
@@ -51,7 +49,6 @@ class Child:
                 stdout=subprocess.PIPE,
                 stderr=errors,
                 text=True,
-                pass_fds=tuple(descriptors),
             )
         self._proc = Path(f"/proc/{self.process.pid}")
 
@@ -113,9 +110,9 @@ class Children:
     ) -> None:
         self.end()
 
-    def start(self, *arguments: str | Path, descriptors: Sequence[int] = ()) -> Child:
-        """Starts `python ARGUMENTS`, which may share open files."""
-        child = Child(arguments, self._environment, self._log, descriptors)
+    def start(self, *arguments: str | Path) -> Child:
+        """Starts `python ARGUMENTS`."""
+        child = Child(arguments, self._environment, self._log)
         self._all.append(child)
         return child
 

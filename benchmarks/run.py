@@ -1,6 +1,6 @@
 """Runs the benchmarks, and writes what they found: one data file, and the page made of it.
 
-Usage: run.py [--quick | --tiny] [--only NAME...] [--data FILE] [--page FILE] [--list]
+Usage: run.py [--quick | --tiny] [--only NAME...] [--before PYTHON] [--data FILE] [--page FILE]
 
 A full run takes about twelve minutes and writes benchmarks/results.json and docs/performance.md;
 any other writes into build/benchmarks unless it is told where. With --only, the other figures of
@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import page
 from scale import FULL, QUICK, SCALES, TINY
+from toolchain import BEFORE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +38,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 DATA = HERE / "results.json"
 PAGE = ROOT / "docs" / "performance.md"
-FORMAT = 3
+FORMAT = 4
 """Version of the data; figures of another one are not kept."""
 
 LOOKS = ROOT / "build" / "benchmarks"
@@ -62,22 +63,11 @@ class Section:
 
 
 SECTIONS = (
-    Section("translations", "translations"),
     Section("latency", "latency", limit=480),
-    Section("connections", "latency", "measure_connections"),
-    Section("events", "latency", "measure_events"),
-    Section("throughput", "throughput", limit=300),
-    Section("load", "load"),
-    Section("grids", "load", "measure_beside_grids"),
-    Section("partition", "partition"),
     Section("footprint", "footprint", limit=300),
-    Section("hosts", "footprint", "measure_components"),
     Section("components", "components"),
-    Section("one_processor", "components", "measure_on_one_processor"),
-    Section("codecs", "message_codecs"),
-    Section("toolchain", "toolchain", limit=600),
+    Section("toolchain", "toolchain", limit=1200),
     Section("studio", "studio"),
-    Section("letters", "letters"),
 )
 NAMES = tuple(each.name for each in SECTIONS)
 
@@ -85,20 +75,17 @@ NAMES = tuple(each.name for each in SECTIONS)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs sections; returns how many failed."""
     options = _options(arguments)
-    if options.list:
-        print("\n".join(NAMES))
-        return 0
     scale = TINY if options.tiny else QUICK if options.quick else FULL
     if options.section:
         return _one(options.section, scale, Path(options.data))
     folder = HERE if scale is FULL else LOOKS
     data_file = Path(options.data or folder / DATA.name)
     page_file = Path(options.page or (PAGE if scale is FULL else LOOKS / PAGE.name))
+    if options.before:
+        os.environ[BEFORE] = options.before
     data = _measured(options.only or NAMES, scale, data_file)
     page_file.parent.mkdir(parents=True, exist_ok=True)
-    for name, text in page.files(page.stored(data_file)).items():
-        (page_file.parent / name).write_text(text, encoding="utf-8")
-    (page_file.parent / page.NAME).rename(page_file)
+    page_file.write_text(page.page(page.stored(data_file)), encoding="utf-8")
     print(f"wrote {data_file} and {page_file}")
     for name, why in data["failed"].items():
         print(f"failed: {name}: {why}")
@@ -112,7 +99,9 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", choices=NAMES, metavar="NAME", help=" ".join(NAMES))
     parser.add_argument("--data", help="data file")
     parser.add_argument("--page", help="page")
-    parser.add_argument("--list", action="store_true", help="names of the sections")
+    parser.add_argument(
+        "--before", metavar="PYTHON", help="of another environment, whose jausml is measured too"
+    )
     parser.add_argument("--section", choices=NAMES, help=argparse.SUPPRESS)
     return parser.parse_args(arguments)
 

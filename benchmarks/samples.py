@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import interpreting
+from ends import message_class
 from names import KINDS
 from rclpy.serialization import serialize_message
 
@@ -51,7 +51,7 @@ class Sample:
 def jaus_fields(kind: str) -> dict[str, Any]:
     """Returns the fields of the JAUS message of a kind."""
     match kind:
-        case "point" | "report":
+        case "point":
             return {**_TIME, **_POSITION}
         case "twist":
             return {**_TIME, **_RATES, "vz": 0.1, "roll_rate": 0.0, "pitch_rate": -0.1}
@@ -71,20 +71,53 @@ def jaus_fields(kind: str) -> dict[str, Any]:
     return {**_TIME, "width": width, "height": height, "resolution": 0.05, "cells": cells}
 
 
+def ros_message(kind: str, ros_class: Any) -> Any:
+    """Returns the ROS message of a kind, with as many elements as that of JAUS has."""
+    made = ros_class()
+    made.header.stamp.sec, made.header.stamp.nanosec = _TIME.values()
+    made.header.frame_id = "odom"
+    match kind:
+        case "point":
+            made.point.x, made.point.y, made.point.z = _POSITION.values()
+        case "twist":
+            made.twist.linear.x, made.twist.angular.z = _RATES["vx"], _RATES["yaw_rate"]
+        case "odometry":
+            made.child_frame_id = "base_link"
+            made.pose.pose.orientation.z = math.sin(_ANGLES["yaw"] / 2)
+            made.pose.pose.orientation.w = math.cos(_ANGLES["yaw"] / 2)
+            made.twist.twist.linear.x = _RATES["vx"]
+        case "scan":
+            made.angle_min, made.angle_increment = -math.pi, math.tau / 360
+            made.ranges = [5 + 4 * math.sin(0.1 * n) for n in range(360)]
+        case "path":
+            pose_class = message_class("geometry_msgs/PoseStamped")
+            made.poses = [pose_class(header=made.header) for _ in range(100)]
+            for n, each in enumerate(made.poses):
+                each.pose.position.x = 0.5 * n
+                each.pose.orientation.z = math.sin(0.015 * n)
+                each.pose.orientation.w = math.cos(0.015 * n)
+        case _:
+            made.info.width, made.info.height = _GRIDS[kind]
+            made.info.resolution = 0.05
+            cells = made.info.width * made.info.height
+            made.data = array.array("b", [n % 101 for n in range(cells)])
+    return made
+
+
 def sample(model: Model, kind: str) -> Sample:
     """Returns the message of a kind, made without generated code.
 
     Args:
         model: A measured system.
-        kind: One of `KINDS`, or the map of reports.
+        kind: One of `KINDS`.
     """
-    map_name = KINDS[kind][0] if kind in KINDS else kind
+    map_name = KINDS[kind][0]
     attribute_map = next(
         each for each in model.instances(bridge.AttributeMap) if each.name == map_name
     )
     entry = Catalogue(model).message(str(attribute_map.message.name))
     jaus = entry.encode({str(attribute_map.message.body.name): jaus_fields(kind)})
-    message = interpreting.Interpreter(attribute_map, entry, "up").to_ros(jaus)
-    if isinstance(getattr(message, "data", None), list):
-        message.data = array.array("b", message.data)
-    return Sample(kind, map_name, jaus, serialize_message(message), type(message))
+    type_ = attribute_map.type
+    ros_class = message_class(f"{type_.eContainer().name}/{type_.name}")
+    ros = serialize_message(ros_message(kind, ros_class))
+    return Sample(kind, map_name, jaus, ros, ros_class)

@@ -24,8 +24,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from jausml.language.model import read_models
 from jausml.language.model.uris import LIBRARY_URI
-from jausml.language.text.notation import NOTATIONS, SUFFIX
-from jausml.language.text.writing.unparsing import to_text
+from jausml.language.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,8 +33,8 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = "the example"
-SIZES = (100, 1_000, 10_000)
-"""Elements: bridges of connections, each of a map of its own."""
+ELEMENTS = 1_000
+"""Of the other model: a bridge of connections, each of a map of its own."""
 
 _ELEMENTS_EACH = 8
 _EDITS = 15
@@ -64,12 +63,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         the `picture`, in milliseconds.
     """
     found = {EXAMPLE: _measured(_example(), scale, folder / "example" / "edited.xmi")}
-    for size in scale.cases(SIZES, 2):
-        xmi = growth.connections(max(size // _ELEMENTS_EACH, 1), own_maps=True, own_frames=True)
-        name, place = f"{size:,} elements", folder / str(size)
-        found[name] = _measured(xmi, scale, place / "edited.xmi")
-        text = _as_text(place / "edited.xmi")
-        found[f"{name}, text"] = _measured(text, scale, place / "text" / f"edited{SUFFIX}")
+    xmi = growth.connections(ELEMENTS // _ELEMENTS_EACH, own_maps=True, own_frames=True)
+    found[f"{ELEMENTS:,} elements"] = _measured(xmi, scale, folder / "grown" / "edited.xmi")
     for name, figures in found.items():
         print(f"  {name}: {figures}", flush=True)
     return found
@@ -78,12 +73,6 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 def _example() -> str:
     text = (ROOT / "models" / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
     return text.replace("../library/", LIBRARY_URI)
-
-
-def _as_text(path: Path) -> str:
-    """Returns what a file says, in the other notation."""
-    model = read_models([path]).model
-    return to_text(model.roots[:1], model, path.with_suffix(SUFFIX))
 
 
 def _measured(text: str, scale: Scale, path: Path) -> dict[str, float]:

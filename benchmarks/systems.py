@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ends import FIRST_BRIDGE, PEER, SINK
+from ends import FIRST_BRIDGE, PEER
 
 from jausml.generation import native, render
 from jausml.language.model import read_models
@@ -27,19 +26,8 @@ HERE = Path(__file__).resolve().parent
 MAPS = ("point", "twist", "odometry", "scan", "grid", "path")
 """The maps of measured.ros2jaus whose messages go one by one."""
 
-REPORT = "report"
-"""That whose message goes as an event, at every change."""
-
 # As with installed packages, what was compiled once is not compiled at each start.
 _NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
-
-READY = {
-    "velocity_state": "velocity_state_sensor",
-    "laser_scan": "range_sensor",
-    "cost_map": "cost_map_2d",
-    "planned_local_path": "path_reporter",
-}
-"""Ready maps of the library that are measured too, and their files."""
 
 _CONNECTION = """    connection {name} {{
         map: {map}
@@ -70,35 +58,24 @@ class Measured:
     """A bridge of the measured system.
 
     Attributes:
-        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down: of `MAPS`,
-            `REPORT` or, where nothing is sent, of `READY`.
+        maps: Those of `MAPS` that it carries both ways, on topics named MAP_up and MAP_down.
         idle: Further connections that carry nothing, by turns in each direction.
-        load: Whether it carries grids to the sink as well, from the topic load_down.
         ways: The ways of the maps.
     """
 
     maps: tuple[str, ...]
     idle: int = 0
-    load: bool = False
     ways: tuple[str, ...] = ("up", "down")
-
-    @property
-    def connections(self) -> int:
-        """How many connections it has."""
-        return len(self.ways) * len(self.maps) + self.idle + self.load
 
 
 def system_text(bridges: Mapping[str, Measured]) -> str:
     """Returns the model of a system of bridges by name."""
     idle = range(max(each.idle for each in bridges.values()))
-    used = {READY[each] for bridge in bridges.values() for each in bridge.maps if each in READY}
-    parts = [f"import mappings.{each}" for each in sorted(used)]
-    parts.append((HERE / "measured.ros2jaus").read_text(encoding="utf-8"))
+    parts = [(HERE / "measured.ros2jaus").read_text(encoding="utf-8")]
     parts += [_IDLE_MAP.format(n=n, code=_FIRST_IDLE_CODE + n) for n in idle]
     parts.append("system all_measured {")
-    for name, address in (("peer", PEER), ("sink", SINK)):
-        written = ".".join(map(str, address))
-        parts.append(f"    component {name} {{ address: {written}  provides: Measured }}")
+    written = ".".join(map(str, PEER))
+    parts.append(f"    component peer {{ address: {written}  provides: Measured }}")
     for number, (name, bridge) in enumerate(bridges.items(), FIRST_BRIDGE):
         connections = "".join(_connections(bridge))
         parts.append(
@@ -113,17 +90,11 @@ def _connections(bridge: Measured) -> list[str]:
     found += [
         _connection(f"idle_{n}_{ways[n % 2]}", f"idle_{n}", ways[n % 2]) for n in range(bridge.idle)
     ]
-    if bridge.load:
-        found.append(_connection("load_down", "grid", "down", "sink"))
     return found
 
 
-def _connection(name: str, map_name: str, way: str, peer: str = "peer") -> str:
-    exchange = ["exchange: everyChangeEvent" if map_name == REPORT else "exchange: message"]
-    if map_name == REPORT and way == "down":
-        exchange.append("whenStale: keep")
-    else:
-        exchange += [*(["control: false"] if way == "down" else []), f"peers: {peer}"]
+def _connection(name: str, map_name: str, way: str) -> str:
+    exchange = ["exchange: message", *(["control: false"] if way == "down" else []), "peers: peer"]
     return _CONNECTION.format(
         name=name,
         map=map_name,
@@ -169,10 +140,6 @@ class System:
             if each.reason:
                 raise RuntimeError(f"{each.library}: {each.reason}")
         return time.perf_counter() - started
-
-    def importable(self) -> None:
-        """Makes the packages importable here."""
-        sys.path[:0] = [each for each in self.path if each not in sys.path]
 
     def lines(self, bridge: str) -> tuple[int, int]:
         """Returns how many lines and bytes of Python the package of a bridge has."""

@@ -1,10 +1,8 @@
-"""Tables of the page."""
+"""Tables of the pages."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
-
-from names import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -22,25 +20,10 @@ def _cell(value: object) -> str:
     return "" if value is None else str(value)
 
 
-def times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") -> str:
+def times(figures: Mapping[str, Any]) -> str:
     """Returns a ratio with its span, or that it could not be measured."""
-    if name not in figures:
+    if "ratio" not in figures:
         return ""
-    ends = figures.get(span) or []
-    told = f"{figures[name]:.2f}"
+    ends = figures.get("span") or []
+    told = f"{figures['ratio']:.2f}"
     return f"{told} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else told
-
-
-def among(order: Iterable[str], measured: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Returns which variants or forms were measured in some case, in their order."""
-    return [each for each in order if any(each in found for found in measured)]
-
-
-def counted(found: Mapping[str, Any]) -> list[tuple[int, Any]]:
-    """Returns what was found by number, in order."""
-    return sorted((int(count), each) for count, each in found.items())
-
-
-def by_kind(found: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    """Returns what was found by kind of message, in their order."""
-    return [(kind, found[kind]) for kind in KINDS if kind in found]

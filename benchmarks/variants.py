@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from ends import PEER, JausEnd, drained, free_port, wait_until
-from names import FLOORS, GENERATED, GENERIC, RELAY, TYPED, WAYS
-from systems import needed_compiler
+from names import FLOOR, GENERATED, WAYS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,22 +31,25 @@ class UnreachableError(RuntimeError):
     """Nothing comes through a bridge."""
 
 
-class Route:
-    """A bridge, and a socket of this process that is the JAUS component which it speaks with.
+class Loop:
+    """Both ways of one kind of message through one bridge, from this process to this process.
 
     Attributes:
         variant: Which bridge.
-        end: The socket.
+        end: The socket of this process, which is the JAUS component that the bridge speaks with.
         processes: Those of the bridge: two for a floor.
     """
 
     end_class: type[JausEnd] = JausEnd
 
-    def __init__(self, variant: str, system: System, bridge: str, sample: Sample) -> None:
-        """Opens the socket; nothing is started.
+    def __init__(
+        self, variant: str, ros: RosEnd, system: System, bridge: str, sample: Sample
+    ) -> None:
+        """Opens the ends; nothing is started.
 
         Args:
             variant: Which bridge.
+            ros: The node of this process.
             system: The system that was generated.
             bridge: The bridge of the system.
             sample: What is sent.
@@ -58,8 +59,11 @@ class Route:
         self.port = free_port()
         self.end = self.end_class(PEER, self.port)
         self.sample = sample
-        self._system, self._bridge = system, bridge
+        self._bridge = bridge
         self._parts = self.end.outgoing(sample.jaus, system.address(bridge))
+        self._code = sample.jaus[:2]
+        self.subscription = ros.subscription(sample.ros_class, self.topic("up"))
+        self.publisher = ros.publisher(sample.ros_class, self.topic("down"))
 
     def topic(self, way: str) -> str:
         """Returns the topic of a way."""
@@ -72,19 +76,14 @@ class Route:
             children: Who starts processes.
             folder: Where files may be written.
         """
-        if self.variant in FLOORS:
+        if self.variant == FLOOR:
             self.processes = [self._floor(children, folder, way) for way in WAYS]
             return
         options = ["--jaus-port", str(self.port)]
         ros = ["--ros-args", "-r", f"__ns:=/{self.variant}"]
         if self.variant == GENERATED:
             ros += ["-p", "compiled:=false"]
-        if self.variant == GENERIC:
-            line = [HERE / "generic_bridge.py", self._system.model_file, self._bridge, *options]
-        elif self.variant == TYPED:
-            line = [HERE / "typed_bridge.py", self._bridge, *options, "--log-level", "warning"]
-        else:
-            line = ["-m", f"{self._bridge}.main", *options, "--log-level", "warning"]
+        line = ["-m", f"{self._bridge}.main", *options, "--log-level", "warning"]
         self.processes = [children.start(*line, *ros)]
 
     def _floor(self, children: Children, folder: Path, way: str) -> Child:
@@ -92,8 +91,6 @@ class Route:
         out.write_bytes(self.sample.ros if way == "up" else self.sample.jaus)
         port = self.port if way == "up" else self.end.sock.getsockname()[1]
         options = ["--type", self.sample.type, "--topic", self.topic(way), "--port", str(port)]
-        if self.variant == RELAY:
-            options += ["--relay", str(relay(folder))]
         return children.start(HERE / "floor.py", way, out, *options)
 
     def send(self) -> None:
@@ -122,51 +119,6 @@ class Route:
     def close(self) -> None:
         """Closes the socket."""
         self.end.close()
-
-
-def relay(folder: Path) -> Path:
-    """Returns the library with the floor in C, which is made where it is not there.
-
-    Raises:
-        RuntimeError: There is no compiler.
-    """
-    library = folder / "relay.so"
-    if not library.exists():
-        command = [
-            needed_compiler(),
-            "-O2",
-            "-fPIC",
-            "-shared",
-            "-o",
-            str(library),
-            str(HERE / "relay.cpp"),
-        ]
-        subprocess.run(command, check=True)
-    return library
-
-
-RouteT = TypeVar("RouteT", bound=Route)
-
-
-class Loop(Route):
-    """Both ways of one kind of message through one bridge, from this process to this process."""
-
-    def __init__(
-        self, variant: str, ros: RosEnd, system: System, bridge: str, sample: Sample
-    ) -> None:
-        """Opens the ends; nothing is started.
-
-        Args:
-            variant: Which bridge.
-            ros: The node of this process.
-            system: The system that was generated.
-            bridge: The bridge of the system.
-            sample: What is sent.
-        """
-        super().__init__(variant, system, bridge, sample)
-        self._code = sample.jaus[:2]
-        self.subscription = ros.subscription(sample.ros_class, self.topic("up"))
-        self.publisher = ros.publisher(sample.ros_class, self.topic("down"))
 
     def up(self, timeout: float = 1.0) -> float | None:
         """Sends a message and waits for it on the topic; microseconds, None when it was lost."""
@@ -210,7 +162,7 @@ def settle(loops: Sequence[Loop]) -> None:
     drained(lambda: sum(each.discard() for each in loops), 0, quiet=_QUIET)
 
 
-def reached(routes: Sequence[RouteT], reach: Callable[[RouteT], object]) -> list[RouteT]:
+def reached(routes: Sequence[Loop], reach: Callable[[Loop], object]) -> list[Loop]:
     """Returns the bridges that messages come through; tells of the others and leaves them out.
 
     Args:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import shlex
 import subprocess
 import sys
 from collections import Counter
@@ -23,23 +22,12 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "reference" / "mutations.md"
-MODELS = {
-    "models/catvehicle/catvehicle.xmi": "right_turn",
-    "models/examples/waypoint_list/waypoint_list.ros2jaus": "waypoints",
-    "models/examples/winch/winch.xmi": "",
-    "models/examples/waypoints/waypoints.ros2jaus": "",
-}
-"""Models, and which verdict of the experiments is the oracle of what they do, if there is one."""
-
-VERDICTS = {
-    "": "",
-    "right_turn": "The command of `--run` drives the right turn in virtual time, as the "
-    "[experiment](../experiment.md) does: the vehicle must arrive near its path, leave the safe "
-    "region nowhere, and stand while its controllers are away.",
-    "waypoints": "The command of `--run` has the robot driven along waypoints in virtual time, as "
-    "the [experiment](../experiment.md) does, with an emergency and without its operator.",
-}
-"""What the verdicts are, in words."""
+MODELS = (
+    "models/catvehicle/catvehicle.xmi",
+    "models/examples/waypoint_list/waypoint_list.ros2jaus",
+    "models/examples/winch/winch.xmi",
+    "models/examples/waypoints/waypoints.ros2jaus",
+)
 
 HEAD = """\
 # Mutations
@@ -68,18 +56,13 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--limit", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
     asked = parser.parse_args(arguments)
-    campaigns = [
-        _campaign(model, verdict, asked.limit, asked.jobs) for model, verdict in MODELS.items()
-    ]
+    campaigns = [_campaign(model, asked.limit, asked.jobs) for model in MODELS]
     PAGE.write_text(page(campaigns), encoding="utf-8")
 
 
-def _campaign(model: str, verdict: str, limit: int, jobs: int) -> dict[str, Any]:
+def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:
     command = [sys.executable, "-m", "jausml", "mutate", model, "--format", "json"]
     options = ["--limit", str(limit), "--jobs", str(jobs), "--budget", "3600"]
-    if verdict:
-        tried = [sys.executable, "-m", "experiments.verdict", verdict]
-        options += ["--run", shlex.join(tried)]
     done = subprocess.run(
         [*command, *options], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False
     )
@@ -103,10 +86,6 @@ def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     yield f"## {campaign['model']}"
     yield ""
     yield f"{tried} of {possible} possible mutations were tried; {len(survivors)} survive."
-    verdict = VERDICTS[
-        next((MODELS[each] for each in MODELS if Path(each).name == campaign["model"]), "")
-    ]
-    yield from ("", verdict) if verdict else ()
     yield ""
     rows = (
         (name, *(str(row.get(each, "")) for each in NOTICED_BY))

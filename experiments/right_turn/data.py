@@ -25,6 +25,10 @@ HOPS = ("to_controller", "to_vehicle", "sense_act")
 way from the report to the command that answers it."""
 
 
+STAGES = ("wall", "virtual", "simulator")
+"""Parts of the experiment, in their order; each has a folder of this name."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """How much a stage of the experiment does.

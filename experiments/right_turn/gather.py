@@ -24,11 +24,9 @@ from experiments.right_turn.results import (
     machine,
     measures,
     of_system,
-    parameters,
     runs_of,
     summaries,
 )
-from experiments.right_turn.stages import load_before
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -59,10 +57,9 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "quick": plan.quick,
         "machine": machine(),
         "failed": dict(failed),
-        "load": load_before(folder / "wall"),
+        "load": summaries(folder).get("wall", {}).get("load"),
         "systems": {system: of_system(runs) for system, runs in wall.items()},
         "summaries": _plain(summaries(folder)),
-        "parameters": parameters(),
         "figures": [],
     }
     found["baselines"] = {name: of_system(runs) for name, runs in _baselines(folder).items()}
@@ -74,21 +71,9 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
 
 
 def _baselines(folder: Path) -> dict[str, list[Run]]:
-    """Returns drives in virtual time by what they are: J, R, polls, and what must be refused."""
-    swept, polled = runs_of(folder, "sweep"), runs_of(folder, "polling")
-    polled = [run for run in polled if "impatient" not in run.name]
-    polls = sorted({run.config["polling"] for run in polled} - {0.0})
-    found = {
-        "J, virtual": [run for run in polled if run.system == "J"],
-        "R, virtual": [run for run in polled if run.system == "R"],
-        **{
-            f"P{frequency:g}": [run for run in polled if run.config["polling"] == frequency]
-            for frequency in polls
-        },
-        "R, 100 ms late": [run for run in swept if run.name.startswith("late-")],
-        "R, understeer": [run for run in swept if run.name.startswith("understeer-")],
-    }
-    return {name: runs for name, runs in found.items() if runs}
+    """Returns drives in virtual time by what they are."""
+    found = by_system(runs_of(folder, "virtual"))
+    return {f"{system}, virtual": runs for system, runs in found.items()}
 
 
 def _controls(controls: Mapping[str, Any]) -> dict[str, Any]:

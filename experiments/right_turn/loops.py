@@ -8,7 +8,7 @@ control laws (`standins.py`). Equal conditions give equal runs, to the last bit.
 from __future__ import annotations
 
 import random
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,6 @@ from catvehicle.realtime import RealTimePlant
 
 from experiments.right_turn.data import Run
 from experiments.right_turn.drives import judged
-from experiments.right_turn.polling_ros import PollingRos
 from experiments.right_turn.record import ControllerLog, Record, VehicleLog, hops, percentiles
 from experiments.right_turn.standins import Ros, SpeedNode, SteeringNode
 
@@ -60,21 +59,12 @@ class Conditions:
         seed: Seed of the network and of the phases between the processes.
         sense: Fields of the `Link` of reports, from the vehicle; added to those of `HOP`.
         act: Fields of the `Link` of commands, to the vehicle; likewise.
-        rate: Reports of speed and tyre angle each second; 0 means as the models say.
-        polling: Looks each second of a bridge that polls; 0 means the generated one as it is.
-        plant: Name of the plant, one of `catvehicle.plants.PLANTS`.
-        patience: Seconds that vehicle and bridge wait for a command before they stop; 0 means as
-            the model and the parameters say.
     """
 
     system: str = "R"
     seed: int = 1
     sense: Mapping[str, float] = field(default_factory=dict)
     act: Mapping[str, float] = field(default_factory=dict)
-    rate: float = 0.0
-    polling: float = 0.0
-    plant: str = "kinematic"
-    patience: float = 0.0
 
 
 def _observed_vehicle(
@@ -100,24 +90,13 @@ def _observed_vehicle(
     return ObservedVehicle
 
 
-def _observed_controller(controller: Any, record: Record, rate: float) -> Any:
-    """Returns the class of the JAUS controller, seen by a record.
-
-    Args:
-        controller: The generated class.
-        record: Sees it.
-        rate: Reports each second; 0 means as its model says.
-    """
+def _observed_controller(controller: Any, record: Record) -> Any:
+    """Returns the class of the JAUS controller, seen by a record."""
 
     class ObservedController(controller):  # type: ignore[misc] - known when it runs
         def __init__(self, transport: Any) -> None:
             super().__init__(transport)
             self._log = ControllerLog(record)
-
-        def subscribe(self, *arguments: Any, **options: Any) -> Any:
-            if rate and "rate" in options:
-                options["rate"] = rate
-            return super().subscribe(*arguments, **options)
 
     return ObservedController
 
@@ -151,7 +130,6 @@ class Drive:
         )
         self.controlling_transport = self.world.transport()
         self.nodes: list[SteeringNode | SpeedNode] = []
-        self._poller: PollingRos | None = None
         self._ros_link = virtual.Link(delay=ROS_HOP)
         self._workspace = workspace
 
@@ -172,9 +150,7 @@ class Drive:
     def _start_vehicle(self) -> None:
         vehicle = self._workspace.module("vehicle.vehicle").Vehicle
         parameters = VehicleParameters()
-        if self.conditions.patience:
-            parameters = replace(parameters, deadman_timeout=self.conditions.patience)
-        plant = plant_of(self.conditions.plant, parameters)
+        plant = plant_of("kinematic", parameters)
         observed = _observed_vehicle(vehicle, self.record, parameters, plant)
         observed(self.vehicle_transport).start()
 
@@ -184,33 +160,22 @@ class Drive:
 
     def _start_control(self) -> None:
         if self.conditions.system == "J":
-            self.start_controller()
+            self._start_controller()
         else:
             self._start_bridge()
-            self.start_nodes()
+            self._start_nodes()
 
-    def start_controller(self) -> None:
-        """Start the JAUS component that controls the vehicle."""
+    def _start_controller(self) -> None:
         controller = self._workspace.module("controller.controller").Controller
-        observed = _observed_controller(controller, self.record, self.conditions.rate)
+        observed = _observed_controller(controller, self.record)
         observed(self.controlling_transport).start()
 
     def _start_bridge(self) -> None:
-        conditions = self.conditions
-        given = {}
-        if conditions.rate:
-            given = {f"{name}.rate": conditions.rate for name in ("odometry", "steering_angle")}
-        if conditions.patience:
-            given["speed_command.silence_timeout"] = conditions.patience
-        ros: Any = self.world.ros_node("bridge", given, link=self._ros_link)
-        if conditions.polling:
-            phase = random.Random(f"polls of {conditions.seed}").random() / conditions.polling
-            ros = self._poller = PollingRos(ros, conditions.polling, phase)
+        ros = self.world.ros_node("bridge", {}, link=self._ros_link)
         self.bridge = self._workspace.module("bridge.bridge").Bridge()
         self.bridge.open(ros, self.controlling_transport)
 
-    def start_nodes(self) -> None:
-        """Start the stand-ins of the ROS nodes, which know nothing of a drive before."""
+    def _start_nodes(self) -> None:
         quality = self._workspace.module("jausml_runtime").Qos
         types = self._workspace.module("bridge.ros_types")
         sensing = quality(reliability="best_effort", depth=5)
@@ -270,14 +235,12 @@ class Drive:
         return is_at_goal(PATH, last.x, last.y)
 
     def _packets(self) -> dict[str, int]:
-        """Returns how many packets went, got lost, or were overwritten before a look at them."""
+        """Returns how many packets went and got lost."""
         vehicle, control = self.vehicle_transport, self.controlling_transport
-        held = self._poller.held if self._poller else ()
         return {
             "packets.from_vehicle": vehicle.sent.total(),
             "packets.to_vehicle": vehicle.received.total(),
             "packets.lost": vehicle.lost.total() + control.lost.total(),
-            "polling.overwritten": sum(each.overwritten for each in held),
         }
 
 

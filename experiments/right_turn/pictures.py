@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import importlib
-import math
 from typing import TYPE_CHECKING, Any
 
 from catvehicle.evaluation import MOVING
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 
-from experiments.right_turn import comparisons, maps, style, turns
+from experiments.right_turn import comparisons, style, turns
 from experiments.right_turn.data import HOPS
 from experiments.right_turn.results import by_system, runs_of
+from experiments.simulator import figure as simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from catvehicle.metrics import Sample
@@ -23,10 +22,6 @@ if TYPE_CHECKING:
 
     from experiments.right_turn.data import Run
 
-_DRAWN_ELSEWHERE = {
-    "simulator": "experiments.simulator.figure",
-    "waypoints": "experiments.waypoints.figure",
-}
 _ROWS = {"J": "J, JAUS alone", "R": "R, ROS through the bridge"}
 
 
@@ -42,12 +37,12 @@ def draw(folder: Path, data: dict[str, Any], target: Path) -> None:
         OSError: A figure cannot be written.
     """
     data["figures"] = []
-    for name, figure in _figures(folder, data):
+    for name, figure in _figures(folder):
         style.store(figure, target, name)
         data["figures"].append(name)
 
 
-def _figures(folder: Path, data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
+def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
     parameters = VehicleParameters()
     path = StraightArcStraight.right_turn(parameters)
     wall = {
@@ -72,56 +67,8 @@ def _figures(folder: Path, data: Mapping[str, Any]) -> Iterator[tuple[str, Figur
     }
     if any(any(systems.values()) for systems in hops.values()):
         yield "latency", comparisons.latencies(hops)
-    yield from _swept(data)
-    yield from _polled(runs_of(folder, "polling"), path)
-    yield from _others(folder)
-
-
-def _swept(data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
-    rows = data["summaries"].get("sweep", {}).get("cells", ())
-    cells = {}
-    for row in rows:
-        if row["group"] == "map":
-            margin = row["least_speed_margin"]
-            cell = maps.Cell(math.nan if margin is None else margin, accepted=row["accepted"])
-            cells[row["delay_ms"], row["loss_percent"]] = cell
-    if cells:
-        yield (
-            "map",
-            maps.grid(
-                cells,
-                label="beyond the boundary (m/s)",
-                horizontal="delay added on each way (ms)",
-                vertical="packets lost on each way (%)",
-            ),
-        )
-
-
-def _polled(runs: Sequence[Run], path: StraightArcStraight) -> Iterator[tuple[str, Figure]]:
-    bridges: dict[float, list[Run]] = {}
-    for run in runs:
-        if run.system != "J" and "impatient" not in run.name:
-            bridges.setdefault(run.config["polling"], []).append(run)
-    shown = [
-        maps.Polled(
-            f"polls at {frequency:g} Hz" if frequency else "generated",
-            frequency or None,
-            moved(found),
-            [each for run in found for each in run.latencies.get("sense_act", ())],
-        )
-        for frequency, found in sorted(bridges.items())
-        if moved(found)
-    ]
-    if any(each.frequency for each in shown):
-        alone = moved([run for run in runs if run.system == "J"])
-        yield "polling", maps.polling(shown, alone, path)
-
-
-def _others(folder: Path) -> Iterator[tuple[str, Figure]]:
-    """Yields the figures of stages that draw their own."""
-    for stage, module in _DRAWN_ELSEWHERE.items():
-        if (folder / stage / "summary.json").exists():
-            yield stage, importlib.import_module(module).draw(folder / stage)
+    if (folder / "simulator" / "summary.json").exists():
+        yield "simulator", simulator.draw(folder / "simulator")
 
 
 def moved(runs: Sequence[Run]) -> list[Sequence[Sample]]:

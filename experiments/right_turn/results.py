@@ -10,10 +10,8 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from catvehicle.metrics import latency_summary
-from catvehicle.parameters import VehicleParameters
 
-from experiments.right_turn.data import HOPS, Run, read_all
-from experiments.right_turn.stages import STAGES
+from experiments.right_turn.data import HOPS, STAGES, Run, read_all
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -129,9 +127,9 @@ def summaries(folder: Path) -> dict[str, Any]:
     """Returns the summary of each stage that has one."""
     found = {}
     for stage in STAGES:
-        path = folder / stage.name / "summary.json"
+        path = folder / stage / "summary.json"
         if path.exists():
-            found[stage.name] = json.loads(path.read_text(encoding="utf-8"))
+            found[stage] = json.loads(path.read_text(encoding="utf-8"))
     return found
 
 
@@ -139,8 +137,3 @@ def runs_of(folder: Path, stage: str) -> list[Run]:
     """Returns the drives that a stage kept; none when it was not run."""
     place = folder / stage
     return read_all(place) if place.exists() else []
-
-
-def parameters() -> list[Mapping[str, Any]]:
-    """Returns the parameters of vehicle and scenario, each with its source."""
-    return [row._asdict() for row in VehicleParameters().describe()]

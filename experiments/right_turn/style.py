@@ -39,7 +39,6 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
 )
 SYSTEM_COLOURS = {"J": BLUE, "R": ORANGE}
 SYSTEM_LINES = {"J": "-", "R": (0, (4, 1.2))}
-SYSTEM_NAMES = {"J": "JAUS alone", "R": "ROS through the bridge"}
 TIME_COLOURS = "viridis"
 
 _PLACES = re.compile(r' (?:d|x|y)="[^"]*"')

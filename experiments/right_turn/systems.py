@@ -15,7 +15,6 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from experiments.right_turn import EXAMPLE, ROOT
@@ -93,13 +92,8 @@ class Workspace:
     processes: Mapping[str, Sequence[str]]
 
 
-def generate(
-    system: System, folder: Path, modules: Mapping[str, Path] = MappingProxyType({})
-) -> Workspace:
+def generate(system: System, folder: Path) -> Workspace:
     """Generates a system around the users' code, into a folder that is made anew.
-
-    Args:
-        modules: Further modules of the users, by their paths in the folder.
 
     Raises:
         RuntimeError: The model cannot be generated; says what jausml said.
@@ -108,8 +102,6 @@ def generate(
     for source in system.sources:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(source, folder / source.name, ignore=ignored)
-    for path, module in modules.items():
-        shutil.copy(module, folder / path)
     command = [sys.executable, "-m", "jausml", "generate", str(system.model), "-o", str(folder)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -194,20 +186,13 @@ class Running:
         self.stop()
         self._files.close()
 
-    def start(self, *names: str, **variables: str) -> None:
-        """Start processes, by default all but the operator, each with its output in a file.
-
-        Args:
-            names: Processes.
-            variables: Environment for them, beside that of the setting.
-        """
+    def start(self, *names: str) -> None:
+        """Start processes, by default all but the operator, each with its output in a file."""
         for name in names or [each for each in self.workspace.processes if each != OPERATOR]:
             line = [word.format(port=self.setting.port) for word in self.workspace.processes[name]]
-            self._processes[name] = self._spawn(line, name, variables)
+            self._processes[name] = self._spawn(line, name)
 
-    def _spawn(
-        self, line: Sequence[str], name: str, variables: Mapping[str, str]
-    ) -> subprocess.Popen[bytes]:
+    def _spawn(self, line: Sequence[str], name: str) -> subprocess.Popen[bytes]:
         folder = self.workspace.folder
         packages = (path for path in sorted(folder.iterdir()) if (path / path.name).is_dir())
         environment = {
@@ -215,34 +200,12 @@ class Running:
             **self.setting.variables,
             "CATVEHICLE_LOG": str(self.logs),
             "PYTHONPATH": os.pathsep.join(map(str, packages)),
-            **variables,
         }
         # The file stays open for the process until the system ends.
         output = self._files.enter_context((self.logs / f"{name}.txt").open("ab"))
         return subprocess.Popen(
             [sys.executable, *line], env=environment, stdout=output, stderr=output
         )
-
-    def start_another(self, name: str, number: int) -> Path:
-        """Start one more process of a ROS node, with a name and a folder of logs of its own.
-
-        Returns:
-            Its folder.
-        """
-        another = f"{name}_{number}"
-        folder = self.logs / another
-        folder.mkdir()
-        line = [*self.workspace.processes[name], "--ros-args", "-r", f"__node:={another}"]
-        self._processes[another] = self._spawn(line, another, {"CATVEHICLE_LOG": str(folder)})
-        return folder
-
-    def kill(self, name: str) -> float:
-        """Kill a process without a warning; returns when, on the machine's monotonic clock."""
-        process = self._processes.pop(name)
-        now = time.monotonic()
-        process.kill()
-        process.wait()
-        return now
 
     def said(self, name: str) -> list[str]:
         """Return the lines that a process has printed."""

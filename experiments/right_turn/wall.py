@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
     bridged = generate(BRIDGED, folder / "ws" / "R")
     count = 1 if plan.quick else plan.runs
     runs: list[Run] = []
+    load = round(os.getloadavg()[0], 1)
     for first in range(0, count, PAIRS_AT_ONCE):
         numbers = range(first, min(first + PAIRS_AT_ONCE, count))
         tell(f"pairs {first + 1} to {numbers[-1] + 1} of {count}")
@@ -58,7 +60,12 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         for made in drive(drives, folder / "logs"):
             made.write(made.place(folder))
             runs.append(made)
-    summary: dict[str, Any] = {"pairs": count, "at_once": PAIRS_AT_ONCE, "claims": []}
+    summary: dict[str, Any] = {
+        "pairs": count,
+        "at_once": PAIRS_AT_ONCE,
+        "load": load,
+        "claims": [],
+    }
     if not plan.quick:
         tell("positive controls")
         good = [each for each in runs if each.system == JAUS_ALONE.name]

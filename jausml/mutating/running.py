@@ -116,7 +116,6 @@ class Settings:
     budget: float
     jobs: int
     command: tuple[str, ...] = ()
-    scheduler: str = ""
 
 
 @dataclass(frozen=True)
@@ -135,7 +134,7 @@ def outcomes(
         raise CampaignError("mutations need a system that can fork, such as Linux")
     until = time.time() + settings.budget
     shared = _Shared(document, settings.names, settings.command, until)
-    yield from Work(_Breaker, shared).results(chosen, settings.jobs, settings.scheduler)
+    yield from Work(_Breaker, shared).results(chosen, settings.jobs)
 
 
 @dataclass(frozen=True)

@@ -189,27 +189,26 @@ class _Prover:
     def __call__(self, piece: tuple[str, int]) -> MapResult:
         name, number = piece
         trip = [each for each in self._trips if each.name == name][number]
-        settings = replace(self._shared.settings, program=program())
-        return _piece(self._model, trip, settings, self._shared.until)
+        return _piece(self._model, trip, self._shared.settings, self._shared.until)
 
 
 def prove_all(
-    model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str = ""
+    model: Model, trips: Sequence[RoundTrip], settings: Settings
 ) -> Iterator[tuple[int, MapResult]]:
     """Yields the numbers of maps and what becomes of their values, in any order."""
     until = time.time() + settings.budget
-    if not scheduler and min(settings.jobs, len(trips)) == 1:
+    if min(settings.jobs, len(trips)) == 1:
         for number, each in enumerate(trips):
             yield number, _piece(model, each, settings, until)
         return
-    threads = 1 if scheduler else max(1, settings.jobs // len(trips))
+    threads = max(1, settings.jobs // len(trips))
     shared = _Shared(one_document(model), replace(settings, jobs=threads), until)
     seen: Counter[str] = Counter()
     pieces = []
     for each in trips:
         pieces.append((each.name, seen[each.name]))
         seen[each.name] += 1
-    yield from Work(_Prover, shared).results(pieces, settings.jobs, scheduler)
+    yield from Work(_Prover, shared).results(pieces, settings.jobs)
 
 
 def program() -> str:

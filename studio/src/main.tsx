@@ -1,7 +1,7 @@
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
-import { followLook, listener, use } from "./actions";
+import { listener, use } from "./actions";
 import { fitTexts } from "./canvas/fonts";
 import { Connection, socketAddress, takeToken } from "./connection";
 import { hasRight, operate } from "./operate/mode";
@@ -12,7 +12,6 @@ const token = takeToken(window.location, window.history, window.sessionStorage);
 const connection = new Connection(socketAddress(window.location, "/socket"), token, listener);
 operate(hasRight());
 use(connection);
-followLook();
 connection.open();
 
 fitTexts(document.documentElement);

@@ -16,7 +16,6 @@ import type {
   LiveState,
   OutsideChange,
   Point,
-  PresentPage,
   Problems,
   Project,
   Ref,
@@ -30,7 +29,6 @@ import type { PartKey } from "./selection";
 export type Dialog =
   | { kind: "help" }
   | { kind: "create"; points: StartingPoint[] | null }
-  | { kind: "presence" }
   | {
       kind: "delete";
       commands: Command[];
@@ -145,8 +143,6 @@ export interface Studio {
   /** What was copied, where the clipboard of the system does not take it. */
   clip: string;
   undoable: Entry | null;
-  /** The pages that have the project open, this one too. */
-  pages: PresentPage[];
   /** Parts that stay bright while all others fade; null without a focus. */
   bright: Set<PartKey> | null;
   /** Ends to which the line that is being drawn may go. */
@@ -194,7 +190,6 @@ export const BEGINNING: Studio = {
   said: { text: "", isError: false, number: 0 },
   clip: "",
   undoable: null,
-  pages: [],
   bright: null,
   legal: null,
   under: null,

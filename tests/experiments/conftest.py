@@ -16,6 +16,10 @@ for folder in (ROOT, ROOT / "models" / "catvehicle" / "src" / "catvehicle"):
 @pytest.fixture(scope="session")
 def virtual_workspaces(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """The generated code of both systems, by name."""
-    from experiments.right_turn.sweep import workspaces
+    from experiments.right_turn.systems import BRIDGED, JAUS_ALONE, generate
 
-    return workspaces(tmp_path_factory.mktemp("virtual") / "stage")
+    folder = tmp_path_factory.mktemp("virtual")
+    return {
+        system.name: generate(system, folder / system.name).folder
+        for system in (JAUS_ALONE, BRIDGED)
+    }

@@ -9,7 +9,7 @@ from catvehicle.metrics import Sample
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 
-from experiments.right_turn import comparisons, maps, style, turns
+from experiments.right_turn import comparisons, style, turns
 
 PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)
@@ -112,40 +112,3 @@ def test_gaps_are_those_of_pairs_at_equal_times():
     assert max(across.get_ydata()) == pytest.approx((0.3 + 0.2) / 2)
     assert max(null.get_ydata()) == pytest.approx(0.1)
     assert line.get_ydata()[0] == 0.5
-
-
-def test_the_boundary_on_the_map_parts_what_is_accepted():
-    cells = {
-        (x, y): maps.Cell(0.5 - x, accepted=x == 0) for x in (0.0, 1.0, 2.0) for y in (0.0, 5.0)
-    }
-    figure = maps.grid(cells, label="margin", horizontal="delay", vertical="loss")
-    boundary = figure.axes[0].lines[0]
-    assert {x for x in boundary.get_xdata() if x == x} == {1}
-    assert "−1.50" in texts(figure)
-
-
-def test_who_keeps_the_margin_is_not_painted_and_who_left_it_is_darker():
-    margins = (0.45, 0.03, -0.003, -0.3, -0.6)
-    cells = {(x, 0.0): maps.Cell(margin, accepted=False) for x, margin in enumerate(margins)}
-    figure = maps.grid(cells, label="", horizontal="", vertical="")
-    (mesh,) = figure.axes[0].collections
-    figure.canvas.draw()
-    kept, also_kept, *left = (sum(colour[:3]) for colour in mesh.get_facecolors())
-    assert kept == also_kept > left[0] > left[1] > left[2]
-    assert "−0.003" in texts(figure)
-    assert "−0.00" not in texts(figure).split()
-
-
-def test_a_map_without_cells_is_refused():
-    with pytest.raises(ValueError, match="without cells"):
-        maps.grid({}, label="", horizontal="", vertical="")
-
-
-def test_polls_are_drawn_beside_the_bridge_that_does_not_poll():
-    bridges = [
-        maps.Polled("generated", None, [drive()], [0.001]),
-        maps.Polled("5 Hz", 5.0, [drive(wiggle=0.1)], [0.1, 0.2]),
-        maps.Polled("20 Hz", 20.0, [drive(wiggle=0.05)], [0.02, 0.05]),
-    ]
-    figure = maps.polling(bridges, [drive()], PATH)
-    assert all(name in texts(figure) for name in ("5 Hz", "20 Hz", "generated", "JAUS alone"))

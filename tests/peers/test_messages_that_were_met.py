@@ -51,11 +51,30 @@ JSIDL = """<service_def xmlns="urn:jaus:jsidl:1.0" name="Boom" id="urn:agro:Boom
 <body name="B"><presence_vector field_type_unsigned="unsigned byte"/></body>
 </message_def></output_set></message_set></service_def>
 """
+MODES = """import `jaus.core-1.1`
+service_set own { service Modes {
+    urn: "urn:example:Modes"  inherits: Management
+    inputs: new message_def SetMode { code: 0xD101  isCommand: true  record ModeRec {
+        fixed_field Mode {
+            values: { enumerated_value hold { value: 0 } enumerated_value go { value: 1 } }
+        }
+    } }
+} }
+"""
+TANKS = """import `jaus.core-1.1`
+service_set own { service Tanks {
+    urn: "urn:example:Tanks"  inherits: Events
+    inputs: new message_def QueryTanks { code: 0xD201 }
+    outputs: new message_def ReportTanks { code: 0xD401  record TanksRec {
+        fixed_field Level { type: uint16  units: "percent"  scale: { lower: 0  upper: 100 } }
+    } }
+} }
+"""
 WITH_TANK = (
     "jausml import ros ../abyss_msgs -o models/",
     "jausml new bridge main odom:nav_msgs/Odometry --yes",
 )
-SERVICE = 'jausml new service Tanks --message "ReportTanks: Area m 0..9"'
+SERVICE = "jausml new service Tanks"
 
 
 @dataclass(frozen=True)
@@ -128,7 +147,7 @@ ROWS = {
         "jausml encode SetMode Mode=fly",
         ("'fly' is no name of a legal value", "they are 0 (hold), 1 (go)"),
         1,
-        before=('jausml new service Modes --message "SetMode: Mode hold|go"',),
+        files={"models/modes.ros2jaus": MODES},
     ),
     "a field is inside of another": Row(
         """jausml encode '{"message":"SetElement","fields":{"SetElementSeq":{"RequestID":1}}}'""",
@@ -140,11 +159,11 @@ ROWS = {
         ("needs abyss_msgs, which Python does not find", "`colcon build` where the sources of"),
         before=(
             *WITH_TANK,
-            'jausml new service Tanks --message "ReportTanks: Level percent 0..100"',
             "jausml new map tank ReportTanks abyss_msgs/Tank --yes",
             "jausml new connection tank:abyss_msgs/Tank --yes",
             "jausml generate -o ws",
         ),
+        files={"models/tanks.ros2jaus": TANKS},
     ),
     "an element of JSIDL is missing": Row(
         "jausml import jsidl boom.xml -o models/",

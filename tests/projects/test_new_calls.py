@@ -14,24 +14,44 @@ from jausml.language.model.refs import ref_of
 from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
-MESSAGES = (
-    *("--message", "DropWeight", "--message", "SetLamp: Lit off|on"),
-    *("--message", "report ConfirmDrop", "--message", "report RejectDrop: Reason off|on"),
-)
+OFF_ON = "values: { enumerated_value off { value: 0 } enumerated_value on { value: 1 } }"
+DROPPER = f"""import `jaus.core-1.1`
+service_set own {{ service Dropper {{
+    urn: "urn:example:Dropper"  inherits: Management
+    inputs: new message_def DropWeight {{ code: 0xD101  isCommand: true }}
+    inputs: new message_def SetLamp {{
+        code: 0xD102  isCommand: true  record LampRec {{ fixed_field Lit {{ {OFF_ON} }} }}
+    }}
+    outputs: new message_def ConfirmDrop {{ code: 0xD403 }}
+    outputs: new message_def RejectDrop {{
+        code: 0xD404  record DropRec {{ fixed_field Reason {{ {OFF_ON} }} }}
+    }}
+}} }}
+"""
+LENGTH = 'type: uint16  units: "m"  scale: { lower: 0  upper: 50 }'
+WINCH = f"""import `jaus.core-1.1`
+service_set own {{ service Winch {{
+    urn: "urn:example:Winch"  inherits: Management
+    inputs: new message_def PullWinch {{
+        code: 0xD111  isCommand: true  record PullRec {{ fixed_field Length {{ {LENGTH} }} }}
+    }}
+    outputs: new message_def ConfirmWinch {{
+        code: 0xD412  record ConfirmRec {{ fixed_field Left {{ {LENGTH} }} }}
+    }}
+}} }}
+"""
 TRIGGER, LAMP = ("drop_weight:std_srvs/Trigger", "DropWeight"), ("lamp:std_srvs/SetBool", "SetLamp")
 WAYPOINTS = "follow_waypoints:nav2_msgs/FollowWaypoints"
 
 
-ROBOT = (
-    ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"),
-    ("new", "service", "Dropper", *MESSAGES),
-)
+ROBOT = ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose")
+FILES = (("models/dropper.ros2jaus", DROPPER),)
 
 
 @pytest.fixture
 def robot(rover):
     """Makes a project with a bridge and a service of its own; returns its model."""
-    return lambda notation: rover(notation, *ROBOT)
+    return lambda notation: rover(notation, ROBOT, files=FILES)
 
 
 def the_bridge(model):
@@ -188,9 +208,7 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
         (package / name).parent.mkdir(parents=True)
         (package / name).write_text(text, "utf-8")
     assert jausml("import", "ros", package, "-o", "models/").exit_code == 0
-    words = ("PullWinch: Length m 0..50", "report ConfirmWinch: Left m 0..50")
-    messages = [each for word in words for each in ("--message", word)]
-    assert jausml("new", "service", "Winch", *messages).exit_code == 0
+    model.with_name("winch.ros2jaus").write_text(WINCH, "utf-8")
     done = jausml("new", "service-connection", "pull:winch_msgs/Pull", "PullWinch")
     assert done.exit_code == 0, done.output
     assert "successMember (finished)" in done.output

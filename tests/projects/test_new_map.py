@@ -23,6 +23,16 @@ NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 STATE = ("ReportVelocityState", "nav_msgs/Odometry")
 HINT = "decide it, then remove the open decision"
 COMMAND = ("SetVelocityCommand", "geometry_msgs/Twist")
+SUPPLY = """import `jaus.core-1.1`
+service_set own { service Supply {
+    urn: "urn:example:Supply"  inherits: Events
+    outputs: new message_def ReportSupply { code: 0xD401  record SupplyRec {
+        fixed_field Supply {
+            values: { enumerated_value full { value: 0 } enumerated_value charging { value: 1 } }
+        }
+    } }
+} }
+"""
 
 
 TEXT = """\
@@ -387,8 +397,7 @@ def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation
 @NOTATION
 def test_values_of_one_name_are_mapped_by_a_table(ears, jausml, notation):
     model = ears(notation)
-    done = jausml("new", "service", "Supply", "--message", "ReportSupply: Supply full|charging")
-    assert done.exit_code == 0, done.output
+    model.with_name("supply.ros2jaus").write_text(SUPPLY, "utf-8")
     words = ("--to-ros", "power_supply_status=Supply", "--to-jaus", "Supply=power_supply_status")
     ends = ("ReportSupply", "sensor_msgs/BatteryState")
     done = jausml("new", "map", "supply", *ends, *words, "--yes")

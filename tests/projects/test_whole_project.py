@@ -12,7 +12,18 @@ from jausml import decode, encode
 from jausml.live.messages import UnknownMessageError
 
 TANK = "uint8 SEALED=0\nuint8 FLOODING=1\nuint8 state\nfloat32 level # [%]\n"
-REPORT = "ReportTanks: Level percent 0..100, State sealed|flooding"
+SERVICE = """import `jaus.core-1.1`
+service_set own { service Tanks {
+    urn: "urn:example:rover:Tanks"  inherits: Events
+    inputs: new message_def QueryTanks { code: 0xD201 }
+    outputs: new message_def ReportTanks { code: 0xD401 record TanksRec {
+        fixed_field Level { type: uint16  units: "percent"  scale: { lower: 0  upper: 100 } }
+        fixed_field State {
+            values: { enumerated_value sealed { value: 0 } enumerated_value flooding { value: 1 } }
+        }
+    } }
+} }
+"""
 MANIFEST = '<package format="3"><name>{}</name><version>1.0.0</version></package>\n'
 WINCH = Path(__file__).resolve().parents[1] / "importers" / "winch"
 
@@ -20,13 +31,13 @@ WINCH = Path(__file__).resolve().parents[1] / "importers" / "winch"
 FILES = (
     ("src/abyss_msgs/msg/Tank.msg", TANK),
     ("src/abyss_msgs/package.xml", MANIFEST.format("abyss_msgs")),
+    ("models/tanks.ros2jaus", SERVICE),
 )
 ABYSS = (
     ("import", "ros", "src/abyss_msgs", "-o", "models/"),
     ("new", "bridge", "main", "odom:nav_msgs/Odometry", "--yes"),
 )
 TANKS = (
-    ("new", "service", "Tanks", "--message", REPORT),
     ("new", "map", "tanks", "ReportTanks", "abyss_msgs/Tank", "--yes"),
     ("new", "connection", "tank:abyss_msgs/Tank", "--yes"),
 )
@@ -67,7 +78,6 @@ def test_a_type_of_an_imported_package_needs_no_import_by_hand(tanks, jausml):
     ],
 )
 def test_what_is_not_found_names_what_is_near_and_what_helps(abyss, jausml, words, told):
-    assert jausml("new", "service", "Tanks", "--message", REPORT).exit_code == 0
     before = abyss.read_bytes()
     done = jausml("new", "map", "tanks", *words)
     assert done.exit_code == 2

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import struct
-from contextlib import ExitStack
-from dataclasses import replace
 from functools import cache, reduce
 
 import pytest
@@ -22,16 +20,12 @@ from recorded_systems import (
 
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
-from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
-from jausml.language.semantics.connections.calls import of_elements
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import load_catalogue
-from jausml.live.recording.mcap_files import RecordingError, copied
-from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.recording.passing import RecordedTranslation, Taken
-from jausml.live.recording.ros_values import RosReader, numbers_in, value_lines
-from jausml.live.systems import dropped, playback
+from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.ros_values import RosReader
+from jausml.live.systems import playback
 from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
@@ -39,7 +33,6 @@ from jausml.live.systems.state import SystemState, components_of, declarations_o
 from jausml.runtime.bridge.ends.ros_side import Outcome
 
 DRIVE = ("/loop_bridge", "drive")
-REFUSED = "PropulsiveLinearEffortX: 500.0 is outside -100.0 .. 100.0"
 LONG = Drive(seconds=40.0, dropped=(3.5, 21.5, 21.7), silent=9.0, taken=12.0)
 
 
@@ -60,9 +53,7 @@ def opened(tmp_path_factory):
             known[drive] = indexed(str(path))
         return known[drive]
 
-    yield open_
-    for each in known.values():
-        each.recording.close()
+    return open_
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +64,7 @@ def many_blocks(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(playback, "BLOCK", 3)
         patch.setattr(playback, "MOST_STATES", 8)
-        system = indexed(str(path))
-    yield system
-    system.recording.close()
+        return indexed(str(path))
 
 
 def as_live_folds(system, at):
@@ -132,50 +121,6 @@ def test_a_drop_is_explained_word_for_word(opened):
         "To the bridge, its peer 10.1.1 was ready; it was in READY.",
         "When its source is lost: the stop is sent.",
     )
-    assert found.ros[:4] == (
-        "10 messages came between 3.0 s and 4.0 s.",
-        f"This one was not passed on, since the translation refuses it: {REFUSED}.",
-        "/cmd_vel at 3.530 s",
-        "linear:",
-    )
-    assert "  x: 50.0" in found.ros
-    assert found.jaus[:2] == (
-        "The last on this side: /jaus/10.1.9/SetWrenchEffort at 3.431 s",
-        "from 10.1.9 to 10.1.1",
-    )
-
-
-def test_what_was_recorded_as_another_type_is_not_translated_again(tmp_path):
-    whole, path = tmp_path / "whole.mcap", tmp_path / "changed.mcap"
-    whole.write_bytes(recorded(Drive()))
-
-    def changed(found):
-        schema, channel, message = found
-        if channel.topic == "/cmd_vel":
-            first, second = (b"geometry_msgs/Vector3 " + each for each in (b"linear", b"angular"))
-            lines = schema.data.split(b"\n")
-            assert {first, second} <= set(lines)
-            kept = [each for each in lines if each != first]
-            kept.insert(kept.index(second) + 1, first)
-            schema = replace(schema, data=b"\n".join(kept))
-        return schema, channel, message
-
-    with path.open("wb") as stream:
-        copied(map(changed, McapRecording(str(whole)).messages()), stream, ros_only=False)
-    system = indexed(str(path))
-    found = explained(system, model(), DRIVE, 11.0)
-    system.recording.close()
-    said = " ".join((*found.ros, *found.jaus))
-    assert "/cmd_vel has geometry_msgs/Twist recorded as " in said
-    assert "the translation refuses it" not in said
-
-
-def test_of_two_messages_close_to_each_other_the_one_that_was_refused_is_named(opened):
-    # By the times alone, what came of the first follows the second, which became nothing.
-    found = explained(opened(Drive(hasty=True)), model(), DRIVE, 11.0)
-    assert found.ros[1].endswith(f"refuses it: {REFUSED}.")
-    assert found.ros[2] == "/cmd_vel at 3.530 s"
-    assert found.jaus[0].endswith("at 3.431 s")
 
 
 ROOT = MODEL.parents[3]
@@ -197,35 +142,7 @@ def explained_traffic(path, file, bridge, connection, messages, *counts):
     path.write_bytes(recorded_traffic(catalogue, node, address, messages, told))
     found = read_models([file], notations=NOTATIONS, allow_outside=True).model
     system = indexed(str(path))
-    try:
-        return explained(system, found, (node, connection), 9.0)
-    finally:
-        system.recording.close()
-
-
-@pytest.mark.parametrize(
-    ("connection", "topic", "message"),
-    [
-        # A request of JAUS, and the answer of JAUS to one of ROS: only these two are recorded.
-        ("switch_robot", "/lamp/switch", (CALLER, "100.1.20", "SetLamp")),
-        ("read", "/read_lamp", ("100.1.2", "100.1.20", "ReportLamp")),
-    ],
-)
-def test_of_calls_the_half_that_comes_from_jaus_is_translated_again(
-    tmp_path, connection, topic, message
-):
-    messages = [(0.3, *message, {"Brightness": 100}), (0.6, *message, {"Brightness": 7})]
-    bridge = "/front", "100.1.20"
-    failed = ("failed: not_translated", "1")
-    found = explained_traffic(
-        tmp_path / "calls.mcap", LAMPS, bridge, connection, messages, (), (failed,)
-    )
-    assert "its counter \u201cnot_translated\u201d rose from 0 to 1" in found.counter[0]
-    assert found.jaus[1] == (
-        "This one was not passed on, since the translation refuses it: 7 is not in the table."
-    )
-    assert found.jaus[2].endswith(f"{message[2]} at 0.600 s")
-    assert f"{topic}/_service_event is not in the recording" in found.ros[0]
+    return explained(system, found, (node, connection), 9.0)
 
 
 def test_a_command_that_did_not_come_as_far_as_its_connection(tmp_path):
@@ -238,104 +155,9 @@ def test_a_command_that_did_not_come_as_far_as_its_connection(tmp_path):
     )
     assert found.counter[0].endswith("its counter “refused” rose from 2 to 3.")
     assert "its sender might not command, or not in that state" in found.counter[1]
-    assert found.jaus[1:3] == (
-        "This one was not passed on: what it becomes is not on the other side.",
-        "/jaus/200.1.1/SetVelocityCommand at 0.300 s",
-    )
 
 
-def test_of_a_call_that_failed_on_its_way_nothing_is_guessed(tmp_path):
-    messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 100})]
-    found = explained_traffic(
-        tmp_path / "calls.mcap", LAMPS, ("/front", "100.1.20"), "switch_robot", messages,
-        (), (("failed: timed_out", "1"),),
-    )  # fmt: skip
-    assert found.jaus[1] == (
-        "Which it was is not known: the recording does not have the requests and responses of the "
-        "ROS service lamp/switch as they came."
-    )
-
-
-def test_of_lists_the_elements_are_translated_again(tmp_path):
-    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
-    data = load_catalogue().encode(point)
-    element = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
-    messages = [
-        (at, CALLER, "100.1.20", "SetElement", {
-            "SetElementSeq": {
-                "RequestIDRec": {"RequestID": 1},
-                "ElementList": [{**element, "ElementData": {"format": 0, "hex": each.hex()}}],
-            },
-        })
-        for at, each in ((0.2, data), (0.5, data[:-1]))
-    ]  # fmt: skip
-    found = explained_traffic(
-        tmp_path / "lists.mcap", LISTS, ("/robot/nav2_robot", "100.1.20"), "waypoints", messages,
-        (), (("dropped: not_decodable", "1"),),
-    )  # fmt: skip
-    assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
-    assert found.jaus[2].endswith("SetElement at 0.500 s")
-    assert found.ros[0].startswith("Up to")
-    assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
-
-
-def test_messages_that_a_list_holds_are_taken_out_whether_they_can_be_read_or_not():
-    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
-    catalogue = load_catalogue()
-    data = catalogue.encode(point)
-    element = {"ElementUID": 1, "PreviousUID": 0, "NextUID": 0}
-    whole = catalogue.encode({"message": "SetElement", "fields": {
-        "SetElementSeq": {
-            "RequestIDRec": {"RequestID": 1},
-            "ElementList": [
-                {**element, "ElementData": {"format": 0, "hex": each.hex()}}
-                for each in (data, data[:-1], b"\x01\x02")
-            ],
-        },
-    }})  # fmt: skip
-    lists = read_models([LISTS], notations=NOTATIONS, allow_outside=True).model
-    (action,) = (
-        each
-        for each in lists.instances(bridge.RosActionConnection, library=False)
-        if each.name == "waypoints"
-    )
-    holder = catalogue.message("SetElement")
-    found = dropped._sources(Taken(0, 20, whole), of_elements(action), holder)
-    assert [each.data for each in found] == [data, data[:-1]]
-
-
-def test_of_missions_the_messages_of_tasks_are_translated_again(tmp_path):
-    point = {"message": "SetLocalWaypoint", "fields": {"X": 1.0, "Y": 2.0}}
-    data = load_catalogue().encode(point)
-    source = {"ComponentID": 1, "NodeID": 1, "SubsystemID": 20}
-    receiver = {"ComponentID": 4, "NodeID": 1, "SubsystemID": 10}
-
-    def task(number, *messages, below=()):
-        named = {"TaskInfo": {"TaskID": number}, "JAUSMessages": [
-            {"UID": uid, "DestinationID": receiver, "JausMessage": {"hex": each.hex()},
-             "Blocking": 1}
-            for uid, each in enumerate(messages, 1)
-        ]}  # fmt: skip
-        below = [{"ChildTaskIndex": each} for each in below]
-        return {"TaskData": named, "SubTasks": below}
-
-    plans = [task(1, data)], [task(1, data, below=[1]), task(2, data, data[:-1])]
-    messages = [
-        (0.2 + 0.3 * index, CALLER, "10.1.4", "SpoolMission", {
-            "MissionInfo": {"MissionID": 1, "SourceID": source}, "MissionPlan": plan,
-        })
-        for index, plan in enumerate(plans)
-    ]  # fmt: skip
-    found = explained_traffic(
-        tmp_path / "missions.mcap", ROUTES, ("/robot/spooler", "10.1.4"), "follow", messages,
-        (), (("dropped: not_decodable", "1"),),
-    )  # fmt: skip
-    assert found.jaus[1].startswith("This one was not passed on, since the translation refuses it")
-    assert found.jaus[2].endswith("SpoolMission at 0.500 s")
-    assert "/robot/follow_waypoints/_action/feedback" in found.ros[0]
-
-
-def test_where_an_override_decides_nothing_is_translated_again(tmp_path):
+def test_an_override_is_told_of(tmp_path):
     messages = [(0.3, CALLER, "100.1.20", "SetLamp", {"Brightness": 7})]
     override = ("override", "translate_switch_robot_request")
     found = explained_traffic(
@@ -343,7 +165,6 @@ def test_where_an_override_decides_nothing_is_translated_again(tmp_path):
         (override,), (override, ("failed: not_translated", "1")),
     )  # fmt: skip
     assert any("code of yours decides" in each and override[1] in each for each in found.state)
-    assert "Which it was is not known" in found.jaus[1]
 
 
 def test_before_the_first_drop_nothing_is_explained(opened):
@@ -351,19 +172,16 @@ def test_before_the_first_drop_nothing_is_explained(opened):
     assert found.counter == (
         "Up to 2.5 s, no counter of loop_bridge drive rose while it was recorded.",
     )
-    assert found.jaus[0].startswith("The last on this side: /jaus/10.1.9/SetWrenchEffort at 2.431")
 
 
-def test_several_that_cannot_be_told_apart_are_not_guessed(opened):
+def test_several_that_were_dropped_are_counted(opened):
     found = explained(opened(LONG), model(), DRIVE, 30.0)
     assert "did not pass on 2 messages" in found.counter[0]
-    assert found.ros[1].endswith(f"{REFUSED}.")
     unlike = explained(opened(Drive(dropped=(3.5,), has_ros=False)), model(), DRIVE, 30.0)
     assert unlike.counter == (
         f"The recording cannot tell what drive of /loop_bridge did not pass on: {NO_ROS}. "
         "Record with ROS and the model of the system.",
     )
-    assert unlike.ros == ("Up to 30.000 s, /cmd_vel is not in the recording.",)
 
 
 def test_marks_are_drops_states_and_controllers_in_their_order(opened):
@@ -390,34 +208,12 @@ def test_the_model_may_be_another_one_meanwhile(opened):
     assert known.declaration is None
     assert opened(Drive()).state(5.0, model()).connections[DRIVE].declaration is not None
     alone = explained(opened(Drive()), None, DRIVE, 5.0)
-    assert "says the model" in alone.ros[0]
+    assert "rose from 0 to 1" in alone.counter[0]
 
 
 # ---- damage -----------------------------------------------------------------------------------
 
 
-class KeptTranslation(RecordedTranslation):
-    """One that serves several questions: to start its process takes longest."""
-
-    def __exit__(self, *_):
-        pass
-
-
-@pytest.fixture(scope="module")
-def _kept_translation():
-    with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
-
-        @cache
-        def kept(*of, **more):
-            made = KeptTranslation(*of, **more)
-            stack.callback(made._worker.close)
-            return made
-
-        patch.setattr(dropped, "RecordedTranslation", kept)
-        yield
-
-
-@pytest.mark.usefixtures("_kept_translation")
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_what_can_be_read_of_a_damaged_file_is_shown(tmp_path_factory, data):
@@ -441,14 +237,12 @@ def test_what_can_be_read_of_a_damaged_file_is_shown(tmp_path_factory, data):
 def shown_faults(system):
     """Looks at the end of a recording; returns what cannot be read there."""
     try:
-        if system.recording.fault:
-            assert f"it was read up to {system.recording.duration:.3f} s" in system.recording.fault
-        system.state(system.recording.duration, model())
-        explained(system, model(), DRIVE, system.recording.duration)
+        if system.damage:
+            assert f"it was read up to {system.duration:.3f} s" in system.damage
+        system.state(system.duration, model())
+        explained(system, model(), DRIVE, system.duration)
     except RecordingError as error:
         return error
-    finally:
-        system.recording.close()
     return None
 
 
@@ -456,12 +250,9 @@ def test_a_file_that_was_cut_off_is_searched_like_a_whole_one(tmp_path, opened):
     path = tmp_path / "cut.mcap"
     path.write_bytes(recorded(Drive())[:-20])
     system = indexed(str(path))
-    assert "the file is damaged: it ends in the midst of a record" in system.recording.fault
+    assert "the file is damaged: it ends in the midst of a record" in system.damage
     whole = explained(opened(Drive()), model(), DRIVE, 11.0)
     assert explained(system, model(), DRIVE, 11.0) == whole
-    system.recording.close()
-    with pytest.raises(RecordingError, match="closed"):
-        system.recording.last("/cmd_vel", 1.0)
 
 
 # ---- messages of ROS --------------------------------------------------------------------------
@@ -486,8 +277,6 @@ def test_a_message_is_read_by_its_definition():
         "kind": 7, "value": 2.5, "few": (-1, 5), "inner": [{"x": 3}, {"x": 4}], "name": "ab",
         "wide": "\u00e4\U0001f600",
     }  # fmt: skip
-    assert numbers_in(value)["few[1]"] == 5.0
-    assert "few: [-1, 5]" in value_lines(value)
 
 
 @given(st.binary(max_size=30))

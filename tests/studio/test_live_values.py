@@ -302,7 +302,6 @@ def test_a_moment_of_a_recording_has_the_states_that_were_told_by_then(winch, tm
         at: states_of(winch, live_values(recorded.state(at, winch), places_of(winch)))
         for at in (1.0, 2.5)  # seconds since the first message
     }
-    recorded.recording.close()
     assert recorded.unreadable == 0
     assert shown[1.0][IDLE]["level"] == "active"
     assert OUT not in shown[1.0]

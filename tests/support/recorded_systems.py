@@ -31,15 +31,12 @@ class Drive:
 
     Attributes:
         dropped: Times of commands that no effort stands for.
-        hasty: Whether shortly before each of these another one comes, which is passed on only after
-            it.
         silent: From when on the vehicle answers no more; None for never.
         taken: When the operator takes control of the bridge; None for never.
     """
 
     seconds: float = 12.0
     dropped: tuple[float, ...] = (3.5,)
-    hasty: bool = False
     silent: float | None = None
     taken: float | None = 6.0
     has_ros: bool = True
@@ -115,9 +112,6 @@ def _events(writer, drive):
         speed = 50.0 if is_dropped else 1.0 + number / count
         if drive.has_ros:
             yield time, lambda at, x=speed: writer.twist(at, x)
-        if is_dropped and drive.hasty:
-            yield time - 0.002, lambda at, x=number / count: writer.twist(at, x)
-            yield time + 0.0025, lambda at, x=number / count: writer.effort(at, x)
         if not is_dropped:
             yield time + 0.001, lambda at, x=speed: writer.effort(at, x)
     for second in range(round(drive.seconds)):

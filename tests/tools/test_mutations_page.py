@@ -27,13 +27,6 @@ def test_the_page_has_examples_that_are_there():
     assert all((ROOT / model).is_file() for model in build_mutations.MODELS)
 
 
-def test_a_verdict_that_tries_mutations_is_told():
-    campaign = {"model": "catvehicle.xmi", "tried": 0, "possible": 0}
-    more = {"matrix": {}, "outcomes": [], "remarks": []}
-    assert "drives the right turn in virtual time" in build_mutations.page([{**campaign, **more}])
-    assert set(build_mutations.MODELS.values()) == set(build_mutations.VERDICTS)
-
-
 def test_survivors_of_a_kind_stand_once():
     survivor = {
         "operator": "QoS",

@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Command, Set
 from jausml.authoring.proposals.bridging import Draft, Offer, has_message, peer_of
-from jausml.authoring.proposals.elements import AnswerError, Scope, label_of, service_of, type_of
-from jausml.authoring.proposals.message_words import (
-    COMMAND,
-    QUERY,
-    REPORT,
-    MessageWish,
-    message_of_words,
-)
+from jausml.authoring.proposals.elements import AnswerError, Scope, service_of, type_of
 from jausml.authoring.proposals.named_elements import copied_with_names
 from jausml.authoring.proposals.new_elements import free_name, stated_or_free_address
 from jausml.authoring.proposals.topics import Crossing, TopicEnd, joins_of
@@ -178,12 +170,17 @@ _VERSION = "1.0"
 _FIRST, _LAST = 0xD000, 0xFFFF
 """Codes that AS5684 leaves to users."""
 
-_BEGINS = {COMMAND: 0xD100, QUERY: 0xD200, REPORT: 0xD400}
-_MOST = 0x100
+_COMMANDS = 0xD100
 _QUERY, _REPORT = "Query", "Report"
+_BEGINS = {_QUERY: 0xD200, _REPORT: 0xD400, "Confirm": 0xD400, "Reject": 0xD400}
+"""Where the codes of messages begin, by the word that begins their name."""
+
+_MOST = 0x100
 _COMMANDED, _REPORTING = "Management", "Events"
 NOTHING = "none"
 """What a service inherits that stands for itself."""
+
+_MESSAGE = "jaus.MessageDef"
 
 
 def new_service(
@@ -198,15 +195,15 @@ def new_service(
     """Returns what makes a service: in a service set, or in a system with a set of its own.
 
     Args:
-        messages: Its messages in words; without any it has a report and the query for it, as an
-            example.
+        messages: The names of its messages; without any it has a report and the query for it, as
+            an example.
         urn: Its URN; empty for one of its name.
         inherits: Name or URN of the service that it inherits, `none` for none; empty for the core
             service that brings what its messages need.
 
     Raises:
         AnswerError: The name is none, there is no such service, one has the URN already, or the
-            words or codes of messages are wrong.
+            name of a message is none, or stands twice.
     """
     if not is_identifier(name):
         raise AnswerError(f"{name!a} is no name: letters, digits and single _ after a letter")
@@ -217,16 +214,19 @@ def new_service(
         raise AnswerError(f"URN {show(urn)} {fault}; one is urn:example:sea:Sonar")
     if any(each.urn == urn for each in known):
         raise AnswerError(f"there is a service {urn} already")
-    wishes = list(_with_queries([message_of_words(each) for each in messages] or [_example(name)]))
-    names = Counter(each.name for each in wishes)
-    if twice := next((each for each, count in names.items() if count > 1), None):
-        raise AnswerError(f"two messages are named {twice}")
+    messages = messages or [f"{_REPORT}{name}"]
+    for message, count in Counter(messages).items():
+        if not is_identifier(message):
+            raise AnswerError(f"{message!a} is no name of a message, such as ReportDepth")
+        if count > 1:
+            raise AnswerError(f"two messages are named {message}")
+    names = list(_with_queries(messages))
     values = {"name": (name,), "urn": (urn,), "version": (_VERSION,)}
     if inherits != NOTHING:
-        is_commanded = any(each.kind == COMMAND for each in wishes)
+        is_commanded = any(_begin(message) == _COMMANDS for message in names)
         core = _COMMANDED if is_commanded else _REPORTING
         values["inherits"] = (scope.ref(service_of(scope, inherits or core)),)
-    children = tuple(_coded(wishes, _codes(known)))
+    children = tuple(_coded(names, _codes(known)))
     if isinstance(whole, jaus.ServiceSet):
         return Add(scope.ref(whole), "services", "jaus.Service", values, children)
     service = Child("services", "jaus.Service", values, children)
@@ -237,62 +237,69 @@ def new_service(
     return Add(scope.ref(whole), "serviceSets", "jaus.ServiceSet", own, (service,))
 
 
-def _example(name: str) -> MessageWish:
-    """Returns the report that a service without messages begins with."""
-    made = message_of_words(f"{_REPORT}{name}: Value percent 0..100")
-    documentation = "An example: replace its field by what the service tells, with unit and range."
-    return replace(made, documentation=documentation)
-
-
-def _with_queries(wishes: Sequence[MessageWish]) -> Iterator[MessageWish]:
+def _with_queries(names: Sequence[str]) -> Iterator[str]:
     """Yields messages, each report behind the query that asks for it."""
-    names = {each.name for each in wishes}
-    for each in wishes:
-        query = f"{_QUERY}{each.name.removeprefix(_REPORT)}"
-        if each.name.startswith(_REPORT) and query not in names:
-            yield MessageWish(query, QUERY, documentation=f"Ask for {each.name}.")
-        yield each
+    for name in names:
+        query = f"{_QUERY}{name.removeprefix(_REPORT)}"
+        if name.startswith(_REPORT) and query not in names:
+            yield query
+        yield name
 
 
-def _coded(wishes: Sequence[MessageWish], taken: dict[int, str]) -> Iterator[Child]:
-    """Yields messages with their codes: those that are stated, and free ones.
-
-    A query and its report have the same number behind what tells the kind.
-    """
-    for each in wishes:
-        if each.code is not None:
-            if each.code in taken:
-                owner = taken[each.code]
-                raise AnswerError(f"{each.name}: the code 0x{each.code:04X} is that of {owner}")
-            taken[each.code] = each.name
-    given = {each.subject: each.code % _MOST for each in wishes if each.code is not None}
-    for each in wishes:
-        number = each.code
-        if number is None:
-            number = _free(each.kind, taken, given.get(each.subject))
-            given[each.subject] = number % _MOST
-            taken[number] = each.name
-        yield each.child(number)
+def _coded(names: Sequence[str], taken: set[int]) -> Iterator[Child]:
+    """Yields messages with free codes; a query and its report have the same last octet."""
+    octets: dict[str, int] = {}
+    for name in names:
+        subject = _subject(name)
+        code = _free(_begin(name), taken, octets.get(subject))
+        octets[subject] = code % _MOST
+        taken.add(code)
+        yield _message(name, code)
 
 
-def _free(kind: str, taken: Mapping[int, str], wanted: int | None) -> int:
-    begin = _BEGINS[kind]
-    if wanted is not None and begin + wanted not in taken:
-        return begin + wanted
-    numbers = range(1, _MOST)
-    begins = _BEGINS.values()
-    together = (begin + n for n in numbers if not any(each + n in taken for each in begins))
-    anywhere = (each for each in range(_FIRST, _LAST + 1) if each not in taken)
-    found = next(together, None) or next(anywhere, None)
-    if found is None:
+def _begin(name: str) -> int:
+    """Returns where the codes of messages of its kind begin; what says no kind is a command."""
+    return next((code for word, code in _BEGINS.items() if name.startswith(word)), _COMMANDS)
+
+
+def _subject(name: str) -> str:
+    """Returns what a message is about: its name without the word that says the kind."""
+    prefix = next((word for word in (*_BEGINS, "Set") if name.startswith(word)), "")
+    return name.removeprefix(prefix) or name
+
+
+def _message(name: str, code: int) -> Child:
+    """Returns a message; a report has an example of a field."""
+    values = {"name": (name,), "code": (f"0x{code:04X}",)}
+    begin = _begin(name)
+    if begin == _COMMANDS:
+        values["isCommand"] = ("true",)
+    if not name.startswith(_REPORT):
+        return Child("outputs" if begin == _BEGINS[_REPORT] else "inputs", _MESSAGE, values)
+    values["documentation"] = (
+        "An example: replace its field by what the service tells, with unit and range.",
+    )
+    limits = Child("scale", "jaus.ScaleRange", {"lower": ("0.0",), "upper": ("100.0",)})
+    field = {"name": ("Value",), "type": ("uint16",), "units": ("percent",)}
+    fields = (Child("fields", "jaus.FixedField", field, (limits,)),)
+    record = {"name": (f"{_subject(name)}Rec",)}
+    return Child("outputs", _MESSAGE, values, (Child("body", "jaus.Record", record, fields),))
+
+
+def _free(begin: int, taken: set[int], octet: int | None) -> int:
+    if octet is not None and begin + octet not in taken:
+        return begin + octet
+    begins = (_COMMANDS, *_BEGINS.values())
+    together = (n for n in range(1, _MOST) if taken.isdisjoint(each + n for each in begins))
+    number = next(together, None)
+    if number is not None:
+        return begin + number
+    code = next((each for each in range(_FIRST, _LAST + 1) if each not in taken), None)
+    if code is None:
         raise AnswerError(f"no message code of 0x{_FIRST:04X} to 0x{_LAST:04X} is free")
-    return found
+    return code
 
 
-def _codes(services: Iterable[jaus.Service]) -> dict[int, str]:
-    """Returns the messages of services by their codes."""
-    return {
-        code(message): label_of(message)
-        for each in services
-        for message in (*each.inputs, *each.outputs)
-    }
+def _codes(services: Iterable[jaus.Service]) -> set[int]:
+    """Returns the codes of the messages of services."""
+    return {code(message) for each in services for message in (*each.inputs, *each.outputs)}

@@ -48,8 +48,6 @@ class OpenedRecording:
         """Reads no more."""
         self._process.close()
         self._thread.join()
-        if self.system is not None:
-            self.system.recording.close()
 
     def _read(self) -> None:
         found: float | RecordedSystem = 0.0
@@ -57,7 +55,6 @@ class OpenedRecording:
             while isinstance(found, float):
                 self.share = found
                 found = self._process.ask(AT_ONCE)
-            found.recording.open()
             self.system = found
         except (RecordingError, OSError, PoolError) as error:
             reason = getattr(error, "strerror", None) or str(error)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; "
-        "connect-src 'self'; worker-src 'self'; img-src 'self' data:; media-src 'self'; "
+        "connect-src 'self'; worker-src 'self'; img-src 'self' data:; "
         "base-uri 'none'; "
         "form-action 'none'; frame-ancestors 'none'"
     ),

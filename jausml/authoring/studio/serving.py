@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.background import BackgroundTask
-from starlette.responses import FileResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
@@ -138,7 +137,6 @@ class Studio:
         """Returns the application."""
         routes = [
             Route("/", self._index),
-            Route("/stream/{ticket}", self._stream, methods=["GET"]),
             WebSocketRoute("/socket", self._page_socket),
             WebSocketRoute("/language", self._language_socket),
             WebSocketRoute("/operate", self._operator_socket),
@@ -154,25 +152,10 @@ class Studio:
     async def _index(self, _: Request) -> Response:
         return FileResponse(self.page / "index.html", headers={"Cache-Control": "no-cache"})
 
-    async def _stream(self, request: Request) -> Response:
-        """Passes on a stream to the picture or video of a page that was given its ticket."""
-        streams, ticket = self.session.operating.streams, request.path_params["ticket"]
-        is_shown = request.headers.get("Sec-Fetch-Dest") in ("image", "video")
-        stream = streams.take(ticket) if streams is not None and is_shown else None
-        if streams is None or stream is None:
-            return PlainTextResponse("there is no such stream\n", 404)
-        headers = {
-            "Content-Type": stream.type,
-            "Cache-Control": "no-store",
-            "Accept-Ranges": "none",  # it is read once, from its beginning
-        }
-        end = BackgroundTask(streams.close, ticket)  # also where the page has gone
-        return StreamingResponse(stream.pieces(), headers=headers, background=end)
-
     async def _page_socket(self, socket: WebSocket) -> None:
         async with self._accepted(socket) as is_accepted:
             if is_accepted:
-                await PageSocket(socket, self.session.page()).run(self.token)
+                await PageSocket(socket, self.session).run(self.token)
 
     async def _language_socket(self, socket: WebSocket) -> None:
         await asyncio.to_thread(import_module, "jausml.authoring.editor.server")  # it takes a while

@@ -6,28 +6,25 @@ import asyncio
 import logging
 import os
 import threading
-from contextlib import asynccontextmanager, contextmanager
-from dataclasses import astuple, replace
+from contextlib import asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
 from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
-from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Checking
 from jausml.authoring.studio.handlers import editing, modelling, playing, showing, stepping
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.operating.seats import Operating
-from jausml.authoring.studio.presence import LONGEST, Look, Presence
-from jausml.authoring.studio.rpc import Answering, typed
+from jausml.authoring.studio.rpc import Answering
 from jausml.authoring.studio.sockets import PACE
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
+    from collections.abc import AsyncIterator, Callable
     from contextlib import AbstractContextManager
     from pathlib import Path
 
@@ -36,9 +33,9 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.operating.unit import Powers
+    from jausml.authoring.studio.rpc import Request
 
 _MODULES = (showing, editing, modelling, stepping, playing)
-_LONGEST_REF = 4000
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
@@ -62,9 +59,6 @@ class Session:
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
         self.operating = Operating(context.project, context.network, powers)
-        self.presence = Presence(
-            context.project.root, partial(context.subscribers.notify, "presence")
-        )
         context.followers.extend((self._checking.begin, self._live_requests.changed))
 
     @property
@@ -77,24 +71,24 @@ class Session:
         """The revision of the project now."""
         return self._context.project.revision
 
+    @property
+    def pace(self) -> float:
+        """Requests each second that a page may go on with."""
+        return PACE
+
     def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts; see `Subscribers`."""
         return self._context.subscribers.subscribed(listener)
 
-    async def answer(self, request: rpc.Request) -> object:
+    async def answer(self, request: Request) -> object:
         """Returns the result of a request."""
         return await self._answering.answer(request)
-
-    def page(self) -> SessionPage:
-        """Returns a place for a page."""
-        return SessionPage(self)
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """Looks after the project as long as the context lasts."""
         end = asyncio.Event()
         watched = asyncio.create_task(self._watch(end))
-        others = asyncio.create_task(self.presence.watch(end))
         self._checking.start()
         self.operating.start()
         # Reading the library takes seconds on a busy computer: better before somebody asks for it.
@@ -106,7 +100,6 @@ class Session:
             end.set()
             self._checking.close()
             await watched  # it may wait for its turn among the changes
-            await others
             self._answering.close()
             await asyncio.to_thread(self.operating.stop)
             await asyncio.to_thread(self._live_requests.stop)
@@ -122,55 +115,6 @@ class Session:
 
     def _judged(self, verdict: Verdict) -> None:
         self._context.subscribers.notify("problems", showing.problems(self._context, verdict))
-
-
-class SessionPage:
-    """A page in a session, of which others are told; `PageSocket` serves it."""
-
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._number = 0
-
-    @property
-    def revision(self) -> int:
-        """The revision of the project now."""
-        return self._session.revision
-
-    @property
-    def pace(self) -> float:
-        """Requests each second that the page may go on with."""
-        return PACE
-
-    @contextmanager
-    def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
-        """Tells a listener what happens, and others of the page, as long as the context lasts."""
-        presence = self._session.presence
-        with self._session.subscribed(listener):
-            self._number = presence.enter()
-            try:
-                yield
-            finally:
-                presence.leave(self._number)
-
-    async def answer(self, request: rpc.Request) -> object:
-        """Returns the result of a request."""
-        if request.method == "look":
-            return self._look(request)
-        result = await self._session.answer(request)
-        if request.method == "hello" and isinstance(result, dict):
-            return {**result, "page": str(self._number)}
-        return result
-
-    def _look(self, request: rpc.Request) -> object:
-        try:
-            look = typed(Look, dict(request.params))()
-        except rpc.TypedError as error:
-            raise rpc.RpcError(rpc.INVALID_PARAMS, str(error)) from error
-        if max(map(len, astuple(look))) > _LONGEST_REF:
-            raise rpc.RpcError(rpc.INVALID_PARAMS, "nothing has a name of that length")
-        name = " ".join(look.name.split())[:LONGEST]
-        self._session.presence.look(self._number, replace(look, name=name))
-        return self._session.presence.all()
 
 
 async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 @click.option(
     "--message",
     "messages",
-    metavar="WORDS",
+    metavar="NAME",
     multiple=True,
-    help="Message in words, such as 'ReportDepth: Depth m 0..100'; may be repeated.",
+    help="Message, such as ReportDepth or SetDepth; may be repeated.",
 )
 @click.option(
     "--urn",
@@ -61,23 +61,14 @@ def service(
     A FILE that has a service set and no system gets the service in that set, and so does a FILE
     that does not exist yet.
 
-    \b
-    WORDS are [command|query|report] MESSAGE [CODE]: FIELD, FIELD, ...
-    A FIELD is a name, with ? if it is optional, and in any order
-      a unit           m, rad/s, meter per second, percent
-      a range          0..100, as a scaled integer if it has a unit
-      listed values    off|on|auto
-      a wire type      uint8 to uint64, int8 to int64, float32, float64,
-                       text, TimeStamp
-      scaled           for a range without a unit
-
-    The name determines the kind: Query... and Report..., otherwise a command. Each report gets the
-    query that asks for it, and each message a code that is free in the project and the library. A
-    service with commands inherits Management; one without commands inherits Events, so that clients
-    can subscribe to its reports. Without --message, the service gets one report as an example.
+    The name of a message determines its kind: Query..., Report..., Confirm... and Reject...,
+    otherwise a command. Each report gets the query that asks for it and an example of a field, and
+    each message a code that is free in the project and the library; its fields are written in the
+    model. A service with commands inherits Management; one without commands inherits Events, so
+    that clients can subscribe to its reports. Without --message, the service gets one report.
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
-    """  # noqa: D301 - click wants the character
+    """
     from jausml.authoring.proposals.system_parts import new_service
 
     made: list[Add] = []

@@ -18,7 +18,7 @@ from jausml.cli.shared.models import (
     show_findings,
     valid_model,
 )
-from jausml.cli.shared.options import FiniteRange, format_option, jobs_option, scheduler_option
+from jausml.cli.shared.options import FiniteRange, format_option, jobs_option
 from jausml.cli.shared.terminal import gathered
 
 if TYPE_CHECKING:
@@ -47,7 +47,6 @@ _FORMATS = ("text", "json", "sarif")
 )
 @jobs_option
 @click.option("--no-cache", is_flag=True, help="Prove what was proved before, too.")
-@scheduler_option
 @format_option("Format of the results.", _FORMATS)
 @click.option("-o", "--output", metavar="DIR", help="Also write a page for each map into a folder.")
 @reading_options
@@ -57,7 +56,6 @@ def command(
     budget: float,
     jobs: int | None,
     no_cache: bool,
-    scheduler: str,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -83,7 +81,7 @@ def command(
         fail(report, "nothing proved")
     maps = _wanted(report.model, names)
     settings = Settings("", budget, jobs or processors(), is_cached=not no_cache)
-    results = _proved(report.model, maps, settings, scheduler)
+    results = _proved(report.model, maps, settings)
     judged = with_proofs(report, maps, results)
     if output_format == "sarif":
         write_report(sarif.render(judged), None)
@@ -110,18 +108,15 @@ def _ready(name: str) -> list[str]:
     return [path for path, each in modules.items() if f"{each}.".startswith(f"{name}.")]
 
 
-def _proved(
-    model: Model, trips: Sequence[RoundTrip], settings: Settings, scheduler: str
-) -> list[MapResult]:
+def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
     """Returns the results of maps, in their order."""
     from jausml.language.model.xmi.writer import UnwritableError
     from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.running import program, prove_all
 
     try:
-        if not scheduler:
-            settings = replace(settings, program=program())
-        return gathered("proving", len(trips), prove_all(model, trips, settings, scheduler))
+        settings = replace(settings, program=program())
+        return gathered("proving", len(trips), prove_all(model, trips, settings))
     except (PoolError, UnwritableError) as error:
         raise EnvironmentFault(str(error)) from error
 
@@ -189,7 +184,6 @@ def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
     help="Also try the packages by this command, which fails for a mutation. PYTHONPATH leads "
     "to the packages, JAUSML_WORKSPACE names their folder.",
 )
-@scheduler_option
 @format_option("Format of the results.")
 @click.option("-o", "--output", metavar="DIR", help="Also write a page into a folder.")
 @reading_options
@@ -200,7 +194,6 @@ def mutate(
     budget: float,
     jobs: int | None,
     run: str | None,
-    scheduler: str,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -230,7 +223,7 @@ def mutate(
         raise EnvironmentFault("the model has nothing that these operators change")
     chosen = sample(possible, limit)
     campaign = Campaign(Path(model).name, len(possible), len(chosen))
-    settings = Settings(names, budget, jobs or processors(), tuple(_arguments(run)), scheduler)
+    settings = Settings(names, budget, jobs or processors(), tuple(_arguments(run)))
     _run(campaign, document, chosen, settings)
     if output_format == "json":
         found = {"digests": digests(broken), **campaign.to_json()}

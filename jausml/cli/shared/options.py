@@ -85,15 +85,6 @@ jobs_option = click.option(
     help="Processes that work at once; by default, one for each processor.",
 )
 
-scheduler_option = click.option(
-    "--scheduler",
-    default="",
-    show_default=False,
-    metavar="ADDRESS",
-    help="Scheduler of Dask whose workers do the work, such as tcp://host:8786; needs the extra "
-    "`dask`.",
-)
-
 
 def quiet_option(text: str) -> Decorator:
     """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`."""

@@ -113,11 +113,6 @@ class McapRecording:
             (statistics.message_end_time - statistics.message_start_time) / NANO
         )
 
-    def has_index(self) -> bool:
-        """Whether messages are found by their times."""
-        with self._opened() as stream:
-            return _Contents(stream).is_indexed
-
     def _opened(self) -> BinaryIO:
         try:
             return open_input(self._path)

@@ -151,7 +151,7 @@ class Translator:
             if isinstance(answer, str):
                 yield TranslatedMessage(route, message.time, message.source, bytes.fromhex(answer))
             elif answer is not None:
-                kind, text, _ = answer
+                kind, text = answer
                 self.untranslated.note(route.label, kind, text)
 
     def _ask(self, request: Any) -> Any:
@@ -168,12 +168,12 @@ def _wants(senders: frozenset[str], source: str) -> bool:
 def _plan(route: Route) -> dict[str, Any]:
     names = ("package", "base", "bridge", "connection")
     joins = [
-        {**plan_of_join(each.translated), "senders": bool(each.senders)} for each in route.joins
+        {**_plan_of_join(each.translated), "senders": bool(each.senders)} for each in route.joins
     ]
     return {**{name: getattr(route, name) for name in names}, "joins": joins}
 
 
-def plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
+def _plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
     """Returns a join for the worker: as bridges tell of it, and as the translation takes it."""
     join = translated.join
     return {

@@ -10,20 +10,16 @@ import json
 import sys
 import time
 import typing
-from functools import partial
 from importlib import import_module
 
 from jausml_runtime.bridge.connections.translations import transcoder
-from jausml_runtime.bridge.messages import cdr
 from jausml_runtime.bridge.messages.limits import StaleJoinError
-from jausml_runtime.bridge.reports.diagnostics import FILTERED, reason_of
 from jausml_runtime.conversions import Time
 
 _NANO = 10**9
 
 Answer = typing.Any
-"""Hexadecimal digits of what was made; or kind and text of what is wrong, and how bridges count it.
-"""
+"""Hexadecimal digits of what was made; or kind and text of what is wrong."""
 
 
 class RecordingClock:
@@ -77,21 +73,19 @@ class ConnectionTranslation:
         self.joins = {
             each["name"]: LatestReports(each, kinds[each["parameter"]]) for each in plan["joins"]
         }
-        offset = plan.get("offset", 0)
-        decode = _decoder(kinds["source"], offset)
-        encode = partial(_encode, offset=offset)
-        self._run = transcoder(translate, decode, encode, _ignore, time.monotonic)
-        self._clock, self._ahead = clock, plan.get("ahead", 0)
+        decode = _decoder(kinds["source"])
+        self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
+        self._clock = clock
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
         """Returns what becomes of a message."""
-        self._clock.nanoseconds = at + self._ahead
+        self._clock.nanoseconds = at
         try:
             joins = {each.parameter: each.fresh(subsystem, at) for each in self.joins.values()}
             target = self._run(data, **joins)
         except Exception as error:
-            return [type(error).__name__, str(error), reason_of(error)]
-        return ["dropped", "", FILTERED] if target is None else bytes(target).hex()
+            return [type(error).__name__, str(error)]
+        return ["dropped", ""] if target is None else bytes(target).hex()
 
 
 def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
@@ -104,26 +98,13 @@ def _class_of(hint: typing.Any) -> typing.Any:
     return inner[0] if inner else hint
 
 
-def _decoder(kind: typing.Any, offset: int = 0) -> typing.Any:
-    """Returns what reads messages of a class of either side, those of ROS at an offset."""
-    if not hasattr(kind, "from_cdr"):
-        return kind.decode
-    return partial(_inside, kind, offset) if offset else kind.from_cdr
+def _decoder(kind: typing.Any) -> typing.Any:
+    """Returns what reads messages of a class of either side."""
+    return kind.from_cdr if hasattr(kind, "from_cdr") else kind.decode
 
 
-def _inside(kind: typing.Any, offset: int, data: bytes) -> typing.Any:
-    return kind._read(data, offset, cdr.ORDERS[data[:2]])[0]  # noqa: SLF001 - as nested ones are read
-
-
-def _encode(target: typing.Any, *, offset: int = 0) -> bytes:
-    if not hasattr(target, "to_cdr"):
-        found: bytes = target.encode()
-        return found
-    if not offset:
-        return bytes(target.to_cdr())
-    parts: list[bytes] = []
-    target._write(parts.append, offset)  # noqa: SLF001 - as nested ones are written
-    return b"".join(parts)
+def _encode(target: typing.Any) -> bytes:
+    return bytes(target.to_cdr() if hasattr(target, "to_cdr") else target.encode())
 
 
 def _ignore(_seconds: float) -> None:

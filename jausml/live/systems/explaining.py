@@ -1,42 +1,20 @@
-"""Why a message was not passed on, in sentences: the counter, the state, and the message itself."""
+"""Why a message was not passed on, in sentences: the counter, and the state at that time."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.ros_values import value_lines
-from jausml.live.recording.seeking import JAUS_TOPICS
-from jausml.live.systems.dropped import AROUND, NEAR, dropped_message, times
 from jausml.live.systems.playback import NO_ROS
-from jausml.live.systems.recorded_calls import (
-    ANSWERED,
-    GOT,
-    RECEIVED,
-    SENT,
-    events_of,
-    kind_of,
-    last_of,
-)
 from jausml.live.systems.recorded_facts import BRIDGE
-from jausml.live.systems.state import declarations_of
 from jausml.live.systems.tables import shown_name, state_text
-from jausml.live.systems.ways import ways_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
 
     from jausml.language.model import Model
-    from jausml.live.recording.mcap_files import Found
-    from jausml.live.systems.dropped import Dropped
     from jausml.live.systems.playback import Mark, RecordedSystem
-    from jausml.live.systems.recorded_calls import CallEnd, RecordedCall
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
-    from jausml.live.systems.ways import Ways
-
-MOST_LINES = 60
-"""Lines of a message that are shown."""
 
 MEANINGS: Mapping[str, str] = {
     "aborted": "whoever executed the goal or the list gave it up",
@@ -86,7 +64,7 @@ MEANINGS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Explanation:
-    """Sentences, and the messages on both sides as lines.
+    """Sentences about a connection at a time.
 
     Attributes:
         at: The time that is explained: that of the last drop, if there is one.
@@ -95,8 +73,6 @@ class Explanation:
     at: float
     counter: tuple[str, ...]
     state: tuple[str, ...]
-    ros: tuple[str, ...]
-    jaus: tuple[str, ...]
 
 
 def explained(
@@ -106,7 +82,7 @@ def explained(
 
     Args:
         system: The recording.
-        model: What says which messages the connection takes and gives.
+        model: What says which components and connections there are.
         key: Bridge and name of the connection.
     """
     drops = [
@@ -119,11 +95,10 @@ def explained(
     moment = risen[0].time if risen else at
     state = system.state(moment, model)
     connection = state.connections.get(key)
-    sides = _sides(system, model, connection, moment, risen)
     if connection is None or connection.told is None:
-        return Explanation(moment, (_untold(system, key),), (), *sides)
+        return Explanation(moment, (_untold(system, key),), ())
     counters, told = _counters(connection, risen, at), _states(state, connection, moment)
-    return Explanation(moment, tuple(counters), tuple(told), *sides)
+    return Explanation(moment, tuple(counters), tuple(told))
 
 
 def _untold(system: RecordedSystem, key: tuple[str, str]) -> str:
@@ -241,152 +216,9 @@ def _stops(values: Mapping[str, str]) -> Iterator[str]:
         yield f"When its source is lost: {values['when lost']}."
 
 
-# ---- the message ------------------------------------------------------------------------------
-
-Lines = tuple[str, ...]
-
-
-def _sides(
-    system: RecordedSystem,
-    model: Model | None,
-    connection: ConnectionState | None,
-    at: float,
-    risen: Sequence[Mark],
-) -> tuple[Lines, Lines]:
-    """Returns the message that was dropped, else the last up to a time, and that on the other side.
-
-    Those of ROS come first.
-    """
-    several = () if model is None or connection is None else ways_of(system, model, connection)
-    if model is None or connection is None or not several:
-        is_status = connection is not None and connection.concerns_bridge
-        text = (_OF_A_BRIDGE if is_status else _NOT_MODELLED,)
-        return text, text
-    ways, dropped = several[0], None
-    if risen:
-        ways, dropped = dropped_message(system, model, connection, several, risen)
-    if dropped is not None and dropped.call is not None:
-        return _sides_of_call(system, ways, *dropped.call)
-    moment = at if dropped is None else dropped.time
-    taken = tuple(_source_lines(system, ways, risen, moment, dropped))
-    others = " or ".join(_giving_alike(model, connection))
-    head = f"The last on this side, of this connection or {others}: " if others else _LAST
-    given = tuple(_message_at(system, ways.target, moment, head, ways.events_of_target))
-    return (given, taken) if ways.is_to_ros else (taken, given)
-
-
-_LAST = "The last on this side: "
-_NOT_MODELLED = "Which messages it takes and gives says the model, which has no such connection."
-_OF_A_BRIDGE = "This is a status of the bridge itself, which carries no messages."
-
-
-def _giving_alike(model: Model, connection: ConnectionState) -> Iterator[str]:
-    """Yields the connections of the same bridge whose messages stand where those of this one do."""
-    own = connection.declaration
-    for each in declarations_of(model) if own is not None else ():
-        if own is None or each.bridge != own.bridge or each.name == own.name:
-            continue
-        is_shared = (
-            each.message == own.message
-            if own.direction == "to JAUS"
-            else not {*each.topics}.isdisjoint(own.topics)
-        )
-        if is_shared and each.direction == own.direction:
-            yield each.name
-
-
-def _sides_of_call(
-    system: RecordedSystem, ways: Ways, by: CallEnd, call: RecordedCall
-) -> tuple[Lines, Lines]:
-    """Returns a call that failed as both sides have it: its request, and what answered it."""
-    asked, end = call.asked, call.answered or call.asked + AROUND
-    request, answer = (RECEIVED, ANSWERED) if by.serves else (SENT, GOT)
-    lines = ["This call failed, and no response to it is in the recording."]
-    if call.answered is not None:
-        why = f": {call.reason}" if call.reason else ""
-        lines = [f"This call failed, as its response says{why}."]
-    lines += _message_at(system, [by.topic], asked, "Its request: ", request)
-    if call.answered is not None:
-        lines += _message_at(system, [by.topic], end, "Its response: ", answer)
-    if not by.serves:
-        return tuple(lines), tuple(_message_at(system, ways.source, asked, "It was made of: "))
-    passed = [*events_of(system, ways.target, asked - NEAR, end, None)]
-    if not passed:
-        return tuple(lines), ("Nothing of it was passed on.",)
-    first = min(at for at, _ in passed)
-    made = [*_message_at(system, ways.target, first, "It was passed on as: ")]
-    if any(True for _ in events_of(system, ways.answers, first, end, None)):
-        made += _message_at(system, ways.answers, end, "What answered it: ")
-    return tuple(lines), tuple(made)
-
-
-def _source_lines(
-    system: RecordedSystem,
-    ways: Ways,
-    risen: Sequence[Mark],
-    at: float,
-    dropped: Dropped | None,
-) -> Iterator[str]:
-    if risen:
-        count = len(times(system, ways, risen[0].since, risen[0].time))
-        yield f"{_times_of(count, 'message')} came between {_span(risen[0])}."
-    if dropped is not None and dropped.guess:
-        yield (
-            "By its time, nothing on the other side follows this one, which was most likely not "
-            f"passed on. Its content does not tell it: {dropped.guess}."
-        )
-    elif dropped is not None and dropped.reason:
-        yield f"This one was not passed on, since the translation refuses it: {dropped.reason}."
-    elif dropped is not None:
-        yield "This one was not passed on: what it becomes is not on the other side."
-    elif risen and ways.missing:
-        yield f"Which it was is not known: {ways.missing}."
-    elif risen and count > 1:
-        yield "Which of them was not passed on, the recording does not tell; this is the last."
-    yield from _message_at(system, ways.source, at, "", ways.events_of_source)
-
-
-def _message_at(
-    system: RecordedSystem,
-    topics: Sequence[str],
-    at: float,
-    head: str,
-    event: int | None = None,
-) -> Iterator[str]:
-    found = [
-        (*last, each)
-        for each in topics
-        if each in system.recording.topics and (last := last_of(system, each, at, event))
-    ]
-    if not found:
-        names = " or ".join(topics) or "such a message"
-        yield f"Up to {at:.3f} s, {names} is not in the recording."
-        return
-    time, message, topic = max(found, key=lambda each: each[0])
-    yield f"{head}{topic} at {time:.3f} s"
-    try:
-        yield from message_lines(system, message)
-    except RecordingError as error:
-        yield str(error)
-
-
 def _times_of(count: int, word: str) -> str:
     return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
 def _span(mark: Mark) -> str:
     return f"{mark.since:.1f} s and {mark.time:.1f} s"
-
-
-def message_lines(system: RecordedSystem, found: Found) -> list[str]:
-    """Returns the fields of a message as lines."""
-    value = system.recording.value_of(found)
-    if kind_of(found) is not None:
-        value = next((value[each][0] for each in ("request", "response") if value[each]), {})
-        return value_lines(value)[:MOST_LINES] or ["(no fields)"]
-    fields: dict[str, Any] = value
-    if found[1].topic.startswith(JAUS_TOPICS) and isinstance(value.get("fields"), dict):
-        fields = value["fields"]
-        head = [f"from {value.get('source')} to {value.get('destination')}"]
-        return [*head, *value_lines(fields)][:MOST_LINES] if fields else [*head, "(no fields)"]
-    return value_lines(fields)[:MOST_LINES]

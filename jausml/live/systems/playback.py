@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.seeking import SeekableRecording
+from jausml.live.recording.playing import PlayedRecording
 from jausml.live.systems.folding import fold_model, fold_source, fold_time
 from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
 from jausml.live.systems.state import SystemState, components_of, declarations_of
@@ -78,16 +77,19 @@ class _Block:
 
 @dataclass
 class RecordedSystem:
-    """A recording and what it tells, once it is indexed. Any thread may ask it.
+    """What a recording tells, once all of it is read. Any thread may ask it.
 
     Attributes:
+        duration: Seconds from the first message to the last.
+        damage: What of the file cannot be read; empty for a whole one.
         marks: What changed, in the order of times.
         unlisted: How many changes are more than are listed.
         unreadable: How many messages could not be read.
         sources: Of `ROS` and `JAUS`, why the recording tells nothing of them; empty if it does.
     """
 
-    recording: SeekableRecording
+    duration: float = 0.0
+    damage: str = ""
     marks: list[Mark] = field(default_factory=list, repr=False)
     unlisted: int = 0
     unreadable: int = 0
@@ -163,7 +165,6 @@ def indexed(path: str) -> RecordedSystem:
     read = Indexing(path)
     while isinstance(found := read(AT_ONCE), float):
         continue
-    found.recording.open()
     return found
 
 
@@ -178,8 +179,7 @@ class Indexing:
         """Reads so many messages more.
 
         Returns:
-            How much was read, up to 1; once that is all the system, whose recording is to be
-            opened.
+            How much was read, up to 1; once that is all the system.
 
         Raises:
             RecordingError: Nothing of the file can be read.
@@ -188,8 +188,8 @@ class Indexing:
 
 
 def _indexing(path: str) -> Iterator[float | RecordedSystem]:
-    recording = SeekableRecording(path)
-    found = RecordedSystem(recording)
+    recording = PlayedRecording(path)
+    found = RecordedSystem()
     listener = Listener(recording)
     state, block, before = SystemState(), list[Fact](), SystemState()
     for share, time, message in recording.read():
@@ -204,8 +204,7 @@ def _indexing(path: str) -> Iterator[float | RecordedSystem]:
                 block, before = [], state
     if block:
         found.keep(block, before)
-    if not recording.topics:
-        raise RecordingError(f"{path} has no messages")
+    found.duration, found.damage = recording.duration, recording.fault
     found.unreadable = listener.unreadable
     found.sources = {
         "ROS": "" if listener.hears_ros else NO_ROS,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.peers.discovery import controller_of, type_name
 from jausml.live.peers.query_client import status_of
 from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.playing import JAUS_TOPICS
 from jausml.live.recording.recorder import DIAGNOSTICS
-from jausml.live.recording.seeking import JAUS_TOPICS
 from jausml.live.systems.folding import (
     AnswerSource,
     ComponentAnswer,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.live.recording.mcap_files import Found
-    from jausml.live.recording.seeking import SeekableRecording
+    from jausml.live.recording.playing import PlayedRecording
     from jausml.live.systems.state import SystemState
 
 BRIDGE = "jaus state"
@@ -135,7 +135,7 @@ class Listener:
         hears_jaus: Whether there is a JAUS message.
     """
 
-    def __init__(self, recording: SeekableRecording) -> None:
+    def __init__(self, recording: PlayedRecording) -> None:
         """Has heard nothing yet."""
         self.unreadable = 0
         self.hears_ros = self.hears_jaus = False

@@ -10,7 +10,6 @@ export * from "./drafting";
 export * from "./exporting";
 export * from "./filtering";
 export * from "./listening";
-export * from "./looking";
 export * from "./opening";
 export * from "./placing";
 export * from "./removing";

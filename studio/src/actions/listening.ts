@@ -49,9 +49,6 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   kept({ edits }) {
     update({ kept: edits });
   },
-  presence({ pages }) {
-    update({ pages });
-  },
 };
 
 /** Keeps the last change of each file; a conflict stays until it is dismissed. */

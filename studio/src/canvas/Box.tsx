@@ -1,6 +1,6 @@
 import { Handle, type NodeProps, Position, useStore } from "@xyflow/react";
 import { type CSSProperties, memo, useState } from "react";
-import { beginRename, choosers, rename } from "../actions";
+import { beginRename, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
 import { CLOSED, nodeKey, type PartKey, portKey } from "../selection";
@@ -19,9 +19,6 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const states = useStudio((studio) => statesOf(studio, node));
   const live = useStudio((studio) => studio.live?.boxes[node.id]);
   const isNow = useStudio((studio) => isPresent(studio, node.id));
-  const others = useStudio((studio) =>
-    choosers(studio, [node.element, ...node.ports.map((port) => port.element)]),
-  );
   const severity = severityOf(node.findings);
   const renaming = useStudio(({ renaming }) =>
     renaming && [key, ...rowKeys(node)].includes(renaming.key) ? renaming : null,
@@ -41,18 +38,11 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
       id={domId(key)}
       className={`box ${node.kind} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
       role="group"
-      aria-label={[
-        labelOf(node),
-        isNow ? "the present state" : "",
-        others ? `chosen by ${others}` : "",
-      ]
-        .filter(Boolean)
-        .join(", ")}
+      aria-label={`${labelOf(node)}${isNow ? ", the present state" : ""}`}
       data-part={key}
       style={isClosed ? closedStyle(node) : { width: node.width, height: node.height }}
       onPointerEnter={() => setWasNear(true)}
     >
-      {others && <div className="chosen-by">◆ {others}</div>}
       <div className="head" style={{ height: node.head }}>
         <Name partKey={key} text={node.title} className="title" renaming={renaming} />
         <Mark findings={node.findings} />

@@ -147,22 +147,6 @@ test("a model begins with what was chosen, which may be text alone", async () =>
   expect(server.params("create")).toEqual([{ file: "robot.ros2jaus", origin: "iop-ugv" }]);
 });
 
-test("who else is here is told, with where they look and how one is called oneself", async () => {
-  server.answer("look", () => ({ pages: state().pages }));
-  const page = { name: "", file: "robot.xmi", view: "system", element: "", here: true };
-  const named = { ...page, id: "3", name: "Ann", element: "robot.xmi#x", here: false };
-  update({
-    pages: [{ ...page, id: "1" }, { ...page, id: "2" }, named],
-    dialog: { kind: "presence" },
-  });
-  render(<Dialogs />);
-  const told = screen.getAllByRole("listitem").map((each) => each.textContent);
-  expect(told[0]).toBe("another tab looks at robot.xmi, system ");
-  expect(told[1]).toContain("Ann (in another studio)");
-  await userEvent.type(screen.getByLabelText(/Your name/), "Bo{Enter}");
-  expect(server.params("look")).toMatchObject([{ name: "Bo", file: "robot.xmi" }]);
-});
-
 test("keys of the page undo and redo, but not while somebody types or a dialog is open", async () => {
   server.answer("undo", () => ({ revision: 1, entry: null }));
   server.answer("redo", () => ({ revision: 1, entry: null }));

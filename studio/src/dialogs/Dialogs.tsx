@@ -7,7 +7,6 @@ import { Diff } from "./Diff";
 import { Modal } from "./Modal";
 import { NewModel } from "./NewModel";
 import { Picker } from "./Picker";
-import { Presence } from "./Presence";
 import { useName } from "./useName";
 
 type Of<K extends Dialog["kind"]> = { dialog: Extract<Dialog, { kind: K }> };
@@ -33,8 +32,6 @@ export function Dialogs() {
       return <Rename dialog={dialog} />;
     case "create":
       return <NewModel points={dialog.points} onClose={close} />;
-    case "presence":
-      return <Presence onClose={close} />;
     case "diff":
       return (
         <Modal title={dialog.title} onClose={close} isWide>

@@ -1,4 +1,4 @@
-import { beginModel, calledOf, openFile, openView, othersOf, redo, undo } from "../actions";
+import { beginModel, openFile, openView, redo, undo } from "../actions";
 import { operate } from "../operate/mode";
 import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
@@ -50,7 +50,6 @@ export function Header() {
       <button type="button" onClick={() => operate(true)}>
         Operate
       </button>
-      <Others />
       <button type="button" onClick={() => void beginModel()}>
         New model…
       </button>
@@ -75,23 +74,6 @@ export function Header() {
         Keys
       </button>
     </header>
-  );
-}
-
-/** Who else has the project open; nothing while nobody does. */
-function Others() {
-  const names = useStudio((studio) => othersOf(studio).map(calledOf).join(", "));
-  const count = useStudio((studio) => othersOf(studio).length);
-  if (!count) return null;
-  return (
-    <button
-      type="button"
-      className="others"
-      title={names}
-      onClick={() => update({ dialog: { kind: "presence" } })}
-    >
-      {count === 1 ? names : `${count} others`} here
-    </button>
   );
 }
 

@@ -89,16 +89,12 @@ test("many changes are one note, and a file that is gone is told as that", async
   expect(screen.getByRole("status")).toHaveTextContent("deleted a.xmi; undo brings it back");
 });
 
-test("undo and redo are grey while there is nothing for them, and others are told of", () => {
+test("undo and redo are grey while there is nothing for them", () => {
   render(<Header />);
   const undo = screen.getByRole("button", { name: "Undo" });
   expect(undo).toHaveAttribute("aria-disabled", "false");
-  const page = { id: "2", here: true, name: "", file: "", view: "", element: "" };
-  act(() => update({ project: { ...PROJECT, undoable: false }, pages: [{ ...page, id: "1" }] }));
+  act(() => update({ project: { ...PROJECT, undoable: false } }));
   expect(undo).toHaveAttribute("aria-disabled", "true");
-  expect(screen.queryByRole("button", { name: /here$/ })).toBeNull();
-  act(() => update({ pages: [{ ...page, id: "1" }, page] }));
-  expect(screen.getByRole("button", { name: "another tab here" })).toBeVisible();
 });
 
 test("an edit that was not done stays with its values until somebody decides", async () => {

@@ -2,8 +2,6 @@
 
 export interface Endpoint {
   href: string;
-  /** Host, and a port that is not the usual one. */
-  host: string;
   /** What the browser does with it, or why it does nothing. */
   why: string;
   /** Whether a tab of the browser can open it. */
@@ -27,7 +25,6 @@ export function endpointOf(text: string): Endpoint | undefined {
   const name = protocol.slice(0, -1).toUpperCase();
   return {
     href,
-    host,
     isPage,
     why: isPage
       ? "Nothing connects to what the vehicle told unless you do it:"

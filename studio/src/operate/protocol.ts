@@ -122,11 +122,6 @@ export interface OperateMethods {
     { times: number[]; values: number[] },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
-  stream: [
-    Of & { report: string; url: string; host: string },
-    { stream: string; is_video: boolean },
-  ];
-  unstream: [{ stream: string }, unknown];
   renew: [Record<string, never>, unknown];
   take: [Of & { authority: number }, unknown];
   release: [Of, { confirmed: boolean }];

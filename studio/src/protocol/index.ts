@@ -7,7 +7,6 @@ export type * from "./maps";
 export type * from "./methods";
 export type * from "./offers";
 export type * from "./plans";
-export type * from "./presence";
 export type * from "./problems";
 export type * from "./project";
 export type * from "./recordings";

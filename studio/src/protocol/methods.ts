@@ -6,10 +6,9 @@ import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
 import type { Plan } from "./plans";
-import type { PresentPage } from "./presence";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
-import type { ComparedRow, Explanation, ReadRecording } from "./recordings";
+import type { Explanation, ReadRecording } from "./recordings";
 import type { FileText, OutlineRow, Source } from "./sources";
 import type { StartingPoint } from "./starting";
 import type { ChosenStep, Stepping } from "./steps";
@@ -38,8 +37,6 @@ export interface Methods {
   create: [{ file: string; origin: string }, EditResult];
   copy: [{ elements: Ref[] }, { text: string }];
   paste: [{ owner: Ref; text: string }, EditResult & { left_out: LeftOut[] }];
-  /** Tells others where this page looks. */
-  look: [Omit<PresentPage, "id" | "here">, { pages: PresentPage[] }];
   form: [{ element: Ref }, Form];
   /** What a reference may lead to, the best fits of a search; `more` is how many there are beside. */
   choices: [{ element: Ref; feature: string; query: string }, { choices: Choice[]; more: number }];
@@ -106,22 +103,6 @@ export interface Methods {
     { recording: string; file: string; bridge: string; connection: string; at: number },
     Explanation,
   ];
-  "recording.compare": [
-    { file: string; recording: string; at: number; other: string; other_at: number },
-    { rows: ComparedRow[] },
-  ];
-  "recording.numbers": [{ recording: string; topic: string }, { paths: string[] }];
-  "recording.series": [
-    {
-      recording: string;
-      topic: string;
-      path: string;
-      start: number;
-      end: number;
-      points: number;
-    },
-    { times: number[]; values: number[] },
-  ];
 }
 
 export type Method = keyof Methods;
@@ -146,7 +127,6 @@ export interface Notifications {
   live: { state: LiveState; freshness?: Freshness };
   /** The edits that are kept have changed. */
   kept: { edits: KeptEdit[] };
-  presence: { pages: PresentPage[] };
 }
 
 export interface OutsideChange {

@@ -34,8 +34,6 @@ export interface Project {
   version: string;
   revision: number;
   files: FileInfo[];
-  /** Id of this page among those that have the project open. */
-  page: string;
   /** The file to show first, empty for none. */
   opened: string;
   /** Whether there is something to undo, or to do again. */

@@ -25,8 +25,6 @@ export interface ReadRecording {
   marks: Mark[];
   /** Marks that are too many to be listed. */
   unlisted: number;
-  /** How many messages there are of each topic. */
-  topics: Record<string, number>;
 }
 
 export interface Explanation {
@@ -34,19 +32,4 @@ export interface Explanation {
   at: number;
   counter: string[];
   state: string[];
-  ros: string;
-  jaus: string;
-}
-
-export interface ComparedSide {
-  rate: number | null;
-  drops: number | null;
-  state: string;
-}
-
-export interface ComparedRow {
-  bridge: string;
-  connection: string;
-  sides: [ComparedSide, ComparedSide];
-  differing: (keyof ComparedSide)[];
 }

@@ -44,7 +44,6 @@ export const PROJECT: Project = {
   version: "0.0",
   revision: 1,
   files: [{ path: "robot.xmi", notation: "xmi", revision: 1, stale: false, dirty: false }],
-  page: "1",
   opened: "robot.xmi",
   undoable: true,
   redoable: true,

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-from contextlib import closing
 
 import needs
 import pytest
 
 needs.ask("rclpy")
-
-from rclpy.action import ActionClient
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -30,8 +27,6 @@ pytestmark = [
 ]
 MODEL = LIVE / "waypoint_lists.ros2jaus"
 INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
-HAS_GOALS = hasattr(ActionClient, "configure_introspection")
-"""Whether rclpy publishes goals and results: since Kilted."""
 
 
 @pytest.fixture
@@ -87,21 +82,9 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
     wait_for(lambda: told(listener, "dropped: aborted"), "diagnostics", PATIENCE)
     recorded = recorder.end()
-    with closing(recorded.recording):
-        refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
+    refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
     assert any("of a goal, nobody wanted it" in each for each in refused.counter)
     assert any("gave it up" in each for each in aborted.counter)
-    for each in refused, aborted:
-        assert any("SetElement at " in line for line in each.jaus)
-    if not HAS_GOALS:
-        why = "the recording does not have the goals of the ROS action follow_waypoints"
-        assert refused.jaus[1] == f"Which it was is not known: {why}."
-        return
-    events = [each for each in refused.ros if "send_goal/_service_event at" in each]
-    assert refused.ros[0] == "This call failed, as its response says."
-    assert [each.partition(":")[0] for each in events] == ["Its request", "Its response"]
-    assert "accepted: False" in refused.ros
-    assert "    poses[0]:" in refused.ros or "  poses[0]:" in refused.ros
 
 
 def told(listener, key):

@@ -12,7 +12,7 @@ $ cd abyss && git init -q && jausml new bridge abyss --from-graph --for 60 --yes
 > imu/data: ROS -> JAUS, global_pose: read as imu with fix
 > models/abyss.{SUFFIX} written
 
-$ cd abyss && jausml new service Dropper --message DropWeight --message "report ConfirmDrop" --message "report RejectDrop: Reason empty|stuck"
+$ cd abyss && jausml new service Dropper --message DropWeight --message ConfirmDrop --message RejectDrop
 > DropWeight
 > written
 
@@ -71,8 +71,23 @@ float32 temperature # [degC]
 $ cd abyss && jausml new map tank ReportTank abyss_msgs/Tank
 ! 2
 > 'jausml new service' makes messages, 'jausml import jsidl' reads them
-$ cd abyss && jausml new service Tanks --message QueryTank --message "report ReportTank: Level percent 0..100, Temperature degC -20..60"
-> ReportTank: Level, Temperature
+<< abyss/models/tanks.ros2jaus
+import `jaus.core-1.1`
+service_set abyss {
+    service Tanks {
+        urn: "urn:example:abyss:Tanks"
+        inherits: Events
+        inputs: new message_def QueryTank { code: 0xD301 }
+        outputs: new message_def ReportTank {
+            code: 0xD501
+            record TankRec {
+                fixed_field Level { type: uint16  units: "percent"  scale: { lower: 0  upper: 100 } }
+                fixed_field Temperature { type: uint16  units: "degC"  scale: { lower: -20  upper: 60 } }
+            }
+        }
+    }
+}
+>>
 $ cd abyss && jausml new map tank ReportTank abyss_msgs/Tank
 ! 2
 > jausml import ros

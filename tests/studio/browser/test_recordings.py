@@ -1,4 +1,4 @@
-"""A recording in the page: scrubbed, stepped from drop to drop, explained, beside another one."""
+"""A recording in the page: scrubbed, stepped from drop to drop, and explained."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .conftest import Studio
 
 pytestmark = [pytest.mark.slow, pytest.mark.needs("chromium", "page"), pytest.mark.timeout(300)]
 
-FIRST, SECOND = Drive(dropped=(3.5, 8.5)), Drive(dropped=(5.5,), taken=None)
+FIRST = Drive(dropped=(3.5, 8.5))
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,6 @@ def studio(tmp_path_factory):
     folder = tmp_path_factory.mktemp("recordings")
     model = model_in(folder)
     (folder / "first.mcap").write_bytes(recorded(FIRST))
-    (folder / "second.mcap").write_bytes(recorded(SECOND))
     (folder / "cut.mcap").write_bytes(recorded(FIRST)[:-20])
     given = ("--recording", str(folder / "first.mcap"))
     studio = Studio(model, folder / "log", *given)
@@ -56,8 +55,6 @@ def test_one_scrubs_and_reads_why_a_message_was_not_passed_on(page, tmp_path):
     expect(why).to_contain_text("did not pass on 1 message: its counter “out_of_range” rose")
     expect(why).to_contain_text("A message is counted there because a value did not fit its field")
     expect(why).to_contain_text("The bridge 10.1.9 was active and in READY, controlled by nobody.")
-    expect(why).to_contain_text("/cmd_vel at 3.530 s")
-    expect(why).to_contain_text("x: 50.0")
     page.get_by_role("button", name="Next drop").click()
     expect(line).to_have_value("9")
     expect(why).to_contain_text("controlled by 20.1.1")
@@ -74,27 +71,6 @@ def test_values_of_the_moment_stand_in_the_diagram(page):
     expect(edge).to_have_count(0)
     page.keyboard.press("]")
     expect(edge).to_be_visible()
-
-
-def test_two_are_beside_each_other(page, tmp_path):
-    page.get_by_role("combobox", name="Beside it").select_option("second.mcap")
-    beside = page.get_by_role("region", name="Another recording beside it")
-    page.keyboard.press("]")
-    row = beside.get_by_role("row", name="/loop_bridge/drive")
-    expect(row).to_contain_text("failed")
-    expect(row.get_by_label("differs")).to_have_count(2)
-    page.get_by_label("Locked by").select_option("drop")
-    expect(page.get_by_label("Moment of second.mcap, beside")).to_have_value("6")
-    expect(row.get_by_label("differs")).to_have_count(0)
-    page.get_by_label("Moment of second.mcap, beside").press("ArrowRight")
-    expect(page.get_by_label("Moment of first.mcap")).to_have_value("5")
-    page.get_by_label("Plot of").select_option("/cmd_vel")
-    page.get_by_label("its number").select_option("linear.x")
-    plot = page.get_by_role("figure", name="linear.x of /cmd_vel")
-    expect(plot).to_contain_text("last 1.9")
-    plot.scroll_into_view_if_needed()
-    page.screenshot(path=tmp_path / "beside.png")
-    assert (broken(page), misplaced(page)) == ({}, [])
 
 
 def test_a_damaged_file_says_what_was_read_and_goes_on(page):

@@ -1,4 +1,4 @@
-"""Beginning with a template, taking parts to another project, and seeing who else is here."""
+"""Beginning with a template, and taking parts to another project."""
 
 from __future__ import annotations
 
@@ -65,21 +65,3 @@ def test_what_is_copied_is_text_that_another_project_takes(desk, open_studio, tm
     expect(left).to_contain_text("unknown name 'vehicle'")
     assert "bridge bridge {" in boat.read_text(encoding="utf-8")
     expect(there.page.get_by_text("say what is meant where this was pasted").first).to_be_visible()
-
-
-def test_another_tab_is_seen_with_what_it_has_chosen(desk, open_shared):
-    expect(desk.page.get_by_role("button", name=re.compile("here$"))).to_have_count(0)
-    other = shown(open_shared())
-    other.title("logger").click()
-    mark = desk.box("logger").locator(".chosen-by")
-    expect(mark).to_have_text("◆ another tab")
-    expect(other.box("logger").locator(".chosen-by")).to_have_count(0)
-    other.page.get_by_role("button", name="another tab here").click()
-    other.dialog("Who else is here").get_by_label("Your name").fill("Ann")
-    other.keyboard.press("Enter")
-    expect(mark).to_have_text("◆ Ann")
-    desk.page.get_by_role("button", name="Ann here").click()
-    desk.dialog("Who else is here").get_by_role("button", name="Show what").click()
-    expect(desk.page.get_by_role("form", name="Properties of logger")).to_be_visible()
-    other.page.close()
-    expect(mark).to_have_count(0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from contextlib import contextmanager
-from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.project import Project
     from jausml.authoring.studio import rpc
-    from jausml.authoring.studio.operating.streams import Streams
     from jausml.authoring.studio.operating.unit import Powers
     from jausml.live.peers.network import Network
 
@@ -82,11 +80,6 @@ class Operating:
             self._unit.start()
             return Seat(self._unit, self.subscribers, next(self._numbers))
 
-    @property
-    def streams(self) -> Streams | None:
-        """The streams that pages see; None before the first page."""
-        return self._unit.streams if self._unit is not None else None
-
     def _made(self) -> OperatorUnit:
         told = self.subscribers.notify
         return OperatorUnit(self._project, self._network, self.powers, told)
@@ -119,8 +112,6 @@ class Seat:
             "values": self._values,
             "history": self._history,
             "picture": self._picture,
-            "stream": self._stream,
-            "unstream": self._unstream,
         }
         commanding: Mapping[str, Callable[..., object]] = {
             "renew": self._renew,
@@ -247,20 +238,6 @@ class Seat:
 
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
         return {"url": self._unit.values.picture(component, report, path)}
-
-    def _stream(self, component: str, report: str, url: str, host: str) -> dict[str, Any]:
-        """Begins to read an address that a component tells, whose host a person has seen."""
-        unit = self._unit
-        is_told = partial(unit.tells_url, component, report, url)
-        if not is_told():
-            raise AnswerError(f"{component} does not tell this address")
-        stream = unit.streams.open(self._number, url, host, is_told)
-        unit.journal.note(self._name, f"shows {url!a}, which {component} tells")
-        return {"stream": stream.ticket, "is_video": stream.type.lower().startswith("video/")}
-
-    def _unstream(self, stream: str) -> dict[str, Any]:
-        self._unit.streams.close(stream)
-        return {}
 
     # ---- commanding -------------------------------------------------------------------------
 

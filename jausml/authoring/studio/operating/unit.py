@@ -15,7 +15,6 @@ from jausml.authoring.studio.operating.journal import Journal
 from jausml.authoring.studio.operating.lists import Lists
 from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
 from jausml.authoring.studio.operating.stops import Stops, told_stop
-from jausml.authoring.studio.operating.streams import Streams
 from jausml.authoring.studio.operating.values import Values
 from jausml.authoring.studio.operating.watching import WatchedSystem
 from jausml.authoring.studio.rpc import UNAUTHORIZED, RpcError
@@ -87,7 +86,7 @@ class OperatorUnit:
             ValueError: A stop among the powers is none.
         """
         self.powers = powers
-        self.values, self.streams = Values(), Streams()
+        self.values = Values()
         self.journal = Journal(told)
         self._told = told
         self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
@@ -163,12 +162,6 @@ class OperatorUnit:
         if last is None or content != last[1] or now - last[0] >= LONGEST:
             self._told_last = now, content
             self._told("operate.state", content)
-
-    def tells_url(self, component: str, report: str, url: str) -> bool:
-        """Tells whether a component that is not gone has an address in a report that is watched."""
-        known = self._system.monitor.state().components.get(component)
-        is_gone = known is not None and known.is_gone
-        return not is_gone and self.values.has_url(component, report, url)
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -335,7 +328,6 @@ class OperatorUnit:
         if commander is not None and commander.page == page:
             self._lose(commander, "is gone")
         self.values.leave(page)
-        self.streams.leave(page)
 
     def _lose(self, commander: Commander, why: str) -> None:
         """Stops and releases all that a page commanded which is lost, once."""

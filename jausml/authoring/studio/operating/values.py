@@ -149,12 +149,6 @@ class Values:
             found = known.pictures.get(path, "") if known is not None else ""
         return picture_url(bytes.fromhex(found))
 
-    def has_url(self, component: str, report: str, url: str) -> bool:
-        """Tells whether the last of a report that is watched has an address."""
-        with self._lock:
-            known = self._watched.get((component, report))
-            return known is not None and url in known.urls
-
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
     ) -> list[Point]:

@@ -26,7 +26,6 @@ const READ: ReadRecording = {
   unreadable: 0,
   marks: [drop(4), drop(6, "state"), drop(9)],
   unlisted: 0,
-  topics: {},
 };
 const STATE: LiveState = { connections: [], components: [], edges: {}, boxes: {} };
 
@@ -37,7 +36,7 @@ function show(given: string[] = ["run.mcap"]) {
     "recording.files": () => ({ files: ["run.mcap", "other.mcap"], given }),
     "recording.open": () => ({ share: 1, fault: "", read: READ }),
     "recording.state": ({ at }) => ({ at, state: { ...STATE, health: `at ${at}` } }),
-    "recording.why": ({ at }) => ({ at, counter: ["It rose."], state: [], ros: "", jaus: "" }),
+    "recording.why": ({ at }) => ({ at, counter: ["It rose."], state: [] }),
   });
   render(<Recording />);
   return server;

@@ -4,8 +4,7 @@ import { isTyping } from "../../keyboard/keys";
 import { useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
 import { Components, Connections } from "../live/Live";
-import { Beside } from "./Beside";
-import { close, goTo, look, open, openBeside, player, put, stepToDrop, usePlayer } from "./player";
+import { close, goTo, look, open, player, put, stepToDrop, usePlayer } from "./player";
 import { TimeLine } from "./TimeLine";
 import { Why } from "./Why";
 import "./recording.css";
@@ -21,10 +20,8 @@ export default function Recording() {
     ask("recording.files", {}).then(
       (found) => {
         setFiles(found.files);
-        const [first, second] = found.given;
-        if (!first || player().name || player().fault) return;
-        void open(first);
-        if (second) void openBeside(second);
+        const [first] = found.given;
+        if (first && !player().name && !player().fault) void open(first);
       },
       (error) => setUnlisted(messageOf(error)),
     );
@@ -62,7 +59,7 @@ export default function Recording() {
           Reading {name}: <progress value={share} aria-label={`Reading ${name}`} />
         </p>
       )}
-      {read && <Shown files={files} />}
+      {read && <Shown />}
     </section>
   );
 }
@@ -117,7 +114,7 @@ function Moves() {
   );
 }
 
-function Shown({ files }: { files: string[] }) {
+function Shown() {
   const { name, read, at, chosen } = usePlayer();
   const live = useStudio((studio) => studio.live);
   const file = useStudio((studio) => studio.file);
@@ -139,7 +136,6 @@ function Shown({ files }: { files: string[] }) {
       <Why />
       <Connections connections={live?.connections ?? []} open={open} onOpen={choose} />
       <Components components={live?.components ?? []} />
-      <Beside files={files.filter((each) => each !== name)} />
     </>
   );
 }

@@ -3,7 +3,7 @@ import { Fault, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { goTo, put, usePlayer } from "./player";
 
-/** Why a connection did not pass on what it dropped last: counter, state, and the message. */
+/** Why a connection did not pass on what it dropped last: counter and state. */
 export function Why() {
   const { name, at, chosen } = usePlayer();
   const file = useStudio((studio) => studio.file);
@@ -37,17 +37,6 @@ export function Why() {
           <Sentences sentences={value.counter} />
           {value.state.length > 0 && <h3>The state</h3>}
           <Sentences sentences={value.state} />
-          <h3>The message</h3>
-          <div className="last-message">
-            <div>
-              <h2>ROS</h2>
-              <pre>{value.ros}</pre>
-            </div>
-            <div>
-              <h2>JAUS</h2>
-              <pre>{value.jaus}</pre>
-            </div>
-          </div>
         </>
       )}
     </section>

@@ -1,4 +1,4 @@
-// What is played: which recordings are open, the moment that is shown, and what is asked of it.
+// What is played: which recording is open, the moment that is shown, and what is asked of it.
 
 import { create } from "zustand";
 import { ask, messageOf } from "../../actions";
@@ -6,18 +6,14 @@ import type { Mark, ReadRecording } from "../../protocol";
 import { say, state, update } from "../../store";
 
 export interface Player {
-  /** Names of the recording, and of the one beside it; empty for none. */
+  /** Name of the recording; empty for none. */
   name: string;
-  beside: string;
   read: ReadRecording | null;
-  besideRead: ReadRecording | null;
   /** How much is read, up to 1. */
   share: number;
   fault: string;
   /** Seconds since the beginning. */
   at: number;
-  /** Seconds by which the one beside is ahead. */
-  ahead: number;
   isPlaying: boolean;
   /** The connection that is explained. */
   chosen: { bridge: string; connection: string } | null;
@@ -25,13 +21,10 @@ export interface Player {
 
 const CLOSED: Player = {
   name: "",
-  beside: "",
   read: null,
-  besideRead: null,
   share: 0,
   fault: "",
   at: 0,
-  ahead: 0,
   isPlaying: false,
   chosen: null,
 };
@@ -44,19 +37,13 @@ const LOOK_MS = 300;
 
 /** Opens a recording; what it tells takes the place of what runs. */
 export async function open(name: string): Promise<void> {
-  put({ ...CLOSED, name, beside: player().beside, besideRead: player().besideRead });
+  put({ ...CLOSED, name });
   update({ live: null, recorded: name });
-  const read = await reading(name, () => player().name === name);
+  const read = await reading(name);
   if (read === null) return;
   put({ read });
   say(read.damage ? `${name}: ${read.damage}.` : `${name} is read.`, Boolean(read.damage));
   goTo(0);
-}
-
-/** Opens a second one beside it. */
-export async function openBeside(beside: string): Promise<void> {
-  put({ beside, besideRead: null, ahead: 0 });
-  if (beside) put({ besideRead: await reading(beside, () => player().beside === beside) });
 }
 
 export function close(): void {
@@ -65,16 +52,17 @@ export function close(): void {
 }
 
 /** Asks how far a recording is read until it is; null where it cannot be, or nobody waits. */
-async function reading(name: string, isWanted: () => boolean): Promise<ReadRecording | null> {
-  while (isWanted()) {
+async function reading(name: string): Promise<ReadRecording | null> {
+  const isOpen = () => player().name === name;
+  while (isOpen()) {
     try {
       const { read, share, fault } = await ask("recording.open", { recording: name });
-      if (!isWanted()) return null;
+      if (!isOpen()) return null;
       if (read) return read;
       put({ share, fault });
       if (fault) return null;
     } catch (error) {
-      if (isWanted()) put({ fault: messageOf(error) });
+      if (isOpen()) put({ fault: messageOf(error) });
       return null;
     }
     await new Promise((done) => setTimeout(done, LOOK_MS));
