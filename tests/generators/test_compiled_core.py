@@ -219,6 +219,40 @@ def test_an_override_has_no_compiled_form(made: Generated) -> None:
     assert hasattr(Mine.translate_speed_down, "compiled")
 
 
+def test_forms_that_differ_are_told(made: Generated) -> None:
+    """By the check that stands in the generated tests for each connection."""
+    differing_forms = importlib.import_module("jausml_runtime").differing_forms
+    conversion_error = made.error("ConversionError")
+
+    def told(change: Callable[[Any], Any]) -> list[str]:
+        class Mine(type(made.bridge)):  # type: ignore[misc]
+            def translate_speed_up(self, source: Any) -> Any:
+                return change(super().translate_speed_up(source))
+
+        vars(Mine.translate_speed_up)["compiled"] = made.bridge.translate_speed_up.compiled
+        mine = Mine()
+        mine.top_speed = 10.0
+        source = made.messages.SetCore(**{attribute(made, "class"): 5.0})
+        found: list[str] = differing_forms(mine, mine.translate_speed_up, mine.speed_up, source)
+        return found
+
+    def another(target: Any) -> Any:
+        target.twist.linear.x += 1.0
+        return target
+
+    def fails(_target: Any) -> Any:
+        raise conversion_error("no")
+
+    assert told(lambda target: target) == []
+    (line,) = told(another)
+    assert ": by Python: 00010000" in line
+    assert ", compiled: 00010000" in line
+    (line,) = told(lambda _target: None)
+    assert ": by Python: None, compiled: 00010000" in line
+    (line,) = told(fails)
+    assert ": by Python: ConversionError, compiled: 00010000" in line
+
+
 def test_a_library_of_another_text_is_not_used(made: Generated, tmp_path: Path) -> None:
     module = importlib.import_module(type(made.bridge.core).__module__)
     package = tmp_path / "compiled_core"

@@ -131,7 +131,7 @@ def filled(message: Any, module: ModuleType) -> Any:
 
 def test_names_of_generated_python_may_stand_in_messages(tmp_path: Path) -> None:
     names = names_used(tmp_path)
-    assert {"Number", "RowLayout", "read_records", "offset", "CODE", "DecodeError"} <= {*names}
+    assert {"Octet", "octet_records", "write_records", "offset", "CODE", "DecodeError"} <= {*names}
     module = load(render(read_messages(model(tmp_path / "names.xmi", tuple(names)))), "every_name")
     for number, name in enumerate(names):
         message = filled(getattr(module, f"Report{number}")(), module)

@@ -37,7 +37,6 @@ PUBLIC = {
     public.MESSAGES,
     public.CONVERSIONS,
     public.ARITHMETIC,
-    public.COLUMNS,
     public.OCTETS,
     public.WIRE,
     public.LIGHT,

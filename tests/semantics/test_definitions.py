@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 import random
 import struct
-import warnings
 from datetime import datetime, timezone
 from functools import partial
 
-import numpy
 from for_each import for_each
 
 from jausml.language.attributes.expressions import variables
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
 from jausml.runtime import conversions as runtime
-from jausml.runtime.conversions import arithmetic, columns
-from jausml_generators.bridge.translation.together import COLUMNS
+from jausml.runtime.conversions import arithmetic
 from jausml_generators.python.expressions import python_condition, python_expression
 
 GUARDS = (
@@ -33,7 +30,6 @@ DEFINED = [each for each in CONVERSIONS.values() if isinstance(each.definition, 
 CALLED = [each for each in DEFINED if not each.changes_nothing]
 EVERY_DEFINITION = for_each("conversion", DEFINED, ids=lambda each: each.name)
 EVERY_CALLED = for_each("conversion", CALLED, ids=lambda each: each.name)
-IN_COLUMNS = [each for each in CALLED if each.name in COLUMNS or each.definition.is_rational]
 
 # ------------------------------------------------------------ what definitions are made of
 
@@ -76,17 +72,7 @@ def test_each_name_stands_for_a_part_or_an_earlier_step(conversion):
     assert all(set(variables(each)) <= known for each in definition.results)
 
 
-def test_what_is_rational_and_what_the_library_decides():
-    rational = {each.name for each in CALLED if each.definition.is_rational}
-    assert rational == {
-        "negate",
-        "scale",
-        "linear",
-        "square",
-        "percent_to_value",
-        "degrees_to_radians",
-        "radians_to_degrees",
-    }
+def test_what_the_library_decides():
     of_library = {each.name for each in DEFINED if not each.definition.is_portable}
     turns = {each.name for each in DEFINED if "geometry_msgs/Quaternion" in each.signature}
     assert of_library == turns
@@ -247,39 +233,3 @@ def test_each_day_crosses_and_returns():
         for apart in (-13, 0, 13):
             near = noon + apart * 86400
             assert to_time(*to_stamp(noon, 0.0), near, 0.0) == (noon, 0.0)
-
-
-# ------------------------------------------------------------ columns
-
-
-def test_each_function_of_columns_may_be_printed():
-    functions = {each.name for each in DEFINED if hasattr(columns, each.name)}
-    assert functions == COLUMNS
-
-
-@for_each("conversion", IN_COLUMNS, ids=lambda each: each.name)
-def test_columns_compute_the_definition(conversion):
-    chance = random.Random(conversion.name)
-    defined = python_function(conversion)
-    module = columns if conversion.name in COLUMNS else runtime
-    computed = partial(called, getattr(module, conversion.name), conversion)
-    inputs = sum(len(PARTS.get(kind, "1")) for kind in conversion.inputs)
-    whole = 0
-    for count in [1] * (CASES // ROWS) + [ROWS] * (CASES // ROWS):
-        rows = [drawn(conversion, chance) for _ in range(count)]
-        rows = [[*row[:inputs], *rows[0][inputs:]] for row in rows]
-        expected = [outcome(defined, [*map(float, row)], conversion) for row in rows]
-        given = [numpy.array(each) for each in [*zip(*rows, strict=True)][:inputs]]
-        try:
-            with warnings.catch_warnings(), numpy.errstate(all="ignore"):
-                warnings.simplefilter("ignore")
-                found = computed([*given, *rows[0][inputs:]])
-        except (columns.UnevenError, runtime.ConversionError):
-            # What is refused, and what infinite angles make, is asked for one by one.
-            refused = conversion.definition.reason in expected
-            assert refused or not all(math.isfinite(each) for row in rows for each in row)
-            continue
-        whole += 1
-        table = [numpy.broadcast_to(each, count).tolist() for each in found]
-        assert [[*map(bits, row)] for row in zip(*table, strict=True)] == expected
-    assert whole > CASES // ROWS // 10

@@ -256,7 +256,7 @@ class BridgeView(ProgramView):
     @property
     def dependencies(self) -> tuple[str, ...]:
         """Packages that the package needs at run time, by their names for rosdep, sorted."""
-        packages = {"diagnostic_msgs", FACE, "python3-numpy", "rcl_interfaces", "rclpy"}
+        packages = {"diagnostic_msgs", FACE, "rcl_interfaces", "rclpy"}
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}

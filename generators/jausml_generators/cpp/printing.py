@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
+from jausml_generators.bridge.translation.octet_lists import octet_limit
 from jausml_generators.bridge.translation.places import Local, Place
 from jausml_generators.bridge.translation.steps import (
     Append,
@@ -22,7 +23,6 @@ from jausml_generators.bridge.translation.steps import (
     Step,
     Write,
 )
-from jausml_generators.bridge.translation.together import octet_limit
 from jausml_generators.cpp.jaus_numbers import NUMBERS
 from jausml_generators.cpp.types import (
     INTEGER,

@@ -76,11 +76,6 @@ def python_condition(
     return _Writer(sources).truth(expression, _NOT if is_joined else _CHOICE)
 
 
-def column_expression(expression: Expression, sources: Mapping[str, str]) -> str:
-    """Returns the Python expression of columns; the expression has no quotients and powers."""
-    return _ColumnWriter(sources).number(expression, _CHOICE)
-
-
 class _Writer:
     """Writes with as few parentheses as Python needs."""
 
@@ -140,29 +135,6 @@ class _Writer:
         if not math.isfinite(value):
             return f'float("{value}")'
         return _within(python_literal(value), _SIGNED if value < 0 else _ATOM, binding)
-
-
-class _ColumnWriter(_Writer):
-    """The same of columns, which have neither truth nor branches."""
-
-    def number(self, expression: Expression, binding: int) -> str:
-        if isinstance(expression, Conditional):
-            branches = (expression.then, expression.otherwise)
-            parts = [self.truth(expression.condition, _CHOICE)]
-            parts += [self.number(each, _CHOICE) for each in branches]
-            return f"columns.choose({', '.join(parts)})"
-        if isinstance(expression, Operation) and expression.sign in _TRUTHS:
-            return f"columns.real({self.truth(expression, _CHOICE)})"
-        return super().number(expression, binding)
-
-    def truth(self, expression: Expression, binding: int) -> str:
-        if isinstance(expression, Operation) and expression.sign in {"and", "or"}:
-            sign = {"and": "&", "or": "|"}[expression.sign]
-            left, right = (f"({self.truth(each, _CHOICE)})" for each in expression.operands)
-            return _within(f"{left} {sign} {right}", _SUM, binding)
-        if isinstance(expression, Operation) and expression.sign == "not":
-            return f"columns.negation({self.truth(expression.operands[0], _CHOICE)})"
-        return super().truth(expression, binding)
 
 
 def _within(code: str, own: int, binding: int) -> str:

@@ -66,14 +66,14 @@ _FOREIGN_PACKAGES = names_in(
 # What a module of messages imports of the runtime; its classes and fields hide none of it.
 WIRE = names_in(
     """
-    DecodeError EncodeError Message Number RowLayout Stamp StampedMessage check_count check_presence
-    exactly integer latin1 one_of padded read_records real scaled scaled_down scaled_up sized take
+    DecodeError EncodeError Message Octet StampedMessage check_count check_presence
+    exactly integer latin1 octet_records one_of padded real scaled scaled_down scaled_up sized take
     take_text unpadded whole whole_of write_records
     """
 )
 _IMPORTED = WIRE | names_in("ClassVar IntEnum MutableSequence Sequence dataclass field struct")
 # In sight of the classes inside of a message: imports, and members of the class.
-RESERVED_INNER_CLASSES = _IMPORTED | names_in("CODE NAME ROW Struct TAG")
+RESERVED_INNER_CLASSES = _IMPORTED | names_in("CODE NAME OCTET Struct TAG")
 # What generated code calls its own: imports, parameters and locals of the codecs' methods.
 RESERVED_ATTRIBUTES = _IMPORTED | names_in(
     """

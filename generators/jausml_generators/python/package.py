@@ -35,8 +35,6 @@ CONVERSIONS = f"{FACE}.conversions"
 """Conversions of values, and the values that they know."""
 ARITHMETIC = f"{CONVERSIONS}.arithmetic"
 """Functions of expressions."""
-COLUMNS = f"{CONVERSIONS}.columns"
-"""Columns of numbers, by numpy."""
 LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
 OCTETS = f"{FACE}.bridge.messages.octets"
@@ -63,7 +61,6 @@ def runtime_names() -> Mapping[str, Origin]:
         **offered(FACE, *ast.literal_eval(lists[0])),
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
-        "columns": Origin(CONVERSIONS, "columns"),
         "octets": Origin(f"{FACE}.bridge.messages", "octets"),
     }
 

@@ -90,35 +90,7 @@ class For:
     body: tuple[Statement, ...]
 
 
-@dataclass(frozen=True)
-class Define:
-    """A function within another one.
-
-    Attributes:
-        name: Its name.
-        parameters: Its parameters, with their types.
-        returns: Type of its result.
-        body: What it does.
-    """
-
-    name: str
-    parameters: str
-    returns: str
-    body: tuple[Statement, ...]
-
-
-@dataclass(frozen=True)
-class Return:
-    """The end of a function.
-
-    Attributes:
-        value: Its result, as Python text.
-    """
-
-    value: str
-
-
-Statement: TypeAlias = "Assign | Do | Raise | If | For | Define | Return"
+Statement: TypeAlias = "Assign | Do | Raise | If | For"
 
 
 def call(function: str, *arguments: str) -> str:
@@ -172,19 +144,14 @@ def rendered(statements: Iterable[Statement], depth: int = 0) -> list[str]:
         elif isinstance(each, For):
             lines.append(f"{margin}for {each.variables} in {each.elements}:")
             lines += rendered(each.body, depth + 1)
-        elif isinstance(each, Define):
-            lines += ["", f"{margin}def {each.name}({each.parameters}) -> {each.returns}:"]
-            lines += [*rendered(each.body, depth + 1), ""]
         else:
             lines.append(margin + _line(each))
     return lines
 
 
-def _line(statement: Assign | Do | Raise | Return) -> str:
+def _line(statement: Assign | Do | Raise) -> str:
     if isinstance(statement, Raise):
         return f"raise {statement.error}"
-    if isinstance(statement, Return):
-        return f"return {statement.value}"
     remark = " ".join(printable(statement.remark).split())
     comment = f"  # {remark}" if remark else ""
     if isinstance(statement, Assign):

@@ -10,12 +10,11 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from ..wire.records import FEWEST, Records
 from .messages import cdr
 from .messages.limits import RosTypeError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, MutableSequence, Sequence
+    from collections.abc import Iterator, Sequence
 
 __all__ = [
     "Layout",
@@ -95,15 +94,9 @@ class LightMessage:
     @classmethod
     def _read_many(
         cls: type[MessageT], data: bytes, offset: int, count: int, order: int
-    ) -> tuple[MutableSequence[MessageT], int]:
+    ) -> tuple[list[MessageT], int]:
         """Returns messages that follow each other, and the offset behind them."""
         cdr.check_count(data, offset, count, cls.LEAST)
-        if count >= FEWEST:
-            from .messages import cdr_rows  # noqa: PLC0415 - numpy where lists are long
-
-            alike = cdr_rows.read(cls, data, offset, count, order)
-            if alike is not None:
-                return Records(alike[0]), alike[1]
         found = []
         for _ in range(count):
             message, offset = cls._read(data, offset, order)
@@ -115,11 +108,6 @@ class LightMessage:
         cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
         """Appends messages, which begin at an offset; returns the offset behind them."""
-        if type(found) is Records:
-            from .messages import cdr_rows  # noqa: PLC0415 - numpy where lists are long
-
-            if isinstance(found.alike, cdr_rows.CdrRows) and found.alike.message is cls:
-                return found.alike.write(append, offset)
         for each in found:
             # An override may have put an object of ROS into the list.
             offset = cls._write(each, append, offset)

@@ -20,16 +20,11 @@ __all__ = [
     "TimeLike",
     "TimeStamp",
     "TimeStampLike",
-    "UnevenError",
 ]
 
 
 class ConversionError(JausError):
     """A value that has no counterpart on the other side."""
-
-
-class UnevenError(Exception):
-    """Elements of a list that are not treated alike, and so not at once."""
 
 
 class QuaternionLike(Protocol):

@@ -22,15 +22,13 @@ from .codec import (
     whole_of,
 )
 from .message import DecodeError, EncodeError, Message
-from .records import Number, RowLayout, Stamp, read_records, write_records
+from .records import Octet, octet_records, write_records
 
 __all__ = [
     "DecodeError",
     "EncodeError",
     "Message",
-    "Number",
-    "RowLayout",
-    "Stamp",
+    "Octet",
     "StampedMessage",
     "TimeStamp",
     "check_count",
@@ -38,9 +36,9 @@ __all__ = [
     "exactly",
     "integer",
     "latin1",
+    "octet_records",
     "one_of",
     "padded",
-    "read_records",
     "real",
     "scaled",
     "scaled_down",

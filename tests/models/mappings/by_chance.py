@@ -158,18 +158,3 @@ def by_bytes(bridge: Any, name: str) -> Any:
         return made
 
     return run
-
-
-def one_by_one(bridge: Any, name: str) -> Any:
-    """Returns the same, element by element."""
-    connection, run = getattr(bridge, name), by_bytes(bridge, name)
-
-    def alone(data: bytes, **joins: Any) -> bytes | None:
-        connection.goes_over_lists = False
-        try:
-            made: bytes | None = run(data, **joins)
-        finally:
-            connection.goes_over_lists = True
-        return made
-
-    return alone

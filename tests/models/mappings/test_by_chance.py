@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import importlib
 import struct
-from functools import cache
 from random import Random
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from by_chance import by_bytes, cdr, one_by_one, outcome, ros_value
-from codec_strategies import messages
+from by_chance import by_bytes, cdr, outcome, ros_value
 from for_each import for_each
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mapping_support import (
     FILES,
@@ -20,8 +18,6 @@ from mapping_support import (
     is_of_call,
     ready_maps,
 )
-
-from jausml_generators.python.codec.message_builder import build_message_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,10 +31,6 @@ def maps() -> list[tuple[str, Any]]:
     """Maps of messages, each with the name of its file."""
     found = [(path.stem, each) for path in FILES for each in ready_maps()[path.stem]]
     return [(stem, each) for stem, each in found if not is_of_call(each)]
-
-
-def to_ros() -> list[tuple[str, Any]]:
-    return [(stem, each) for stem, each in maps() if each.toRos]
 
 
 def to_jaus() -> list[tuple[str, Any]]:
@@ -144,63 +136,6 @@ def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, 
         for order in "<>":
             data = cdr(each.type, source, order)
             assert outcome(connection, whole, data, **joins) == expected
-
-
-def drawn(maps: Translator, join: Any, data: Any) -> Any:
-    """Returns a joined report as it comes from the wire; None for none fresh."""
-    view = view_of(join.message)
-    source = getattr(maps.messages, view.class_name)
-    made = data.draw(st.none() | strategy(view, source))
-    return None if made is None else source.decode(made.encode())
-
-
-@for_each(("stem", "each"), to_ros, ids=name, shards=8, slow=True)
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
-@given(data=st.data(), seed=SEEDS)
-def test_to_ros(
-    translator: Callable[[str], Translator], stem: str, each: Any, data: Any, seed: int
-) -> None:
-    bridge, name = translator(stem).bridge, f"{each.name}_to_ros"
-    moment = bridge.now()
-    bridge.now = lambda: moment
-    whole = by_bytes(bridge, name)
-    view = view_of(each.message)
-    source = getattr(translator(stem).messages, view.class_name)
-    payload = data.draw(strategy(view, source)).encode()
-    joins = {join.name: drawn(translator(stem), join, data) for join in each.reportJoins}
-    chance = Random(seed)
-    now = importlib.import_module("jausml_runtime.conversions").Time(
-        chance.randrange(2**31), chance.randrange(10**9)
-    )
-    bridge.now = lambda: now
-    alone = one_by_one(bridge, name)
-    connection = getattr(bridge, name)
-    for sent in (payload, *wrong(payload, chance)):
-        assert outcome(connection, whole, sent, **joins) == outcome(
-            connection, alone, sent, **joins
-        )
-
-
-def wrong(payload: bytes, chance: Random) -> list[bytes]:
-    """Payloads of the same code with another byte, less or more of them."""
-    made = [payload[: chance.randrange(2, len(payload))], payload + b"\0"]
-    for _ in range(20):
-        each = bytearray(payload)
-        each[chance.randrange(2, len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
-        made.append(bytes(each))
-    return made
-
-
-@cache
-def strategy(view: Any, source: Any) -> Any:
-    """Messages of a class with any legal fields."""
-    return messages(view, source)
-
-
-@cache
-def view_of(message: Any) -> Any:
-    """The class of a JAUS message."""
-    return build_message_map([message])[message]
 
 
 @for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)

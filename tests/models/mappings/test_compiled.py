@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 import struct
+from functools import cache
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -12,12 +13,14 @@ from typing import TYPE_CHECKING, Any
 import needs
 import pytest
 from by_chance import by_bytes, cdr, outcome, ros_value
+from codec_strategies import messages
 from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from test_by_chance import SEEDS, drawn, name, strategy, to_jaus, to_ros, view_of, wrong
+from test_by_chance import SEEDS, maps, name, to_jaus
 
 from jausml.generation.native import SOURCE, build, compiler
+from jausml_generators.python.codec.message_builder import build_message_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -120,6 +123,40 @@ def is_nan_in(data: bytes) -> bool:
     return "nan" in [*numbers(data)]
 
 
+def to_ros() -> list[tuple[str, Any]]:
+    return [(stem, each) for stem, each in maps() if each.toRos]
+
+
+def drawn(maps: Translator, join: Any, data: Any) -> Any:
+    """Returns a joined report as it comes from the wire; None for none fresh."""
+    view = view_of(join.message)
+    source = getattr(maps.messages, view.class_name)
+    made = data.draw(st.none() | strategy(view, source))
+    return None if made is None else source.decode(made.encode())
+
+
+def wrong(payload: bytes, chance: Random) -> list[bytes]:
+    """Payloads of the same code with another byte, less or more of them."""
+    made = [payload[: chance.randrange(2, len(payload))], payload + b"\0"]
+    for _ in range(20):
+        each = bytearray(payload)
+        each[chance.randrange(2, len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
+        made.append(bytes(each))
+    return made
+
+
+@cache
+def strategy(view: Any, source: Any) -> Any:
+    """Messages of a class with any legal fields."""
+    return messages(view, source)
+
+
+@cache
+def view_of(message: Any) -> Any:
+    """The class of a JAUS message."""
+    return build_message_map([message])[message]
+
+
 @for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
@@ -165,6 +202,8 @@ def test_to_jaus(
     if function.compiled is None:
         return
     bridge, chance = maps.bridge, Random(seed)
+    moment = bridge.now()
+    bridge.now = lambda: moment  # a stamp that nobody filled becomes the present
     method, connection = by_bytes(bridge, way), getattr(bridge, way)
     for _ in range(10):
         joins = {

@@ -21,17 +21,17 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     UserCall,
 )
+from jausml_generators.bridge.translation.octet_lists import octets
 from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, joined
 from jausml_generators.bridge.translation.sources import INDEX, Counters
 from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
-from jausml_generators.bridge.translation.together import alike
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
 
 if TYPE_CHECKING:
     from jausml_generators.bridge.translation.expressions import Expression
     from jausml_generators.bridge.translation.places import Way
     from jausml_generators.bridge.translation.sources import Many
-    from jausml_generators.bridge.translation.steps import Alike
+    from jausml_generators.bridge.translation.steps import Octets
     from jausml_generators.bridge.translation.targets import ManyTarget
     from jausml_generators.bridge.translation.translation import Translation
 
@@ -169,12 +169,11 @@ class _ListSteps:
         limit = self._body.whole_policy.limit("sized", items.value, self._target.path, wanted)
         return replace(items, value=limit)
 
-    def _alike(self, items: _Items) -> Alike | None:
-        """How the elements lie on both sides, if nobody has put the list together."""
+    def _octets(self, items: _Items) -> Octets | None:
+        """What the elements are if both sides are octets, and nobody has put the list together."""
         if items.may_be_none or items.is_put_together:
             return None
-        type_name = self._outer.surroundings.type_name
-        return alike(self._many.start, self._target.start, type_name)
+        return octets(self._many.start, self._target.start)
 
     # -- what is made of it ----------------------------------------------------------------------
 
@@ -206,7 +205,6 @@ class _ListSteps:
                 self._target.place,
                 is_fresh=self._target.fresh,
                 is_replaced=outer.to_ros,
-                alike=self._alike(items),
-                owner=self._body.owner,
+                octets=self._octets(items),
             )
         )

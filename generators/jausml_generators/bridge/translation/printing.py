@@ -14,9 +14,9 @@ from jausml.language.semantics.conversions.octets import ReverseRows
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation import places
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
+from jausml_generators.bridge.translation.octet_lists import octet_limit
 from jausml_generators.bridge.translation.places import Condition, Local, Place
 from jausml_generators.bridge.translation.steps import (
-    Alike,
     Append,
     Choose,
     Each,
@@ -27,21 +27,17 @@ from jausml_generators.bridge.translation.steps import (
     WhereKept,
     Write,
 )
-from jausml_generators.bridge.translation.together import COLUMNS, is_together, octet_limit
 from jausml_generators.python.expressions import (
     FormulaPrinter,
-    column_expression,
     python_condition,
 )
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import (
     Assign,
-    Define,
     Do,
     For,
     If,
     Raise,
-    Return,
     Statement,
     call,
     rendered,
@@ -55,7 +51,6 @@ IMPORTED = frozenset(
     {
         "arithmetic",
         "by_name",
-        "columns",
         "conversions",
         "octets",
         "set_quaternion",
@@ -98,12 +93,9 @@ def literal(constant: Constant) -> str:
 class _Printer:
     """Prints the steps of one method, whose blocks share names and variables."""
 
-    def __init__(
-        self, names: Scope, locals_: dict[Local, str], *, of_columns: bool = False
-    ) -> None:
+    def __init__(self, names: Scope, locals_: dict[Local, str]) -> None:
         self._names = names
         self._locals = locals_
-        self._of_columns = of_columns
         self._made: list[Statement] = []
 
     # -- steps -----------------------------------------------------------------------------------
@@ -159,9 +151,6 @@ class _Printer:
         if limit is not None:
             self._made.append(Assign(self.place(step.place), self._octets(step, limit)))
             return
-        if is_together(step) and step.alike is not None:
-            self._together(step, step.alike)
-            return
         items = self.text(step.items)
         item, index = self._claim(step.item), self._claim(step.index)
         variables = f"{index}, {item}" if step.is_counted else item
@@ -178,7 +167,7 @@ class _Printer:
         """Elements that are octets, by a conversion of the octet alone."""
         made = limit.value
         name = made.name if isinstance(made, values.Convert) else ""
-        record = [] if step.alike is None or step.alike.code else [step.alike.made]
+        record = [step.octets.record] if step.octets and step.octets.record else []
         return call(
             "octets.each",
             ".".join(filter(None, ["self", limit.owner, limit.policy])),
@@ -188,30 +177,6 @@ class _Printer:
             *map(self.text, limit.bounds),
             *record,
         )
-
-    def _together(self, step: Each, alike: Alike) -> None:
-        """Elements that are made by a function, which is called for all of them at once."""
-        items = self.text(step.items)
-        inner = _Printer(self._names, dict(self._locals), of_columns=True)
-        element, item = inner._claim(step.element), inner._claim(step.item)
-        index = [inner._claim(step.index)] if step.is_counted else []
-        body = inner.statements(step.steps)
-        if step.new is not None and not alike.code:
-            body.insert(0, Assign(element, inner.text(step.new)))
-        only = body[0] if len(body) == 1 else None
-        if isinstance(only, Assign) and only.place == element:
-            made = f"lambda {', '.join([*index, item])}: {only.value}"
-        else:
-            made = self._names.claim("make_element")
-            typed = [f"{each}: int" for each in index] + [f"{item}: {alike.item}"]
-            if isinstance(body[-1], Assign) and body[-1].place == element:
-                body[-1] = Return(body[-1].value)
-            else:
-                body.append(Return(element))
-            self._made.append(Define(made, ", ".join(typed), alike.made, tuple(body)))
-        verb = f"self.{step.owner}.{'each_counted' if step.is_counted else 'each'}"
-        code = [python_string(alike.code)] if alike.code else []
-        self._made.append(Assign(self.place(step.place), call(verb, made, items, *code)))
 
     def _single(self, step: Each) -> str | None:
         """The element as one expression; None where it takes statements."""
@@ -304,8 +269,6 @@ class _Printer:
                 return f"-{self.text(inner)}"
             case values.Now():
                 return "self.now()"
-            case values.Cast(value=inner, kind=values.REAL) if self._of_columns:
-                return call("columns.real", self.text(inner))
             case values.Cast(value=inner, kind=kind):
                 return call(_CASTS[kind], self.text(inner))
             case values.Length(of=place):
@@ -313,8 +276,7 @@ class _Printer:
             case values.Convert():
                 return self._convert(value)
             case values.LookUp(key=key, table=table):
-                module = "columns" if self._of_columns else "conversions"
-                return call(f"{module}.look_up", self.text(key), table)
+                return call("conversions.look_up", self.text(key), table)
             case Limit():
                 return self._limit(value)
             case values.Ranges(ranges=ranges):
@@ -354,8 +316,7 @@ class _Printer:
             arguments.append(f"near={self.text(value.near)}")
         if value.name == ReverseRows.name:
             return call("octets.reverse_rows", *arguments)
-        is_column = self._of_columns and value.name in COLUMNS
-        return call(f"{'columns' if is_column else 'conversions'}.{value.name}", *arguments)
+        return call(f"conversions.{value.name}", *arguments)
 
     def _limit(self, value: Limit) -> str:
         function = ".".join(filter(None, ["self", value.owner, value.policy, value.how]))
@@ -377,6 +338,4 @@ class _Printer:
                 text = local
             texts[id(operand)] = text
         sources = {name: texts[id(operand)] for name, operand in names.items()}
-        if self._of_columns:
-            return column_expression(value.expression, sources)
         return FormulaPrinter(self._made, self._names, sources).code(value.expression)

@@ -82,17 +82,14 @@ class WhereKept:
 
 
 @dataclass(frozen=True)
-class Alike:
-    """How the elements of two lists lie, where all lie alike in each.
+class Octets:
+    """Elements of a list that are single octets on both sides.
 
     Attributes:
-        code: Format character of `struct` where numbers of ROS are made; empty for records.
+        record: Class of the records of JAUS that are made; empty where numbers of ROS are.
     """
 
-    item: str
-    made: str
-    code: str
-    are_octets: bool
+    record: str
 
 
 @dataclass(frozen=True)
@@ -103,7 +100,7 @@ class Each:
         new: An element without values; None where the steps make it.
         is_fresh: Whether the list is not there, or not empty, in a message as it is made.
         is_replaced: Whether the list must be complete before it is put in its place.
-        alike: How the elements lie; None where they do not lie alike.
+        octets: What they are where both sides are octets; None for others.
     """
 
     items: Expression
@@ -116,8 +113,7 @@ class Each:
     place: Place
     is_fresh: bool = False
     is_replaced: bool = False
-    alike: Alike | None = None
-    owner: str = ""
+    octets: Octets | None = None
 
 
 Step: TypeAlias = Let | Write | Keep | Append | Require | Choose | WhereKept | Each

@@ -8,10 +8,12 @@ from functools import reduce
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.attributes.expressions import (
+    FUNCTIONS,
     Conditional,
     Number,
     Operation,
     Variable,
+    operations,
     parse_expression,
 )
 from jausml.language.metamodel.classes import bridge
@@ -47,7 +49,6 @@ from jausml_generators.bridge.translation.places import (
     ros_field,
 )
 from jausml_generators.bridge.translation.steps import Keep, Require, WhereKept, conditions
-from jausml_generators.bridge.translation.together import is_arithmetic
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
     UNLIMITED,
@@ -120,7 +121,8 @@ def _is_total(conversion: bridge.Conversion) -> bool:
     """Whether a conversion has a result for each number."""
     meaning = conversion_of(conversion)
     if isinstance(meaning, AuthoredExpression):
-        return is_arithmetic(parse_expression(conversion.expression or ""))
+        expression = parse_expression(conversion.expression or "")
+        return operations(expression).isdisjoint({"/", "^", *FUNCTIONS})
     return isinstance(meaning.definition, Definition) and not meaning.definition.refused
 
 

@@ -7,21 +7,18 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import literals as docs
-from jausml.generation.literals import python_literal, python_string
+from jausml.generation.literals import python_string
 from jausml_generators.python.codec.members import (
     MAXIMUM_COMPLEXITY,
-    ListValue,
     VariantValue,
 )
-from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
+from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml_generators.python.codec.members import Member, Run, Single
-
-_PRESENCE = {1: "B", 2: "H", 4: "I", 8: "Q"}
 
 
 @dataclass(frozen=True)
@@ -146,9 +143,9 @@ class VariableFieldClass:
     jaus_name: str = ""
 
     @property
-    def row(self) -> tuple[str, ...]:
-        """Nothing: its number is not always of one type."""
-        return ()
+    def octet(self) -> str:
+        """Empty: it is an index and a number."""
+        return ""
 
     @property
     def min_size(self) -> int:
@@ -244,26 +241,24 @@ class ContainerClass:
         return tuple(member.result for member in self.members)
 
     @property
-    def listed_rows(self) -> frozenset[str]:
-        """Full names of the records of numbers that are elements of lists among its members."""
-        lists = (member.value for member in self.members if isinstance(member.value, ListValue))
-        return frozenset(each.element.python_type for each in lists if each.is_of_rows)
-
-    @property
     def variants(self) -> tuple[VariantValue, ...]:
         """The variants among its members, in lists and arrays too."""
         values = (getattr(member.value, "element", member.value) for member in self.members)
         return tuple(value for value in values if isinstance(value, VariantValue))
 
-    @cached_property
-    def row(self) -> tuple[str, ...]:
-        """Arguments of the layout of a record of numbers; none where it is no such record."""
-        fields = [_row_field(member) for member in self.members]
-        if not fields or not all(fields):
-            return ()
-        if not self.presence_size:
-            return tuple(fields)
-        return (*fields, f'presence="{_PRESENCE[self.presence_size]}"')
+    @property
+    def octet(self) -> str:
+        """How the runtime is told that it is one octet on the wire; empty where it is not."""
+        if self.presence_size or len(self.members) != 1:
+            return ""
+        (only,) = self.members
+        value = only.value
+        if not isinstance(value, Fixed) or value.check != "integer" or value.format not in "bB":
+            return ""
+        if value.offset:  # the number is not the one on the wire
+            return ""
+        signed = ["is_signed=True"] if value.format == "b" else []
+        return call("Octet", python_string(only.attribute), *signed)
 
     @property
     def is_complex(self) -> bool:
@@ -271,23 +266,6 @@ class ContainerClass:
         branches = [member for member in self.members if member.is_optional]
         branches += [member for member in self.members if member.item]
         return len(branches) + 1 > MAXIMUM_COMPLEXITY
-
-
-def _row_field(member: Member) -> str:
-    """A field of a record of numbers as Python text; nothing for others."""
-    value, bit = member.value, f"bit=0x{member.bit:X}" if member.bit else ""
-    name = python_string(member.attribute)
-    if isinstance(value, Bits):
-        return call("Stamp", *filter(None, [name, bit])) if value.is_stamp else ""
-    if type(value) is not Fixed or value.offset or value.check not in {"integer", "real", "scaled"}:
-        return ""
-    given = [name, f'"{value.format}"']
-    if value.check == "scaled":
-        lower, step, _ = value.limits
-        given += [lower, python_literal((value.scale or (0.0, 0.0))[1]), step]
-    else:
-        given += value.limits
-    return call("Number", *given, *filter(None, [bit]))
 
 
 @dataclass(frozen=True)

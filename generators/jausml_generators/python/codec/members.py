@@ -31,8 +31,8 @@ class Part(Protocol):
         """Fewest bytes on the wire."""
 
     @property
-    def row(self) -> tuple[str, ...]:
-        """Arguments of the layout of a record of numbers; none where it is no such record."""
+    def octet(self) -> str:
+        """How the runtime is told that it is one octet on the wire; empty where it is not."""
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,13 @@ class ListValue:
     @property
     def python_type(self) -> str:
         """Type in Python."""
-        kind = "MutableSequence" if self.is_of_rows else "list"
+        kind = "MutableSequence" if self.is_of_octets else "list"
         return f"{kind}[{self.element.python_type}]"
 
     @property
-    def is_of_rows(self) -> bool:
-        """Whether its elements are records of numbers, which are gone over at once."""
-        return isinstance(self.element, PartValue) and bool(self.element.part.row)
+    def is_of_octets(self) -> bool:
+        """Whether its elements are records of one octet, which are gone over at once."""
+        return isinstance(self.element, PartValue) and bool(self.element.part.octet)
 
     @property
     def count_struct(self) -> str:

@@ -11,7 +11,6 @@ import re
 import textwrap
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import literals as docs
@@ -74,17 +73,6 @@ class MessageView:
     def written(self) -> tuple[NestedClass, ...]:
         """What is inside the class, without what its base brings."""
         return tuple(item for item in self.nested if not getattr(item, "is_inherited", False))
-
-    @cached_property
-    def listed_rows(self) -> frozenset[str]:
-        """Full names of the records of numbers that are elements of lists."""
-        containers = (each for each in (self.body, *self.nested) if each.kind == "container")
-        return frozenset(
-            name
-            for each in containers
-            if isinstance(each, ContainerClass)
-            for name in each.listed_rows
-        )
 
     @property
     def code_text(self) -> str:

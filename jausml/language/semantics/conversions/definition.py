@@ -105,11 +105,6 @@ class Definition:
         return tuple(filter(None, map(str.strip, self.text.splitlines())))
 
     @property
-    def is_rational(self) -> bool:
-        """Whether it is sums, products and quotients alone, which columns of numbers have too."""
-        return not self.refused and self._operations <= {"+", "-", "*", "/"}
-
-    @property
     def is_portable(self) -> bool:
         """Whether IEEE 754 fixes each bit of the results: a C library decides on those of sines."""
         return self._operations.isdisjoint(_OF_LIBRARY)

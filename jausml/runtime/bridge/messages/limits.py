@@ -15,7 +15,6 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
 from ...base.api import JausError
-from ...conversions.types import UnevenError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence, Sized
@@ -99,7 +98,6 @@ DROP_FIELD = "drop_field"
 DROP_MESSAGE = "drop_message"
 ERROR = "error"
 
-_LARGEST = 1.7976931348623157e308
 _LARGEST_SINGLE = 3.4028234663852886e38
 # A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
 _ROUNDING = 2.0**-40
@@ -120,11 +118,8 @@ class Limit(Generic[Absent]):
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | Absent:
         """Returns a real number within minimum .. maximum."""
-        try:
-            if minimum <= value <= maximum:
-                return value
-        except ValueError:
-            return self._column(value, minimum, maximum, self, field, minimum, maximum)
+        if minimum <= value <= maximum:
+            return value
         nearest = _nearest(value, minimum, maximum)
         slack = _ROUNDING * max(abs(minimum), abs(maximum))
         if nearest is not None and minimum - slack <= value <= maximum + slack:
@@ -137,11 +132,8 @@ class Limit(Generic[Absent]):
         Whatever the policy is, the value becomes the nearest one; not a number stays so. What is
         beyond an end by as little as scaled integers are rounded is not counted.
         """
-        try:
-            if minimum <= value <= maximum or value != value:
-                return value
-        except ValueError:
-            return self._column(value, minimum, maximum, self.within, field, minimum, maximum)
+        if minimum <= value <= maximum or value != value:
+            return value
         slack = _SCALED * (maximum - minimum)
         if not minimum - slack <= value <= maximum + slack:
             self._count(CLAMP, field, f"{value} is outside {minimum} .. {maximum} of the map")
@@ -152,28 +144,14 @@ class Limit(Generic[Absent]):
 
         A value that is rounded to an end is within.
         """
-        try:
-            if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
-                return round(value)
-        except ValueError:
-            from ...conversions.columns import rounded  # noqa: PLC0415 - numpy where lists are gone over
-
-            limited = self._column(value, minimum, maximum, self.integer, field, minimum, maximum)
-            whole: int = rounded(limited)
-            return whole
+        if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
+            return round(value)
         nearest = _nearest(value, minimum, maximum)
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
         """Returns an integer of a value set; others have no nearest one: each has a meaning."""
-        try:
-            is_finite = math.isfinite(value)
-        except TypeError:
-            from ...conversions.columns import listed_in  # noqa: PLC0415 - numpy where lists are gone over
-
-            whole: int = listed_in(value, ranges)
-            return whole
-        if is_finite:
+        if math.isfinite(value):
             number = round(value)
             if any(low <= number <= high for low, high in ranges):
                 return number
@@ -181,20 +159,14 @@ class Limit(Generic[Absent]):
 
     def finite(self, field: str, value: float) -> float | Absent:
         """Returns a number that is not infinite; not a number and the infinite have no nearest."""
-        try:
-            if math.isfinite(value):
-                return value
-        except TypeError:
-            return self._column(value, -_LARGEST, _LARGEST, self.finite, field)
+        if math.isfinite(value):
+            return value
         return self._outside(field, f"{value} is no finite number", None)
 
     def single(self, field: str, value: float) -> float | Absent:
         """Returns a number that fits into single precision; the infinite have no nearest."""
-        try:
-            if math.isinf(value):
-                return self._outside(field, f"{value} is no finite number", None)
-        except TypeError:
-            return self._column(value, -_LARGEST_SINGLE, _LARGEST_SINGLE, self.single, field)
+        if math.isinf(value):
+            return self._outside(field, f"{value} is no finite number", None)
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
@@ -220,34 +192,6 @@ class Limit(Generic[Absent]):
         reason = f"{len(values)} elements are not {shortest} .. {longest}"
         return self._outside(field, reason, None)
 
-    @staticmethod
-    def _column(
-        values: Number,
-        least: float,
-        greatest: float,
-        limit: Callable[..., Any],
-        field: str,
-        *bounds: float,
-    ) -> Number:
-        """Returns a column whose values were given to a limit one by one, where they do not fit."""
-        from ...conversions.columns import fit, odd  # noqa: PLC0415 - numpy where lists are gone over
-
-        found: Any = values
-        if fit(found, least, greatest):
-            return values
-        is_real = any(isinstance(each, float) for each in bounds)
-        found = found.astype("f8") if is_real else found.copy()
-        for index in odd(found, least, greatest):
-            try:
-                kept = limit(field, found[index].item(), *bounds)
-            except OutOfRangeError:
-                raise UnevenError from None
-            if kept is None:
-                raise UnevenError
-            found[index] = kept
-        limited: Number = found
-        return limited
-
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
         """Does with a value that does not fit what the policy says.
 
@@ -272,17 +216,9 @@ class DropField(Limit[None]):
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | None:
         """Returns a real number within minimum .. maximum; None for others."""
-        if isinstance(value, float):
-            if math.isnan(value):
-                self.unknown(field)
-                return None
-        elif not isinstance(value, int):
-            from ...conversions.columns import is_column, not_numbers  # noqa: PLC0415 - as above
-
-            if is_column(value) and not_numbers(value):
-                for _ in range(len(value)):
-                    self.unknown(field)
-                return None
+        if isinstance(value, float) and math.isnan(value):
+            self.unknown(field)
+            return None
         return super().__call__(field, value, minimum, maximum)
 
     def unknown(self, field: str) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.api import JausError
 from ...conversions import numbers
-from ...wire.records import Records, Rows
+from ...wire.records import OctetRecords
 
 if TYPE_CHECKING:
     from collections.abc import Callable, MutableSequence, Sequence
@@ -96,7 +96,7 @@ def each(
             at = found.find(table.odd, at + 1)
         found = bytes(limited)
     if record is not None:
-        return Records(Rows(record, found, len(found)))
+        return OctetRecords(record, found)
     return array("b", found) if minimum < 0 else bytearray(found)
 
 
@@ -106,11 +106,8 @@ def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
     Raises:
         ConversionError: The cells do not fill rows of `columns` cells.
     """
-    alike = cells.alike if type(cells) is Records else None
-    if isinstance(alike, Rows):
-        size = len(alike.data) // alike.count
-        data = _reversed(alike.data, alike.count, columns, size)
-        return Records(Rows(alike.record, data, alike.count, alike.vector))
+    if isinstance(cells, OctetRecords) and cells.octets is not None:
+        return OctetRecords(cells.record, _reversed(cells.octets, len(cells), columns, 1))
     if isinstance(cells, array):
         data = _reversed(cells.tobytes(), len(cells), columns, cells.itemsize)
         return array(cells.typecode, data)
@@ -127,20 +124,15 @@ def _reversed(data: bytes, count: int, columns: float, size: int) -> bytes:
 
 def _raw(items: Sequence[Any]) -> tuple[bytes, bool]:
     """Returns octets as bytes, and whether they have a sign."""
-    alike = items.alike if type(items) is Records else None
-    if isinstance(alike, Rows):
-        (only,) = alike.record.ROW.fields
-        return alike.data, only.code == "b"
+    if isinstance(items, OctetRecords) and items.octets is not None:
+        return items.octets, items.record.OCTET.is_signed
     if isinstance(items, array):
         return items.tobytes(), items.typecode == "b"
     if isinstance(items, bytes | bytearray):
         return bytes(items), False
     # Records or numbers that somebody has put together.
-    values = [getattr(each, _attribute(each)) if hasattr(each, "ROW") else each for each in items]
+    values = [
+        getattr(item, item.OCTET.attribute) if hasattr(item, "OCTET") else item for item in items
+    ]
     is_signed = any(value < 0 for value in values)
     return array("b" if is_signed else "B", values).tobytes(), is_signed
-
-
-def _attribute(record: Any) -> str:
-    name: str = record.ROW.fields[0].attribute
-    return name

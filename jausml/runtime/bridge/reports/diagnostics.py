@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...clients.discovery_client import PATIENCE
 from ...conversions import ConversionError, Time, timestamp_to_time
-from ...conversions.types import UnevenError
 from ...services.definitions import Status
 from ...wire.message import DecodeError, EncodeError
-from ...wire.records import FEWEST
 from ..messages import limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, MutableSequence, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from ...base.address import JausAddress
     from ...base.counters import Counters
@@ -279,14 +277,12 @@ class Limiting:
         drop_field: Leaves fields out whose value is out of range.
         drop_message: Drops messages with a value out of range.
         error: Does the same, as an error.
-        goes_over_lists: Whether lists are gone over as a whole where they can be.
         filters: Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
     """
 
     name: str
     statistics: Statistics
     counters: Counters
-    goes_over_lists: bool = True
     filters: bool = False
 
     def __init__(self) -> None:
@@ -306,53 +302,6 @@ class Limiting:
             AbsentFieldError: One is missing.
         """
         return limits.by_name(names, keys, values, needed)
-
-    def each(
-        self, make: Callable[[T], Made], items: Sequence[T], code: str = ""
-    ) -> MutableSequence[Made]:
-        """Returns what a function makes of each element of a list.
-
-        It is called once for all elements, if they lie alike: numbers in them are arrays of numpy
-        then. Where it does not treat them alike, it is called for each.
-
-        Args:
-            make: Makes an element, or a number, of an element.
-            items: The elements.
-            code: Format character of the numbers that are made; empty for elements.
-        """
-        if self.goes_over_lists and len(items) >= FEWEST:
-            from ..messages import columns  # noqa: PLC0415 - numpy where lists are gone over
-
-            counts = self._counts()
-            try:
-                return columns.each(make, items, code)
-            except UnevenError:
-                self._restore(counts)
-        return [make(item) for item in items]
-
-    def each_counted(
-        self, make: Callable[[int, T], Made], items: Sequence[T], code: str = ""
-    ) -> MutableSequence[Made]:
-        """Does the same with a function that is given the index of each element before it."""
-        if self.goes_over_lists and len(items) >= FEWEST:
-            from ..messages import columns  # noqa: PLC0415 - numpy where lists are gone over
-
-            counts = self._counts()
-            try:
-                return columns.each_counted(make, items, code)
-            except UnevenError:
-                self._restore(counts)
-        return [make(index, item) for index, item in enumerate(items)]
-
-    def _counts(self) -> tuple[int, dict[tuple[str, str], int]]:
-        return self.statistics.limited, dict(self.statistics.out_of_range)
-
-    def _restore(self, counts: tuple[int, dict[tuple[str, str], int]]) -> None:
-        """Forgets what was limited on the way: it is counted again with its element."""
-        limited, out_of_range = counts
-        self.statistics.limited = limited
-        self.statistics.out_of_range.clear()
-        self.statistics.out_of_range.update(out_of_range)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a message that is not passed on."""

@@ -1,0 +1,56 @@
+"""Lists of single octets on both sides, such as the cells of grids: a table translates them."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from jausml.language.cdr import PRIMITIVES
+from jausml.language.metamodel.classes import ros
+from jausml_generators.bridge.translation import expressions as values
+from jausml_generators.bridge.translation.places import RosStart
+from jausml_generators.bridge.translation.steps import Each, Octets, Write
+from jausml_generators.python.codec.jaus_fields import JausStart
+from jausml_generators.python.codec.members import PartValue
+
+Start: TypeAlias = JausStart | RosStart
+
+_OCTETS = frozenset("bB")
+
+
+def octets(source: Start, target: Start) -> Octets | None:
+    """Returns what elements of lists are made of octets; None where one side has no octets."""
+    if not (_is_octet(source) and _is_octet(target)):
+        return None
+    if isinstance(target, JausStart) and isinstance(target.value, PartValue):
+        return Octets(record=target.value.python_type)
+    return Octets(record="")
+
+
+def _is_octet(start: Start) -> bool:
+    if isinstance(start, JausStart):
+        return isinstance(start.value, PartValue) and bool(start.value.part.octet)
+    if not isinstance(start.field, ros.PrimitiveField):
+        return False
+    primitive = PRIMITIVES.get(start.field.type.name)
+    return primitive is not None and primitive.code in _OCTETS
+
+
+def octet_limit(step: Each) -> values.Limit | None:
+    """Returns the limit of the only value of elements that are octets on both sides.
+
+    It has a conversion of the octet alone; None where more is done.
+    """
+    if step.octets is None or len(step.steps) != 1:
+        return None
+    (only,) = step.steps
+    if not isinstance(only, Write) or not isinstance(only.value, values.Limit):
+        return None
+    limit = only.value
+    made = limit.value
+    if limit.how != "integer" or limit.drops_field or not isinstance(made, values.Convert):
+        return None
+    (given,) = made.inputs if len(made.inputs) == 1 else (None,)
+    while isinstance(given, values.Cast):
+        given = given.value
+    is_plain = isinstance(given, values.Read) and given.place.root == step.item
+    return limit if is_plain and not made.arguments and made.near is None else None
