@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-import sys
 
 import pytest
 from stranger import ROBOT, Stranger, event
@@ -131,32 +130,6 @@ class TestProof:
             wait_until(lambda: here.transport.is_proved(STRANGER))
             here.transport.send(ROBOT, STRANGER, QueryStatus().encode())
             wait_until(lambda: QueryStatus().encode() in junior.payloads)
-
-    def test_usual_messages_of_a_proved_peer_call_nothing_of_it(
-        self, robot, stranger, wait_until
-    ) -> None:
-        honest = stranger(acknowledges=True)
-        honest.send(STRANGER, QueryStatus().encode())
-        wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
-        for number in (2, 3):
-            honest.send(STRANGER, QueryStatus().encode(), number)
-        wait_until(lambda: honest.take() or len(honest.payloads) >= 4)
-        called: set[str] = set()
-        budgets = ("address_book.py", "budgets.py", "fair_shares.py")
-
-        def note(frame, event, _argument) -> None:
-            is_proof = isinstance(frame.f_locals.get("self"), Prover)
-            is_budget = frame.f_code.co_filename.endswith(budgets)
-            if event == "call" and (is_proof or is_budget):
-                called.add(frame.f_code.co_name)
-
-        before = len(honest.payloads)
-        robot.loop.call_soon(lambda: sys.setprofile(note))
-        for number in range(10, 20):
-            honest.send(STRANGER, QueryStatus().encode(), number)
-        wait_until(lambda: honest.take() or len(honest.payloads) == before + 10)
-        robot.loop.call_soon(lambda: sys.setprofile(None))
-        assert called == set()
 
     @pytest.fixture
     def asked(self):

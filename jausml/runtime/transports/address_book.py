@@ -72,7 +72,7 @@ class Entry:
         asked: When it was asked last, in doubt.
         spoke: When it was heard last before it was suspected, or proved where it is.
         claim: What is owed while it has not proved where it is. It counts as never heard as
-            long, so that nothing goes to it by the short way.
+            long, so that nothing goes to it beyond its credit.
     """
 
     __slots__ = ("asked", "claim", "endpoint", "heard", "spoke")

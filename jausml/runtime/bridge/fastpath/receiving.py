@@ -13,15 +13,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...base.address import address_of
 from ...messages import Event
+from ...transports.packets.duplicates import pair_of
 from .library import TAKEN, Route, host_of, packed_host
 
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Sequence
 
+    from ...base.address import JausAddress
     from ...base.fast_path import FastPath
     from ...base.settings import Endpoint
     from ...component.component import JausComponent
+    from ...transports.address_book import Entry
+    from ...transports.packets.duplicates import Numbers
     from ...transports.udp.judp import JudpTransport
     from ...transports.udp.reading import Receiver
     from .library import Library, Waited
@@ -33,6 +37,8 @@ _DESTINATION = slice(5, 9)
 _CODE = slice(13, 15)
 _EVENT = 15
 _SHORTEST = 17
+_ENDS_LAYOUT = struct.Struct("<BII")
+_PRIORITY, _ASKS, _ANSWERS, _ACKNOWLEDGES = 0x03, 0x10, 0x20, 0x30
 _MOST_WITHOUT = 1024
 
 
@@ -47,6 +53,21 @@ class _Key(NamedTuple):
 Settle: TypeAlias = "Callable[[int, float, int, bytes, bool, Sequence[int] | None], None]"
 """Writes down a message: the number of its last packet, when it came, what was left out, its
 payload, whether it was acknowledged, and the sizes of its packets, if they are several."""
+
+
+class _Way(NamedTuple):
+    """Where datagrams come from and go to.
+
+    Attributes:
+        numbers: The sequence numbers that are remembered of them.
+        answer: Flags of the acknowledgement that each is answered by; 0 where none is asked for.
+    """
+
+    entry: Entry
+    source: JausAddress
+    destination: JausAddress
+    numbers: Numbers
+    answer: int
 
 
 class _Known(NamedTuple):
@@ -69,6 +90,7 @@ class FastReceiver:
     ) -> None:
         self._library = library
         self._core = core
+        self._transport = transport
         self._component = component
         self._inbox = transport.inbox
         self._book = transport.address_book
@@ -183,11 +205,27 @@ class FastReceiver:
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
                 _tell(known.order, known.path)
 
-    def _way_of(self, ends: bytes) -> Any:
-        """Returns what is known of whole messages, or of the first packets of longer ones."""
-        usual = self._inbox.usual
-        first = bytes([ends[0] | _FIRST << _PLACE]) + ends[1:]
-        return usual.get(ends) or usual.get(first)
+    def _way_of(self, ends: bytes) -> _Way | None:
+        """Returns where datagrams come from and go to; None where Python must look at each.
+
+        A core compares origin and number alone. So they must come from a component that is known
+        and has proved where it is, whose numbers are remembered, to one of this process.
+        """
+        flags, destination, source = _ENDS_LAYOUT.unpack(ends)
+        entry = self._book.learnt.get(source)
+        numbers = self._window.seen.get(pair_of(source, destination))
+        if (
+            flags & _ANSWERS
+            or entry is None
+            or entry.claim is not None
+            or entry.endpoint in self._transport.own_endpoints
+            or not numbers
+            or destination not in self._inbox.takers
+            or source in self._inbox.receivers
+        ):
+            return None
+        answer = flags & _PRIORITY | _ACKNOWLEDGES if flags & _ASKS else 0
+        return _Way(entry, address_of(source), address_of(destination), numbers, answer)
 
     def _find(self, key: _Key) -> None:
         """Makes a route of what the datagrams with a key go through, where they are usual."""
@@ -210,7 +248,7 @@ class FastReceiver:
             port=port,
             code=path.code,
             flags=key.ends[0],
-            answer=way.answers,
+            answer=way.answer,
             is_event=key.code == Event.CODE,
             event=key.event,
             is_ordered=path.latest is not None,
@@ -228,10 +266,11 @@ class FastReceiver:
         self._by_key[key] = found = _Known(path, order.contents, self._settling(way, path))
         self._routes.append(found)
 
-    def _settling(self, way: Any, path: FastPath) -> Settle:
+    def _settling(self, way: _Way, path: FastPath) -> Settle:
         """Returns what writes down a message, as those would have done whom it has not met."""
         entry, source, destination, numbers = way.entry, way.source, way.destination, way.numbers
-        pair, window, reassembly = way.pair, self._window, self._inbox.reassembly
+        pair, window = pair_of(source, destination), self._window
+        reassembly = self._inbox.reassembly
         learnt, seen = self._book.learnt, window.seen
         heard, passed, sent = self._component.note_heard, path.passed, self._sent
 
@@ -255,7 +294,6 @@ class FastReceiver:
                     part = payload[start : start + size]
                     window.remember(pair, numbers, each & 0xFFFF, destination, part, at)
                     start += size
-            window.settle()
             sent.count += answered
             passed(payload, number, at, unknown)
             heard(source, at)

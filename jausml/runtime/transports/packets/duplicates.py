@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import OrderedDict, deque
+from collections import OrderedDict
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -13,10 +13,8 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from .packet import Packet
 
-    Content = int | tuple[int, bytes]
-    Numbers = OrderedDict[int, tuple[float, Content]]
-
-    Remembered = OrderedDict[int, tuple[float, Any]]
+    Numbers = OrderedDict[int, tuple[float, int]]
+    """Numbers of packets, each with its time and the hash of what it carried."""
 
 
 SPAN = 4096
@@ -94,7 +92,7 @@ class Account:
         """Packets that were sent, as far as those that came tell."""
         return self.came + self.lost
 
-    def look(self, numbers: OrderedDict[int, Any]) -> None:
+    def look(self, numbers: Numbers) -> None:
         """Count the packets that came since the last look.
 
         Args:
@@ -105,7 +103,7 @@ class Account:
             self._take(number)
         self._counted += len(fresh)
 
-    def compare(self, numbers: Remembered, others: Remembered) -> None:
+    def compare(self, numbers: Numbers, others: Numbers) -> None:
         """Learn from the latest packet to a wildcard whether what was lost is exact.
 
         Nothing is learnt where no packet came near it in time.
@@ -191,11 +189,7 @@ def _step(first: int, second: int) -> int:
     return ((second - first + 0x8000) & 0xFFFF) - 0x8000
 
 
-SMALL = 1024
-"""Bytes of payload below which a content is remembered by its hash alone."""
-
-_KEPT_BYTES = 4 << 20
-_NONE: OrderedDict[int, tuple[float, Any]] = OrderedDict()
+_NONE: OrderedDict[int, tuple[float, int]] = OrderedDict()
 
 
 def pair_of(source: int, destination: int) -> int:
@@ -213,15 +207,11 @@ class DuplicateWindow:
     silent longest goes first. Packets to wildcards are remembered apart from those to components,
     since they may be numbered apart.
 
-    Large payloads are kept at first: a hash would cost as much as all else that is done about them.
-    They are replaced by their hash when there is time, and the oldest when they exceed 4 MiB.
-
     Attributes:
         history: How many are remembered of each pair at least.
-        capacity: How many are remembered at most; the oldest go together then, by ``make_room``.
+        capacity: How many are remembered at most; the oldest go together then.
         seen: By pair, the one silent longest first: its numbers, the oldest first, with time and
-            content. That of a small payload is its hash and the destination. Those of a pair
-            that is forgotten are empty.
+            the hash of the content. Those of a pair that is forgotten are empty.
     """
 
     def __init__(
@@ -243,8 +233,6 @@ class DuplicateWindow:
         self._accounts: dict[int, tuple[JausAddress, JausAddress, Account]] = {}
         self._sources = sources
         self._changed = changed
-        self._kept: deque[tuple[float, int, int, tuple[int, bytes]]] = deque()
-        self._kept_size = 0
 
     def __len__(self) -> int:
         """Return how many packets are remembered."""
@@ -295,7 +283,7 @@ class DuplicateWindow:
         is_same = False
         if before is not None:
             since, known = before
-            is_same = known == _content(known, packet.destination, packet.payload)
+            is_same = known == hash(packet.payload) ^ packet.destination
             if now - since < self.seconds and is_same:
                 if pair in self._accounts:
                     self._accounts[pair][2].doubled += 1
@@ -317,22 +305,12 @@ class DuplicateWindow:
     ) -> None:
         """Remember a packet that is new, whose number is none of ``numbers``."""
         if len(numbers) >= self.capacity:
-            self.make_room(pair, numbers)
-        if len(payload) < SMALL:
-            numbers[sequence] = now, hash(payload) ^ destination
-        else:
-            large = destination, payload
-            numbers[sequence] = now, large
-            self._keep(now, pair, sequence, large)
+            self._make_room(pair, numbers)
+        numbers[sequence] = now, hash(payload) ^ destination
 
-    def make_room(self, pair: int, numbers: Numbers) -> None:
+    def _make_room(self, pair: int, numbers: Numbers) -> None:
         """Forget the oldest numbers of a pair, of which there are as many as can be."""
         self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
-
-    def settle(self) -> None:
-        """Let go of the payloads that are kept; to be called when there is time."""
-        while self._kept:
-            self._let_go()
 
     def _forget(self, pair: int, numbers: Numbers, sequences: list[int]) -> None:
         """Forget numbers when they are counted."""
@@ -342,25 +320,3 @@ class DuplicateWindow:
             entry[2].forget(len(sequences))
         for each in sequences:
             del numbers[each]
-
-    def _keep(self, now: float, pair: int, sequence: int, large: tuple[int, bytes]) -> None:
-        """Keep a large payload, and let go of the oldest ones when there are too many."""
-        self._kept.append((now, pair, sequence, large))
-        self._kept_size += len(large[1])
-        while self._kept_size > _KEPT_BYTES:
-            self._let_go()
-
-    def _let_go(self) -> None:
-        """Replace the oldest payload that is kept by its hash, which suffices."""
-        since, pair, sequence, large = self._kept.popleft()
-        destination, payload = large
-        self._kept_size -= len(payload)
-        numbers = self.seen.get(pair)
-        entry = None if numbers is None else numbers.get(sequence)
-        if numbers is not None and entry is not None and entry[1] is large:
-            numbers[sequence] = since, hash(payload) ^ destination
-
-
-def _content(known: Content, destination: int, payload: bytes) -> Content:
-    """Returns what a packet carries, in the form in which another one is remembered."""
-    return hash(payload) ^ destination if isinstance(known, int) else (destination, payload)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any, Generic
+from typing import TYPE_CHECKING, Generic
 
 from ...base.clocks import Alarm, HostClock
 from ...base.counters import LOGGER
@@ -120,8 +120,6 @@ class Inbox(Generic[Origin]):
         """Components of this process; replaced when it changes, so any thread may read it."""
         self.takers: dict[int, Take] = {}
         """Those of them that want payload and sender alone."""
-        self.usual: dict[bytes, Any] = {}
-        """What readers know of usual packets; see `forget_usual`."""
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
         """Told of an acknowledgement that no packet waits for; returns whether it proves who is
         where."""
@@ -150,7 +148,7 @@ class Inbox(Generic[Origin]):
         self.receivers = {**self.receivers, address: receive}
         if take is not None:
             self.takers[address] = take
-        self.forget_usual()
+        self._loop.revision.changed()
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -158,11 +156,6 @@ class Inbox(Generic[Origin]):
             known: receive for known, receive in self.receivers.items() if known != address
         }
         self.takers.pop(address, None)
-        self.forget_usual()
-
-    def forget_usual(self) -> None:
-        """Forget what is known of usual packets, since something of it has changed."""
-        self.usual.clear()
         self._loop.revision.changed()
 
     def close(self) -> None:
@@ -246,9 +239,9 @@ class Inbox(Generic[Origin]):
                 )
                 receive(message)
             except Exception as error:  # one component must not silence the others
-                self.count_failure(address, error)
+                self._count_failure(address, error)
 
-    def count_failure(self, address: JausAddress, error: Exception) -> None:
+    def _count_failure(self, address: JausAddress, error: Exception) -> None:
         """Count an error that a component let out."""
         self._counters.count("transport.receiver_failed", f"{address}: {error!r}", error=error)
 
@@ -259,7 +252,7 @@ class Inbox(Generic[Origin]):
         whole: Packet | None = packet
         if packet.data_flags:
             whole = self.reassembly.add(packet, now)
-            self.plan_expiry()
+            self._plan_expiry()
         if whole is not None:
             self.deliver(whole, receivers)
 
@@ -276,9 +269,9 @@ class Inbox(Generic[Origin]):
         elif packet.payload:
             self._on_marked_payload(packet, receivers, origin, now)
         else:
-            self.take_acknowledgement(packet.destination, packet.sequence, packet.source)
+            self._take_acknowledgement(packet.destination, packet.sequence, packet.source)
 
-    def take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
+    def _take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
         """Take an acknowledgement."""
         if self._acknowledged(component, sequence, by):
             self._matched.count += 1
@@ -301,11 +294,11 @@ class Inbox(Generic[Origin]):
             self._quirks.learn(packet.source, Quirk.FLAGLESS, "Junior does so with priority 0")
             self._accept(message, receivers, now)
 
-    def plan_expiry(self) -> None:
+    def _plan_expiry(self) -> None:
         """Watch for incomplete messages, if there are any."""
         if self.reassembly.size and not self._expiry.is_set:
             self._expiry.set(self._timeout / 2, self._expire_fragments)
 
     def _expire_fragments(self) -> None:
         self.reassembly.expire(self._loop.now())
-        self.plan_expiry()
+        self._plan_expiry()

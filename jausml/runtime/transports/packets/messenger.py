@@ -199,21 +199,6 @@ class Messenger(Generic[Origin]):
             )
         return list(found.values())
 
-    def cut(
-        self, source: JausAddress, destination: JausAddress, payload: bytes
-    ) -> list[tuple[bytes, int, int]]:
-        """Cut a message of several packets that goes out in one go, without acknowledgement.
-
-        Returns:
-            Each part with the bits of its place (AS5669A, data flags) and its sequence number;
-            nothing when the message is to be sent in another way.
-        """
-        packetizer = self.packetizer
-        count = packetizer.count(destination, len(payload))
-        if not 1 < count <= HELD_BY_PEERS or not self._can_take(destination, count):
-            return []
-        return packetizer.cut(source, destination, payload)
-
     def _send_one(
         self,
         source: JausAddress,

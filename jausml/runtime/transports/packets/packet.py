@@ -97,7 +97,7 @@ class Packet(NamedTuple):
             raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
         if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):
             raise ValueError(f"sequence {self.sequence} or type {self.message_type} out of range")
-        header = DATAGRAM_HEADER.pack(
+        header = _DATAGRAM_HEADER.pack(
             JUDP_VERSION,
             self.message_type,
             EMPTY_MESSAGE_SIZE + len(self.payload),
@@ -105,15 +105,11 @@ class Packet(NamedTuple):
             self.destination.packed,
             self.source.packed,
         )
-        return b"".join((header, self.payload, SEQUENCE.pack(self.sequence)))
+        return b"".join((header, self.payload, _SEQUENCE.pack(self.sequence)))
 
 
-DATAGRAM_HEADER = struct.Struct("<BBHBII")
-"""Version, message type, size, flags, destination and source, before the payload."""
-
-SEQUENCE = struct.Struct("<H")
-"""The sequence number, after the payload."""
-
+_DATAGRAM_HEADER = struct.Struct("<BBHBII")  # version before the header of a message
+_SEQUENCE = struct.Struct("<H")  # behind the payload
 _HEADER = struct.Struct("<BHBII")
 _FIELDS = struct.Struct("<BII")
 _HEADER_SIZE = 12

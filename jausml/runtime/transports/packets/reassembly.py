@@ -170,30 +170,20 @@ class Reassembly:
 
         The message has the sequence number, priority and destination of its first packet.
         """
-        flags = packet.flags
-        whole = self.put(
-            packet.source, packet.destination, flags, packet.sequence, packet.payload, now
-        )
+        way = packet.source, packet.destination
+        whole = self._put(way, packet.flags, packet.sequence, packet.payload, now)
         if whole is None:
             return None
         payload, sequence, first = whole
         said = FLAGS[first & ~PLACE_MASK]
         return Packet(packet.destination, packet.source, payload, sequence, *said)
 
-    def put(
-        self,
-        source: int,
-        destination: int,
-        flags: int,
-        sequence: int,
-        payload: bytes,
-        now: float,
-    ) -> Whole | None:
-        """Take what is told of a fragment by its bytes, as ``add`` does.
+    def _put(self, way: Way, flags: int, sequence: int, payload: bytes, now: float) -> Whole | None:
+        """Take a fragment.
 
         Nearly all come in their order: those of a message are in a line then, which ends with it.
         """
-        way, place, held = (source, destination), flags & PLACE_MASK, self._held
+        place, held = flags & PLACE_MASK, self._held
         line = held.get(way)
         if line is None and place == _FIRST:
             line = held[way] = _Line(flags, sequence, payload, now)

@@ -6,6 +6,7 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ...base.fast_path import through
 from ..address_book import AddressBook
 from ..packets.messenger import Messenger
 from ..packets.packet import AckNak, Packet, Priority
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from ..delivery import OnResult, Receive, Take
     from ..packets.inbox import Inbox
     from .sender import Port
-
-_MAX_PREPARED = 1024
 
 LOOPBACK = "127."
 """What the addresses of this host alone begin with."""
@@ -62,7 +61,6 @@ class DatagramTransport(Transport):
         self.arrival = self._messenger.inbox.arrival
         self._inbox = self._messenger.inbox
         self._inbox.proves = self._sender.prover.acknowledged
-        self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
 
     def send(
         self,
@@ -74,17 +72,8 @@ class DatagramTransport(Transport):
         acknowledge: bool = False,
         on_result: OnResult | None = None,
     ) -> None:
-        """Send one message; see ``Transport.send``. Senders are prepared for the usual ways."""
-        if acknowledge or on_result is not None:
-            self._messenger.send(source, destination, payload, priority, acknowledge, on_result)
-            return
-        send = self._prepared.get((source, destination, priority))
-        if send is None:
-            if len(self._prepared) >= _MAX_PREPARED:
-                self._prepared.clear()
-            send = self.sender(source, destination, priority)
-            self._prepared[source, destination, priority] = send
-        send(payload)
+        """Send one message; see ``Transport.send``."""
+        self._messenger.send(source, destination, payload, priority, acknowledge, on_result)
 
     def sender(
         self,
@@ -100,16 +89,16 @@ class DatagramTransport(Transport):
 
         if not (source.is_concrete and destination.is_concrete):
             return send
-        return self._sender.prepare(
+        outlet = partial(
+            self._sender.outlet,
             source,
             destination,
             priority,
             messenger.packetizer.numbers(source, destination),
             self._settings.fragment_size,
             self._inbox,
-            partial(messenger.cut, source, destination),
-            send,
         )
+        return through(send, outlet)
 
     def count_by(self, counting: Callable[[int], Iterator[int]]) -> None:
         """Number packets by other means; to be called before there is a sender."""

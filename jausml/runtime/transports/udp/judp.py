@@ -21,7 +21,7 @@ from ..ports import (
     read_present,
 )
 from .datagrams import DatagramTransport
-from .reading import KernelDrops, Usual, reader
+from .reading import KernelDrops, reader
 
 if TYPE_CHECKING:
     import socket
@@ -47,7 +47,6 @@ class JudpTransport(DatagramTransport):
         super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
-        self._usual = Usual(self._port, self._book, self._inbox)
         self._receive_by: Callable[[socket.socket, bool], Receiver] | None = None
         self._standstill: Watch | None = None
         self._takeover = Alarm(loop)
@@ -80,6 +79,11 @@ class JudpTransport(DatagramTransport):
                 self.loop.unregister(sock)
             self._sender.close()
             self._messenger.close()
+
+    @property
+    def own_endpoints(self) -> frozenset[Endpoint]:
+        """Where this process sends from: what comes from there are its own multicasts."""
+        return self._port.endpoints
 
     @property
     def endpoint(self) -> Endpoint | None:
@@ -126,11 +130,11 @@ class JudpTransport(DatagramTransport):
                     self._watch(sock)
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
-        otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
+        take = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
         if self._receive_by is not None and receive == sock.recvfrom:
             receive = self._receive_by(sock, by_multicast)
-        return reader(receive, self.loop, self._usual, self._sender.put, otherwise)
+        return reader(receive, self.loop, take)
 
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
@@ -198,7 +202,7 @@ class JudpTransport(DatagramTransport):
     def _share_port(self) -> None:
         """Try to own the port; until then tell its owner again and again who lives here."""
         if not self._port.is_owner and self._port.take_over():
-            self._inbox.forget_usual()
+            self.loop.revision.changed()
             self._watch(self._port.unicast)
             self.counters.add("judp.port_taken_over")
         if not self._port.is_owner:

@@ -1,4 +1,4 @@
-"""Reading of a socket: the usual datagram on its bytes, any other one packet by packet."""
+"""Reading of a socket: its datagrams, and what the kernel has dropped of them."""
 
 from __future__ import annotations
 
@@ -7,22 +7,12 @@ import struct
 import sys
 from typing import TYPE_CHECKING
 
-from ...base.address import address_of
-from ..delivery import MESSAGE_CODE_SIZE
-from ..packets.duplicates import pair_of
-from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.counters import Counters
     from ...base.loop import Loop
     from ...base.settings import Endpoint
-    from ..address_book import AddressBook, Entry
-    from ..delivery import Take
-    from ..packets.duplicates import Numbers
-    from ..packets.inbox import Inbox
-    from ..ports import SharedPort
 
     Receiver = Callable[[int], tuple[bytes, Endpoint]]
     """Receives a datagram of at most so many bytes; tells where it came from."""
@@ -110,217 +100,43 @@ _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_TURN = 32
 _PAUSE_S = 0.0002  # after which what comes has likely come alone
 
-_HEADER = struct.Struct("<HHBII")  # version and message type, size, flags, destination, source
-_ANSWER = struct.Struct("<HHBIIH")  # the same and the sequence number: a message without payload
-_ENDS = slice(4, _HEADER.size)  # flags, destination and source
-_PAYLOAD = slice(_HEADER.size, -2)
-_SHORTEST = EMPTY_MESSAGE_SIZE + MESSAGE_CODE_SIZE
-_PRIORITY = 0x03
-_ASKS = 0x10
-_ANSWERS = 0x20
-_ACK = 0x30
-_PLACE = 6
-_MAX_WAYS = 1024
 
-
-class _Way:
-    """What is known of the datagrams with the same flags, destination and source."""
-
-    __slots__ = ("answers", "destination", "entry", "numbers", "pair", "place", "source", "take")
-
-    def __init__(
-        self, destination: int, source: int, flags: int, entry: Entry, numbers: Numbers, take: Take
-    ) -> None:
-        self.destination = address_of(destination)
-        self.source = address_of(source)
-        self.pair = pair_of(source, destination)
-        self.entry = entry
-        self.numbers = numbers
-        self.take = take
-        self.place = flags >> _PLACE
-        self.answers = flags & _PRIORITY | _ACK if flags & _ASKS else 0
-
-
-class Usual:
-    """What is known of usual datagrams, and what is done about others.
-
-    A datagram is usual when it is one packet (JUDP version 2; a whole message, a fragment or an
-    acknowledgement) to one component of this process, from a known component that is where it
-    was, and new. What all datagrams between two components have in common is found out once, and
-    kept in ``inbox.usual``, by the bytes that say it, until anything of it changes.
-    """
-
-    def __init__(self, port: SharedPort, book: AddressBook, inbox: Inbox[Endpoint]) -> None:
-        self._port = port
-        self.book = book
-        self.inbox = inbox
-
-    def take_other(
-        self,
-        data: bytes,
-        origin: Endpoint,
-        now: float,
-        way: _Way | None,
-        otherwise: Callable[[bytes, Endpoint], None],
-    ) -> None:
-        """Take a datagram that is no usual message.
-
-        Args:
-            way: That of its flags, destination and source; it came from elsewhere or is damaged.
-            otherwise: Takes it packet by packet, unless it is a usual acknowledgement.
-        """
-        size = len(data) - 1
-        # What is refused in a flood must cost less than what is taken.
-        if (
-            way is not None
-            and way.entry.endpoint != origin
-            and data[2] | data[3] << 8 == size
-            and self.book.refuses(way.source, way.entry, origin, now)
-        ):
-            return
-        if size == EMPTY_MESSAGE_SIZE:
-            start, stated, flags, destination, source = _HEADER.unpack_from(data)
-            learnt, inbox = self.book.learnt, self.inbox
-            entry = learnt.get(source)
-            if (
-                start == JUDP_VERSION
-                and stated == EMPTY_MESSAGE_SIZE
-                and flags & _ACK == _ACK
-                and entry is not None
-                and entry.endpoint == origin
-                and entry.claim is None
-                and destination in inbox.receivers
-                and source not in inbox.receivers
-                and origin not in self._port.endpoints
-            ):
-                entry.heard = now
-                learnt.move_to_end(source)
-                inbox.take_acknowledgement(destination, data[-2] | data[-1] << 8, source)
-                return
-        otherwise(data, origin)
-        if size > EMPTY_MESSAGE_SIZE:
-            self._learn(data, origin)
-
-    def keep(self, way: _Way, sequence: int, payload: bytes, now: float) -> None:
-        """Write down a fragment of a message that is not whole yet."""
-        inbox = self.inbox
-        self.book.learnt.move_to_end(way.source)
-        inbox.duplicates.seen.move_to_end(way.pair)
-        inbox.duplicates.remember(way.pair, way.numbers, sequence, way.destination, payload, now)
-        inbox.plan_expiry()
-
-    def _learn(self, data: bytes, origin: Endpoint) -> None:
-        """Remember what the next datagram has in common with one that was taken as packets."""
-        start, stated, flags, destination, source = _HEADER.unpack_from(data)
-        inbox = self.inbox
-        entry = self.book.learnt.get(source)
-        numbers = inbox.duplicates.seen.get(pair_of(source, destination))
-        take = inbox.takers.get(destination)
-        if (
-            start == JUDP_VERSION  # of a message type other than 0 as well
-            and stated == len(data) - 1
-            and not flags & _ANSWERS
-            and entry is not None
-            and entry.endpoint == origin
-            and entry.claim is None
-            and numbers
-            and take is not None
-            and source not in inbox.receivers
-            and origin not in self._port.endpoints
-        ):
-            if len(inbox.usual) >= _MAX_WAYS:
-                inbox.forget_usual()
-            inbox.usual[data[_ENDS]] = _Way(destination, source, flags, entry, numbers, take)
-
-
-def reader(  # noqa: C901 - for `read`
-    receive: Receiver,
-    loop: Loop,
-    usual: Usual,
-    answer: Callable[[bytes, Endpoint], bool],
-    otherwise: Callable[[bytes, Endpoint], None],
+def reader(
+    receive: Receiver, loop: Loop, take: Callable[[bytes, Endpoint], None]
 ) -> Callable[[], None]:
     """Return what reads the datagrams that have arrived at a socket, a few at a time.
 
-    A usual message is taken in one function and on its bytes, with the effects that it has as a
-    packet: of the functions that a message meets after a pause each costs as much as all that is
-    done in it (docs/adr/0018). What only later datagrams ask for is written down when the message
-    has been handed over.
-
-    To find that nothing more has arrived costs more than a datagram, 30 us after a pause. So more
-    than one are only looked for when one follows the other.
-
     Args:
         receive: Receives from the socket, which does not block.
-        answer: Sends an acknowledgement.
-        otherwise: Takes a datagram packet by packet.
+        take: Takes a datagram; never raises.
     """
-    inbox, learnt, take_other = usual.inbox, usual.book.learnt, usual.take_other
-    ways, window, arrival = inbox.usual, inbox.duplicates, inbox.arrival
-    seen, capacity, put = window.seen, window.capacity, inbox.reassembly.put
-    clock, standstill, counters = loop.now, loop.standstill, loop.counters
-    received, pack_answer = counters.tally("judp.received"), _ANSWER.pack
-    burst, latest = 1, clock()
+    counters = loop.counters
+    received = counters.tally("judp.received")
+    most, latest = 1, loop.now()
 
-    def read() -> None:  # noqa: C901 - a call costs more than what it does
-        nonlocal burst, latest
-        now = clock()
+    def read() -> None:
+        nonlocal most, latest
+        now = loop.now()
         if now - latest > _PAUSE_S:
-            burst = 1
-            if now > standstill.due:
-                standstill.end()
-        latest, enough = now, burst
-        for count in range(_DATAGRAMS_PER_TURN):
-            if count == enough:
-                break
+            # To ask the socket again and find nothing costs 30 us, more than a datagram: after a
+            # pause one is read, and more in a turn only while one follows the other.
+            most = 1
+            # The process may have stood still, and what waited meanwhile is thrown away unread.
+            if now > loop.standstill.due:
+                loop.standstill.end()
+        latest = now
+        for _ in range(most):
             try:
                 data, origin = receive(_LARGEST_DATAGRAM)
             except BlockingIOError:
-                burst = 1
+                most = 1
                 return
             except OSError as error:
                 counters.count("judp.receive_failed", str(error))
                 return
             received.count += 1
-            size, way = len(data) - 1, ways.get(data[_ENDS])
-            if (
-                way is None
-                or size < _SHORTEST
-                or data[2] | data[3] << 8 != size
-                or data[0] | data[1] << 8 != JUDP_VERSION
-                or way.entry.endpoint != origin
-                or not (numbers := way.numbers)
-                or (sequence := data[-2] | data[-1] << 8) in numbers
-            ):
-                take_other(data, origin, now, way, otherwise)
-                continue
-            way.entry.heard = now
-            source, destination = way.source, way.destination
-            if way.answers:
-                ends = source, destination, sequence
-                answer(pack_answer(JUDP_VERSION, EMPTY_MESSAGE_SIZE, way.answers, *ends), origin)
-            payload = message = data[_PAYLOAD]
-            if way.place:
-                joined = put(source, destination, data[4], sequence, payload, now)
-                if joined is None:
-                    usual.keep(way, sequence, payload, now)
-                    enough = max(enough, count + 2)  # the next one is on its way
-                    continue
-                message = joined[0]
-            arrival.number, arrival.is_sure = sequence, way.answers != 0
-            arrival.origin = origin
-            try:
-                way.take(message, source)
-            except Exception as error:  # one component must not silence the others
-                inbox.count_failure(destination, error)
-            finally:
-                learnt.move_to_end(source)
-                seen.move_to_end(way.pair)
-                if len(numbers) >= capacity:
-                    window.make_room(way.pair, numbers)
-                numbers[sequence] = now, hash(payload) ^ destination
-                if way.place:
-                    window.settle()
-        burst = min(2 * burst, _DATAGRAMS_PER_TURN)
+            take(data, origin)
+        # Others of the loop have their turn now and then, however much comes.
+        most = min(2 * most, _DATAGRAMS_PER_TURN)
 
     return read

@@ -11,27 +11,18 @@ import math
 import os
 import socket
 import threading
-from functools import partial
 from random import SystemRandom
 from typing import TYPE_CHECKING, Protocol
 
 from ...base.address import address_of
-from ...base.fast_path import Outlet, through
+from ...base.fast_path import Outlet
 from ...base.settings import Endpoint
 from ..address_book import AddressBook, Doubt
-from ..delivery import MESSAGE_CODE_SIZE, Carrier
-from ..packets.packet import (
-    DATAGRAM_HEADER,
-    EMPTY_MESSAGE_SIZE,
-    JUDP_VERSION,
-    SEQUENCE,
-    AckNak,
-    Broadcast,
-    Packet,
-)
+from ..delivery import Carrier
+from ..packets.packet import EMPTY_MESSAGE_SIZE, AckNak, Broadcast, Packet
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterator
 
     from ...base.address import JausAddress
     from ...base.loop import Loop
@@ -257,78 +248,7 @@ class Sender(Carrier[Endpoint]):
             return False
         return True
 
-    def prepare(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority,
-        numbers: Iterator[int],
-        longest: int,
-        inbox: Inbox[Endpoint],
-        cut: Callable[[bytes], Iterable[tuple[bytes, int, int]]],
-        otherwise: Callable[[bytes], None],
-    ) -> Callable[[bytes], None]:
-        """Return what sends payloads from one component to another, without acknowledgement.
-
-        The usual case is here, in one function: one packet, or several in one go, to a component
-        that was heard lately where it is. Callable from any thread.
-
-        Args:
-            longest: Bytes of payload that one packet carries.
-            cut: Yields the parts of a payload of several packets, each with its place and its
-                number; nothing where they cannot go out in one go.
-            otherwise: Sends in any other case.
-        """
-        learnt, lifetime, clock = self._book.learnt, self._book.lifetime, self._loop.now
-        port, lock, sent, counters = self._port, self._socket_lock, self._sent, self._loop.counters
-        pack, pack_number, join = DATAGRAM_HEADER.pack, SEQUENCE.pack, b"".join
-
-        def put_all(
-            parts: Iterable[tuple[bytes, int, int]], sock: Exit, endpoint: Endpoint
-        ) -> None:
-            try:
-                with lock:
-                    for part, place, number in parts:
-                        size, flags = EMPTY_MESSAGE_SIZE + len(part), priority | place
-                        header = pack(JUDP_VERSION, 0, size, flags, destination, source)
-                        sock.sendto(join((header, part, pack_number(number))), endpoint)
-                        sent.count += 1
-            except OSError as error:
-                counters.count("judp.send_failed", f"{endpoint}: {error}")
-
-        def send(payload: bytes) -> None:
-            size = len(payload)
-            entry, sock = learnt.get(destination), port.unicast
-            if (
-                entry is None
-                or sock is None
-                or size < MESSAGE_CODE_SIZE
-                or clock() - entry.heard >= lifetime
-                or destination in inbox.receivers
-            ):
-                otherwise(payload)
-                return
-            if size > longest:
-                parts = cut(payload)
-                if parts:
-                    put_all(parts, sock, entry.endpoint)
-                else:
-                    otherwise(payload)
-                return
-            size += EMPTY_MESSAGE_SIZE
-            header = pack(JUDP_VERSION, 0, size, priority, destination, source)
-            datagram = join((header, payload, pack_number(next(numbers) & 0xFFFF)))
-            try:
-                with lock:
-                    sock.sendto(datagram, entry.endpoint)
-                    sent.count += 1
-            except OSError as error:
-                counters.count("judp.send_failed", f"{entry.endpoint}: {error}")
-
-        ends = source, destination, priority
-        return through(send, partial(self._outlet, *ends, numbers, longest, inbox))
-
-    def _outlet(
+    def outlet(
         self,
         source: JausAddress,
         destination: JausAddress,
@@ -337,7 +257,11 @@ class Sender(Carrier[Endpoint]):
         longest: int,
         inbox: Inbox[Endpoint],
     ) -> Outlet:
-        """Return how a core sends in the usual case of `prepare`."""
+        """Return how a core sends what needs no acknowledgement.
+
+        Args:
+            longest: Bytes of payload that one packet carries.
+        """
         learnt, counters = self._book.learnt, self._loop.counters
 
         def place() -> tuple[int, Endpoint, float] | None:
