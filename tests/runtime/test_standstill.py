@@ -97,7 +97,10 @@ class Late:
         self.backlog = Backlog(self.counts, self._drop, lambda origin: origin)
         ends: Any = SimpleNamespace(loop=loop, clock=loop)
         self.backlog.open(ends, limit, lambda: self.changes.append(self.backlog.is_there))
-        self.take = self.backlog.before(lambda data, _: self.obeyed.append(data))
+
+    def take(self, data: bytes, origin: Any) -> None:
+        if self.backlog.admits(origin):
+            self.obeyed.append(data)
 
     def watch(self, *told: Any) -> SimpleNamespace:
         """Stands for what notices standstills, which virtual time has none of."""

@@ -281,11 +281,11 @@ def test_the_state_of_a_latched_topic_waits_while_the_bridge_is_inactive(world, 
 
 def test_nothing_stands_before_a_connection_that_shapes_nothing(setting):
     connection = setting.open(command())
-    assert connection._switch.unusual is None
+    assert connection.is_usual
     setting.ros.changed["drive.max_rate"](2.0)
-    assert connection._switch.unusual is not None
+    assert not connection.is_usual
     setting.ros.changed["drive.max_rate"](0.0)
-    assert connection._switch.unusual is None
+    assert connection.is_usual
 
 
 def test_parameters_shape_while_the_bridge_runs(world, setting):
@@ -436,8 +436,8 @@ def test_pace_order_and_last_word(gaps, max_rate, decimation):
         counts.heard = clock.time
 
     shaping = Shaping(Shape(max_rate, decimation), counts, lambda *_: None)
-    shaping.open("any", OneBridge(), lambda *_: None, lambda: None, lambda: None)
-    take = way if shaping.is_plain else shaping.before(way)
+    shaping.open("any", OneBridge(), lambda *_: None, way, lambda: None, lambda: None)
+    take = way if shaping.is_plain else shaping.take
     with clock.loop:
         for number, gap in enumerate(gaps):
             target = clock.time + gap

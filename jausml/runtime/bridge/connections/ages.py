@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ..ends.ros_side import RosSide
     from ..reports.diagnostics import Statistics
 
-    Take = Callable[[bytes, Any], None]
     Drop = Callable[[str, str], None]
 
 
@@ -100,7 +99,7 @@ It repeats what a reader has missed when the writer tells of it, which Fast DDS 
 
 
 class Backlog:
-    """Stands before the way that the commands of a connection go anyway, after a standstill alone.
+    """Tells after a standstill which commands of a connection are of long ago.
 
     A time-out of silence says how long a command may stand. One that waited longer, before anybody
     could notice the silence, counts no more either. Where nothing says when a message was sent,
@@ -119,7 +118,6 @@ class Backlog:
         self._counts, self._drop, self._waited = counts, drop, waited
         self._ends: Ends
         self._changed: Callable[[], None]
-        self._way: Take
         self._watch: Watch | None = None
         self._end: Timer | None = None
         self._limit = self._still = 0.0
@@ -153,21 +151,17 @@ class Backlog:
         if self._watch is not None:
             self._watch.change(limit)
 
-    def before(self, way: Take) -> Take:
-        """Returns what takes messages instead, and gives a way those that are young enough."""
-        self._way = way
-        return self._take
-
-    def _take(self, data: bytes, origin: Any = None) -> None:
+    def admits(self, origin: Any) -> bool:
+        """Returns whether a message is young enough; it is counted if it is not."""
         waited = self._waited(origin)
         if waited is None and not self._has_caught_up:
             waited = self._still
         if waited is None or self._limit <= 0 or waited <= self._limit:
-            self._way(data, origin)
-            return
+            return True
         self._counts.arrivals += 1
         self._counts.last_arrival = self._ends.clock.now()
         self._drop(TOO_OLD, f"it waited up to {waited:.2f} s while the process stood still")
+        return False
 
     def _stood_still(self, seconds: float) -> None:
         self._finish()

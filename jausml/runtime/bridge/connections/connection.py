@@ -1,9 +1,9 @@
 """Connection of a bridge: takes a message, translates it, hands it over.
 
-Messages are bytes on both sides. Each kind of connection makes one function that takes them, with
-all that it needs at hand, since what a message touches costs more than what is done with it. Where
-the case is not the usual one, a switch sends messages to `take` first: it keeps or refuses what
-must not pass, and has the source counted as heard where that ends a stop.
+Messages are bytes on both sides. All go one way, `take`: what must not pass now is refused or
+kept, what waited too long dropped, what is too much thinned, and the rest is translated, handed
+over and counted (`pass_on`, which each kind of connection has). A core may pass usual messages
+alone; who changes what is usual tells it by `note_case`.
 
 All of it happens on the thread of the loop, or with its lock. What is lost is counted under a
 reason; nothing that a message contains, and nothing that an overridden method does, ends the
@@ -21,7 +21,7 @@ from ..reports.states import StopReason
 from .ages import Backlog
 from .reporting import Reported, Reporter
 from .shaping import Shape, Shaping
-from .stopping import Stopping, Switch
+from .stopping import Stopping
 from .translations import Form, compiled_first, override_of, transcoder, with_joins
 
 if TYPE_CHECKING:
@@ -77,9 +77,6 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         self._latest: tuple[bytes, Any] | None = None
         self._wants_latency = self._all_want_latency = False
         self._latency: Latency | None = None
-        self._measured: Take | None = None
-        self._plain: Take | None = None
-        self._reviving: Take | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
@@ -89,10 +86,9 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         self.counters = ends.component.counters
         self._is_open = True
         self._transcode = self._made_transcode()
-        self._plain = self._reviving = None
         age = self.make_age()
         if age is not None:
-            self._shaping.open(self.name, ends, age, self.choose_way, self.judge_silence)
+            self._shaping.open(self.name, ends, age, self._pass, self.note_case, self.judge_silence)
 
     def declare(self, ends: Ends) -> None:
         """Declares the parameters of the connection, and reads what they say."""
@@ -109,11 +105,10 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         """Returns which classes the translation works on."""
         raise NotImplementedError
 
-    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
-        """Returns what takes messages, translates them, hands them over and counts.
+    def pass_on(self, data: bytes, origin: Any) -> None:
+        """Translates a message, hands it over, and counts what became of it.
 
-        Args:
-            switch: Says when messages go another way.
+        The source is heard when the translation succeeds, which ends a stop.
         """
         raise NotImplementedError
 
@@ -155,27 +150,41 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ messages
 
     def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes one message from the source, whatever the case.
+        """Takes one message from the source.
 
         Args:
             origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
         """
-        if self._halt is StopReason.INACTIVE and self.is_latched:
+        if self._halt is not None:
+            self._take_halted(self._halt, data, origin)
+        elif self._backlog.is_there and not self._backlog.admits(origin):
+            pass  # it is counted: a command of long ago must not be obeyed
+        elif self._shaping.is_plain:
+            self._pass(data, origin)
+        else:
+            self._shaping.take(data, origin)
+
+    def _take_halted(self, reason: StopReason, data: bytes, origin: Any) -> None:
+        """Keeps a message that counts until there is another, or refuses it."""
+        if reason is StopReason.INACTIVE and self.is_latched:
             self._latest = data, origin
             return
-        if self._halt is not None:
-            self.statistics.arrivals += self._halt is not StopReason.END
-            self.refuse_halted(self._halt)
-            return
-        if self._reviving is None:
-            self._reviving = self.make_take(Switch(), self._transcoded_usable)
-        self._reviving(data, origin)
+        self.statistics.arrivals += reason is not StopReason.END
+        self.refuse_halted(reason)
 
-    def _transcoded_usable(self, data: bytes) -> bytes | None:
-        """Translates a message, by which the source is heard when that succeeds."""
-        target = self._transcode(data)
-        self.note_usable()
-        return target
+    def _pass(self, data: bytes, origin: Any) -> None:
+        """Passes a message on whose time has come; how long that takes is measured if wanted."""
+        if self._latency is None:
+            self.pass_on(data, origin)
+        else:
+            self._latency.measure(self.pass_on, data, origin, self.statistics)
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether all messages are passed on when they come, and nothing is to be known of them."""
+        passes = self.stopped is None and self._halt is None
+        is_shaped = self._backlog.is_there or not self._shaping.is_plain
+        return passes and self._latency is None and not is_shaped
 
     def watch(self) -> None:
         """Starts to mind the source, and to measure if that is wanted."""
@@ -183,20 +192,11 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         if self.is_command:
             self._backlog.open(self._ends, self.silence_timeout, self._backlog_changed)
         self._measure()
-        self.choose_way()
-
-    def choose_way(self) -> None:
-        """Sends messages the way that fits the case; those that pass are chosen before it."""
-        super().choose_way()
-        if self._halt is None and not self._shaping.is_plain:
-            self._switch.unusual = self._shaping.before(self._switch.unusual or self._short_way())
-        if self._halt is None and self._backlog.is_there:
-            self._switch.unusual = self._backlog.before(self._switch.unusual or self._short_way())
 
     def _backlog_changed(self) -> None:
         """Does first what is due after a standstill: the stop goes before whatever waited."""
         self.judge_silence()
-        self.choose_way()
+        self.note_case()
 
     def _set_silence_timeout(self, seconds: float) -> None:
         with self._ends.loop.lock:
@@ -207,12 +207,6 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         """Sends the safe value for good; whether messages of the source stood until now."""
         self._backlog.close()
         return super().end()
-
-    def _short_way(self) -> Take:
-        """Returns what takes messages in the usual case, which nobody switches to another one."""
-        if self._plain is None:
-            self._plain = self.make_take(Switch(), self._transcode)
-        return self._plain
 
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once; what waits for its time gives way to it.
@@ -301,14 +295,7 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         wanted = self._wants_latency or self._all_want_latency
         if wanted is not (self._latency is not None):
             self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
-            self._measured = None
-            if self._latency is not None:
-                self._measured = self._latency.measuring(self._short_way(), self.statistics)
-            self.choose_way()
-
-    def observing(self) -> Take | None:
-        """Returns what takes and measures messages in the usual case."""
-        return self._measured
+            self.note_case()
 
     def describe_latency(self) -> list[tuple[str, str]]:
         """Names and values of the latency for diagnostics; none unless it is measured."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.fast_path import FastSending, through
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
-    from .stopping import Switch
-    from .translations import Join, NamedPlaces, Transcode
+    from .translations import Join, NamedPlaces
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -84,37 +84,31 @@ class FromTopics(Connection[SourceT, TargetT]):
         for joined in self._topic_joins:
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
         self.join(self._topic_joins)
-        take = self.make_take(self._switch, self._transcode)
+        take = self._through(partial(self.take))
         self._feeds = [ends.shared_topics.feed(self._type, topic, take) for topic in self._topics]
 
-    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
-        """Returns what takes messages."""
+    def pass_on(self, data: bytes, origin: int) -> None:
+        """Translates a message and hands it over to JAUS."""
         counts, now, sink = self.statistics, self._ends.clock.now, self._sink
-        drop, fail = self.drop, self.fail
-
-        def take(data: bytes, stamp: int = 0) -> None:
-            if switch.unusual is not None:
-                switch.unusual(data, stamp)
+        counts.arrivals += 1
+        try:
+            target = self._transcode(data)
+            if self.stopped is not None:
+                self.note_usable()
+            counts.heard = counts.last_arrival = at = now()
+            sink.latest = origin, at
+            if target is None:
+                self.drop(FILTERED)
                 return
-            counts.arrivals += 1
-            try:
-                target = transcode(data)
-                counts.heard = counts.last_arrival = at = now()
-                sink.latest = stamp, at
-                if target is None:
-                    drop(FILTERED)
-                    return
-                if sink.deliver(target) is False:
-                    return
-            except Exception as error:
-                counts.last_arrival = now()
-                fail(error)
+            if sink.deliver(target) is False:
                 return
-            counts.passed += 1
+        except Exception as error:
+            counts.last_arrival = now()
+            self.fail(error)
+            return
+        counts.passed += 1
 
-        return self._through(take, switch)
-
-    def _through(self, take: Take, switch: Switch) -> Take:
+    def _through(self, take: Take) -> Take:
         """Returns what takes messages, with the fast path of those that a core sends."""
         if self.form is not Form.COMPILED:
             return take
@@ -131,7 +125,7 @@ class FromTopics(Connection[SourceT, TargetT]):
 
         def find(feed: Any) -> FastSubscriber | None:
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
-            if outlet is None or switch.unusual is not None:
+            if outlet is None or not self.is_usual:
                 return None
             translation = self._fast_translation()
             if translation is None:

@@ -1,6 +1,6 @@
 """Shaping: which messages of a connection pass, by their number, their pace and their age.
 
-It stands before the way that messages go anyway, and only where there is something to shape.
+Messages come to it before they are passed on, and only where there is something to shape.
 """
 
 from __future__ import annotations
@@ -148,15 +148,17 @@ class Shaping:
         name: str,
         ends: Ends,
         age: Age,
+        way: Take,
         reshaped: Callable[[], None],
         judge_silence: Callable[[], None],
     ) -> None:
         """Reads what parameters say.
 
         Args:
+            way: Takes the messages that pass.
             reshaped: Called when other messages shall pass than before.
         """
-        self._ends, self._age, self._reshaped = ends, age, reshaped
+        self._ends, self._age, self._way, self._reshaped = ends, age, way, reshaped
         self._judge_silence = judge_silence
         self._timer = Alarm(ends.clock)
         self._skipped, self._is_usable, self._passed = 0, False, -math.inf
@@ -190,11 +192,6 @@ class Shaping:
         """Whether there is nothing to shape."""
         return self._shape.is_plain
 
-    def before(self, way: Take) -> Take:
-        """Returns what takes messages instead of a way, and gives it those that pass."""
-        self._way = way
-        return self._take
-
     def withdraw(self) -> Waiting | None:
         """Begins anew; returns what waited and passes no more."""
         self._skipped = 0
@@ -208,7 +205,8 @@ class Shaping:
         self._counts.arrivals += 1
         self._counts.thinned += 1
 
-    def _take(self, data: bytes, origin: Any = None) -> None:
+    def take(self, data: bytes, origin: Any) -> None:
+        """Takes a message, which passes now, later, or not at all."""
         now = self._ends.clock.now()
         if 0 < self._skipped < self._shape.decimation:
             self._skipped += 1

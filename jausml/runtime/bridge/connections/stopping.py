@@ -23,20 +23,6 @@ _LOG_INTERVAL = 5.0
 """Seconds between two lines of the log about the silence of one connection."""
 
 
-class Switch:
-    """Which way messages go.
-
-    Attributes:
-        unusual: Takes them instead; None in the usual case, in which nothing is to be known of
-            them but what they say.
-    """
-
-    __slots__ = ("unusual",)
-
-    def __init__(self) -> None:
-        self.unusual: Callable[[bytes, Any], None] | None = None
-
-
 class Stopping:
     """The part of a connection that minds its source.
 
@@ -75,7 +61,6 @@ class Stopping:
         self._safe_value = safe_value
         self._next_log = 0.0
         self._watch: Timer | None = None
-        self._switch = Switch()
         self._guarded: Guarded | None = None
         self._ends: Ends
 
@@ -93,10 +78,6 @@ class Stopping:
         )
 
     # ------------------------------------------------------------------ for the kinds
-
-    def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes one message from the source, whatever the case."""
-        raise NotImplementedError
 
     def deliver(self, payload: bytes) -> bool:
         """Hands a message to the target side; False when it was dropped and counted."""
@@ -122,19 +103,14 @@ class Stopping:
         """Counts a message that could not be translated or handed over."""
         raise NotImplementedError
 
-    # ------------------------------------------------------------------ the way of messages
+    def note_case(self) -> None:
+        """Tells a core, which passes usual messages alone, and the guardian that the case changed.
 
-    def choose_way(self) -> None:
-        """Sends messages the way that fits the case."""
-        rests = self.stopped is not None or self._halt is not None
-        self._switch.unusual = self.take if rests else self.observing()
+        To be called whenever something changes that decides what becomes of messages.
+        """
         self._ends.loop.revision.changed()
-        if not rests and self._guarded is not None:
+        if self.stopped is None and self._halt is None and self._guarded is not None:
             self._guarded.arm(True)  # noqa: FBT003
-
-    def observing(self) -> Callable[[bytes, Any], None] | None:
-        """Returns what takes messages instead while all is well; None when nothing does."""
-        return None
 
     # ------------------------------------------------------------------ silence
 
@@ -157,7 +133,7 @@ class Stopping:
         if self.stopped is not None and self._halt is None:
             self.stopped = None
             self._arm(self.silence_timeout)
-            self.choose_way()
+            self.note_case()
 
     def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
@@ -212,7 +188,7 @@ class Stopping:
         # What stands already stands for its own reason: a bridge begins inactive.
         if stood or reason is not StopReason.INACTIVE:
             self.stopped = reason
-        self.choose_way()
+        self.note_case()
         if stood:
             counts = self.statistics.stops
             counts[reason] = counts.get(reason, 0) + 1
@@ -275,7 +251,7 @@ class Stopping:
             Whether something was stopped.
         """
         self._halt = reason
-        self.choose_way()
+        self.note_case()
         return reason is not None and self.stop(reason)
 
     def end(self) -> bool:

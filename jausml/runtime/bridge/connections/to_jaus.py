@@ -129,9 +129,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._sink.deliver = self._senders[0] if is_simple else self.deliver
         self._ends.loop.revision.changed()
 
-    def choose_way(self) -> None:
-        """Sends messages the way that fits the case."""
-        super().choose_way()
+    def note_case(self) -> None:
+        """Tells others that the case changed, and finds out who gets the messages now."""
+        super().note_case()
         self._find_route()
 
     def lacks_peers(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.fast_path import FastPath, through
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from .ages import Age
     from .connection import Take
     from .requests import CommandAnswer, ReportJoin
-    from .stopping import Switch
     from .translations import Transcode
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -102,7 +102,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         for each in self._report_joins:
             each.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
-        self._take = self.make_take(self._switch, self._transcode)
+        self._take = self._through(partial(self.take))
         self.begin(ends)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
@@ -122,45 +122,37 @@ class ToTopics(Connection[SourceT, TargetT]):
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         return Form.ROS_CLASSES if is_real else Form.LIGHT
 
-    def make_take(self, switch: Switch, transcode: Transcode) -> Take:
-        """Returns what takes messages."""
-        counts, now = self.statistics, self._ends.clock.now
-        drop, fail, refused = self.drop, self.fail, self._note_refused
-        publisher = self._publisher
-        publish = publisher.publish
-
-        def take(data: bytes, sender: JausAddress | None = None) -> None:
-            if switch.unusual is not None:
-                switch.unusual(data, sender)
-                return
-            target, failure = None, None
-            try:
-                target = transcode(data)
-            except Exception as error:
-                counts.arrivals += 1
-                counts.last_arrival = now()
-                fail(error)
-                return
-            if target is not None:
-                try:
-                    publish(target)
-                except Exception as error:
-                    failure = error
-            # What is only counted is counted when the message has gone on.
+    def pass_on(self, data: bytes, origin: Any) -> None:  # noqa: ARG002
+        """Translates a message and publishes it."""
+        counts, now, publisher = self.statistics, self._ends.clock.now, self._publisher
+        target, failure = None, None
+        try:
+            target = self._transcode(data)
+        except Exception as error:
             counts.arrivals += 1
-            counts.heard = counts.last_arrival = now()
-            if target is None:
-                drop(FILTERED)
-            elif failure is not None:
-                refused(failure)
-            else:
-                counts.passed += 1
-                if not publisher.matched:
-                    publisher.unmatched += 1
+            counts.last_arrival = now()
+            self.fail(error)
+            return
+        if self.stopped is not None:
+            self.note_usable()
+        if target is not None:
+            try:
+                publisher.publish(target)
+            except Exception as error:
+                failure = error
+        # What is only counted is counted when the message has gone on.
+        counts.arrivals += 1
+        counts.heard = counts.last_arrival = now()
+        if target is None:
+            self.drop(FILTERED)
+        elif failure is not None:
+            self._note_refused(failure)
+        else:
+            counts.passed += 1
+            if not publisher.matched:
+                publisher.unmatched += 1
 
-        return self._through(take, switch)
-
-    def _through(self, take: Take, switch: Switch) -> Take:
+    def _through(self, take: Take) -> Take:
         """Returns what takes messages, with the fast path of those that a core publishes."""
         address = getattr(self._publisher, "address", 0)
         if self.form is not Form.COMPILED or not address:
@@ -178,7 +170,7 @@ class ToTopics(Connection[SourceT, TargetT]):
                 unknown(left_out)
 
         def find(_sender: JausAddress) -> FastPath | None:
-            translation = None if switch.unusual is not None else self._fast_translation()
+            translation = self._fast_translation() if self.is_usual else None
             if translation is None:
                 return None
             return FastPath(self._message.CODE, translation, address, passed)

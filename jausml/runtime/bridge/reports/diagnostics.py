@@ -180,22 +180,16 @@ class Latency:
         self._ages: deque[int] = deque(maxlen=WINDOW)
         self._handling: deque[int] = deque(maxlen=WINDOW)
 
-    def measuring(self, take: Take, counts: Statistics) -> Take:
-        """Returns what takes messages as `take` does, and measures those that are passed on."""
-        clock = self._clock
-        note_age, note_handling, age_of = self._ages.append, self._handling.append, self._age
-
-        def measured(data: bytes, origin: Any = None) -> None:
-            begun, passed = clock(), counts.passed
-            take(data, origin)
-            handling = round((clock() - begun) * 1e9)
-            if counts.passed > passed:
-                note_handling(handling)
-                age = age_of(data, origin)
-                if age is not None:
-                    note_age(age - handling)
-
-        return measured
+    def measure(self, pass_on: Take, data: bytes, origin: Any, counts: Statistics) -> None:
+        """Has a message passed on, and notes how long that took if it was."""
+        begun, passed = self._clock(), counts.passed
+        pass_on(data, origin)
+        handling = round((self._clock() - begun) * 1e9)
+        if counts.passed > passed:
+            self._handling.append(handling)
+            age = self._age(data, origin)
+            if age is not None:
+                self._ages.append(age - handling)
 
     def describe(self) -> list[tuple[str, str]]:
         """Names and values for diagnostics; none before the first message."""
