@@ -12,6 +12,7 @@ import sys
 from array import array
 from typing import TYPE_CHECKING, Any
 
+from jausml.language.cdr import PRIMITIVES
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import FIXED, SINGLE
 from jausml.live.recording.mcap_files import RecordingError
@@ -22,23 +23,6 @@ if TYPE_CHECKING:
     from jausml.language.interfaces.definitions import FieldDefinition, FieldType
 
     Read = Callable[["_Bytes"], Any]
-
-_CODES = {
-    "bool": "?",
-    "byte": "B",
-    "char": "B",
-    "float32": "f",
-    "float64": "d",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-}
-"""Codes of numbers for `struct`."""
 
 _PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
 _PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9]*)+", re.MULTILINE)
@@ -192,9 +176,9 @@ def _nothing(source: _Bytes) -> dict[str, Any]:
 def _field(
     kind: FieldType, package: str, parts: Mapping[str, str], known: dict[str, Read], depth: int
 ) -> Read:
-    code = _CODES.get(kind.name) if not kind.package else None
-    if code is not None:
-        return _numeric(kind, code)
+    primitive = None if kind.package else PRIMITIVES.get(kind.name)
+    if primitive is not None:
+        return _numeric(kind, primitive.code)
     if kind.is_primitive:
         one: Read = _Bytes.text if kind.name == "string" else _Bytes.wide_text
     else:
