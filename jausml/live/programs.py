@@ -45,7 +45,13 @@ class Program:
 
 
 PROGRAMS = (
-    Program("compiler", native.COMPILERS, "compiled translations of bridges", "g++", "CXX"),
+    Program(
+        "compiler",
+        native.COMPILERS,
+        "compiled translations of bridges (in Python a scan or path costs 20 to 100 times as much)",
+        "g++",
+        "CXX",
+    ),
     Program("git", ("git",), "versions of models, and their merges", "git"),
     Program("tshark", ("tshark",), "dissectors on the command line", "tshark"),
     Program("nft", ("nft",), "firewalls of deployments", "nftables"),

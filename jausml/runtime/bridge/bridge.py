@@ -53,6 +53,9 @@ if TYPE_CHECKING:
     from .ends.ros_side import FastSubscriber, RosSide
     from .messages.compiled import Compiled, Core, Function, Translation
 
+_COST = "where a scan or path costs 20 to 100 times as much"
+"""What is said of translations in Python."""
+
 
 class Bridge:
     """The common part of all bridges; a generated base derives from it and names connections.
@@ -157,12 +160,16 @@ class Bridge:
     def _load_core(self, wanted: bool) -> None:  # noqa: FBT001
         """Loads what was compiled of the translations, if it is there."""
         self._library = None
-        if self.core is None or not wanted:
+        if self.core is None:
+            return
+        if not wanted:
+            LOGGER.info("the compiled core is off; Python translates, %s", _COST)
             return
         try:
             self._library = self.core, self.core.load()
         except NoCoreError as error:
-            LOGGER.info("no compiled core: %s; Python translates, see `jausml build`", error)
+            told = "no compiled core: %s; Python translates, %s, see `jausml build`"
+            LOGGER.info(told, error, _COST)
             return
         try:
             self._fast = FastSide(self._library[1], self.component)
