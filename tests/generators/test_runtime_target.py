@@ -72,17 +72,16 @@ def test_no_module_knows_the_toolchain(copies):
 def test_the_manifest_names_what_is_imported(copies):
     packages = {module.split(".")[0] for text in copies.values() for module in imported(text)}
     foreign = packages - set(sys.stdlib_module_names)
-    # The interface packages have no module without ROS either. Bridges whose translations go
-    # through columns depend on numpy themselves.
-    assert foreign - {"numpy"} == set(DEPENDENCIES)
+    # The interface packages have no module without ROS either.
+    assert foreign == set(DEPENDENCIES)
 
 
 def needs_more(name, text):
-    """Tells whether a module imports numpy or rclpy, or is of the ROS side, or imports of it."""
+    """Tells whether a module imports rclpy, or is of the ROS side, or imports of it."""
     inside = [n.module or "" for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
     return (
         name.startswith("bridge/ros/")
-        or bool({"numpy", "rclpy"} & set(imported(text)))
+        or "rclpy" in set(imported(text))
         or any({"ros", "rclpy"} & set(each.split(".")) for each in inside)
     )
 
