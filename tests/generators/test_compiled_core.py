@@ -219,6 +219,21 @@ def test_an_override_has_no_compiled_form(made: Generated) -> None:
     assert hasattr(Mine.translate_speed_down, "compiled")
 
 
+@pytest.mark.parametrize(
+    ("wanted", "told"), [(True, "no compiled core: it is not built;"), (False, "core is off;")]
+)
+def test_the_log_says_what_python_costs(
+    made: Generated, tmp_path: Path, caplog: pytest.LogCaptureFixture, wanted: bool, told: str
+) -> None:
+    class Unbuilt(type(made.bridge)):  # type: ignore[misc]
+        core = type(made.bridge.core)(str(tmp_path / "base.py"), made.bridge.core.digest)
+
+    caplog.set_level("INFO")
+    Unbuilt()._load_core(wanted)
+    assert told in caplog.text
+    assert "20 to 100 times as much" in caplog.text
+
+
 def test_forms_that_differ_are_told(made: Generated) -> None:
     """By the check that stands in the generated tests for each connection."""
     differing_forms = importlib.import_module("jausml_runtime").differing_forms
