@@ -123,13 +123,13 @@ fuzz: $(READY)  ## run every fuzz target for SECONDS, guided by coverage if athe
 emf: $(READY)  ## check metamodels and models with the real Eclipse EMF, and record its verdicts
 	$(BIN)/python tools/record_emf.py
 
-reference: $(READY)  ## write docs/reference/, the lists of the command line, and the names for editors
-	$(BIN)/python tools/build_known.py
+reference: $(READY)  ## write the references into docs/reference/, for reading here; the site has them by itself
 	$(BIN)/python tools/build_reference.py
-	$(BIN)/python tools/build_grammar.py
 
-types: $(READY)  ## write the type stubs of the metamodel classes
+types: $(READY)  ## write what follows from metamodels and conversions: type stubs, and names for editors
 	$(BIN)/python tools/build_model_types.py
+	$(BIN)/python tools/build_known.py
+	$(BIN)/python tools/build_grammar.py
 
 # Python 3.10 and all later ones, on any system; no index is named.
 COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \

@@ -67,7 +67,7 @@ def test_conversions_are_coloured(name):
 
 def test_the_conversions_of_the_grammar_are_written_by_their_table():
     text = GRAMMAR_FILE.read_text(encoding="utf-8")
-    assert grammar(text) == text, "run `make reference`"
+    assert grammar(text) == text, "run `make types`"
 
 
 def test_classes_are_coloured():
