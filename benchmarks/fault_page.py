@@ -31,7 +31,8 @@ _INTRODUCTION = """\
 
 Look up how a bridge reacts when something fails, and how long it takes to recover. `make faults`
 has written this page. The figures are from CPython {python} on {processors} processors; their load,
-other work included, was {load:g} in the last run. Each line is from a single run, so the times are examples and not guarantees.
+other work included, was {load:g} in the last run. Each line is from a single run, so the times are
+examples and not guarantees.
 
 The system has one generated bridge (`tests/cases/bridge_loop`) between a JAUS vehicle, a JAUS
 operator and a ROS node. Each of them is a separate process. Every connection carries twenty
