@@ -115,8 +115,8 @@ docs: $(READY)  ## build the site of the documentation in site/VERSION/; fail at
 SECONDS ?= 60
 
 fuzz: $(READY)  ## run every fuzz target for SECONDS, guided by coverage if atheris is installed
-	@for target in $(notdir $(basename $(wildcard fuzz/targets/[a-z]*.py))); do \
-	  echo "$$target:"; $(BIN)/python fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
+	@for target in $(notdir $(basename $(wildcard tests/fuzz/targets/[a-z]*.py))); do \
+	  echo "$$target:"; $(BIN)/python tests/fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
 	done
 
 emf: $(READY)  ## check metamodels and models with the real Eclipse EMF, and record its verdicts
@@ -174,3 +174,4 @@ fresh: $(READY)  ## run `make demo` and `make test` on bare systems of Debian, a
 
 clean:  ## remove everything that make has made
 	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page studio/node_modules
+	rm -f $$(sed -n 's|^/\(docs/reference/\)|\1|p' .gitignore)

@@ -15,9 +15,9 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.tree import KEYWORDS
 
-GUARDS = ("editors", "metamodels")
+GUARDS = ("integrations/vscode", "metamodels")
 
-FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
+FOLDER = Path(__file__).parents[2] / "integrations" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))
 PACKAGE = json.loads((FOLDER / "package.json").read_text("utf-8"))
 

@@ -26,26 +26,27 @@ def sections(name: str) -> list[str]:
 @pytest.mark.parametrize("language", build_reference.LANGUAGES)
 def test_each_class_has_a_section(language):
     package = load_metamodels().package_named(language).epackage
-    kinds = [str(each.name) for each in package.eClassifiers]
-    found = [each.removesuffix(" (abstract)") for each in sections(f"{language}.md")]
-    assert sorted(found) == sorted(kinds)
+    kinds = [str(classifier.name) for classifier in package.eClassifiers]
+    told = [heading.removesuffix(" (abstract)") for heading in sections(f"{language}.md")]
+    assert sorted(told) == sorted(kinds)
 
 
 def test_each_rule_has_a_section():
     listed = CliRunner().invoke(main, ["rules"]).output
     rules = re.findall(r"^(JML\d{3})\b", listed, re.MULTILINE)
     assert len(rules) > 200
-    assert [each.split()[0] for each in sections("rules.md")] == rules
+    assert [heading.split()[0] for heading in sections("rules.md")] == rules
 
 
 def test_each_verb_has_a_section():
-    verbs = [each.split()[1] for each in sections("cli.md") if " " in each]
+    verbs = [heading.split()[1] for heading in sections("cli.md") if " " in heading]
     assert list(dict.fromkeys(verbs)) == main.list_commands(click.Context(main))
 
 
 def test_each_conversion_has_a_line():
     page = build_reference.conversions_page()
-    assert [each for each in CONVERSIONS.values() if f"| `{each.call}` |" not in page] == []
+    calls = [conversion.call for conversion in CONVERSIONS.values()]
+    assert [call for call in calls if f"| `{call}` |" not in page] == []
 
 
 def test_what_is_unknown_is_told_of_ready_maps():
