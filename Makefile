@@ -69,12 +69,12 @@ format: $(READY)  ## format the code, and fix what can be fixed automatically
 	$(BIN)/ruff check --fix .
 
 # ONLY="latency load" measures a part; BENCH=--quick looks for a few minutes.
-bench: $(READY)  ## measure everything in about twelve minutes, and write docs/performance.md
+bench: $(READY)  ## measure everything in about twelve minutes, and write build/results/performance.md
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 
-faults: $(READY)  ## provoke every fault with real processes in about twelve minutes, and write docs/reference/faults.md
-	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
-	$(BIN)/python benchmarks/fault_page.py --check
+faults: $(READY)  ## provoke every fault with real processes in about twelve minutes, and write build/results/faults.md
+	JAUSML_FAULTS=build/results/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
+	$(BIN)/python benchmarks/fault_page.py build/results/faults.json
 
 stories: $(READY) wheel  ## tell the stories of three new users, from an empty folder with the wheel, in both notations
 	installed=$$(mktemp -d) && trap 'rm -rf "$$installed"' EXIT && $(PYTHON) -m venv "$$installed" \
@@ -91,23 +91,22 @@ studio-check: $(READY)  ## build the page of the studio, and run its linter, typ
 wheel:  ## build a wheel with the page of the studio in wheels/, within a minute
 	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
 	$(BIN)/python tools/build_studio.py --no-check
-	rm -rf build wheels/jausml-*.whl
+	rm -rf build/lib build/bdist.* wheels/jausml-*.whl
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir wheels .
-	rm -rf build jausml.egg-info
+	rm -rf build/lib build/bdist.* jausml.egg-info
 
 MINUTES ?= 60
 
 soak: $(READY)  ## send messages both ways through one bridge for MINUTES, and check that nothing grows or gets lost unseen
 	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
-	$(BIN)/python benchmarks/page.py
 
-experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about five minutes, and write docs/experiment.md
+experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about five minutes, and write experiment-out/full/experiment.md
 	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
 
-mutate: $(READY)  ## break the models of the examples in about ten minutes, and write docs/reference/mutations.md
+mutate: $(READY)  ## break the models of the examples in about ten minutes, and write build/results/mutations.md
 	$(BIN)/python tools/build_mutations.py $(MUTATE)
 
-proofs: $(READY)  ## prove the ready maps in about ten minutes, and write docs/reference/proofs.md
+proofs: $(READY)  ## prove the ready maps in about ten minutes, and write build/results/proofs.md
 	$(BIN)/python tools/build_proofs.py $(PROOFS)
 
 docs: $(READY)  ## build the site of the documentation in site/VERSION/; fail at a warning
@@ -116,20 +115,20 @@ docs: $(READY)  ## build the site of the documentation in site/VERSION/; fail at
 SECONDS ?= 60
 
 fuzz: $(READY)  ## run every fuzz target for SECONDS, guided by coverage if atheris is installed
-	@for target in $(notdir $(basename $(wildcard fuzz/targets/[a-z]*.py))); do \
-	  echo "$$target:"; $(BIN)/python fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
+	@for target in $(notdir $(basename $(wildcard tests/fuzz/targets/[a-z]*.py))); do \
+	  echo "$$target:"; $(BIN)/python tests/fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
 	done
 
 emf: $(READY)  ## check metamodels and models with the real Eclipse EMF, and record its verdicts
 	$(BIN)/python tools/record_emf.py
 
-reference: $(READY)  ## write docs/reference/, the lists of the command line, and the names for editors
-	$(BIN)/python tools/build_known.py
+reference: $(READY)  ## write the references into docs/reference/, for reading here; the site has them by itself
 	$(BIN)/python tools/build_reference.py
-	$(BIN)/python tools/build_grammar.py
 
-types: $(READY)  ## write the type stubs of the metamodel classes
+types: $(READY)  ## write what follows from metamodels and conversions: type stubs, and names for editors
 	$(BIN)/python tools/build_model_types.py
+	$(BIN)/python tools/build_known.py
+	$(BIN)/python tools/build_grammar.py
 
 # Python 3.10 and all later ones, on any system; no index is named.
 COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \
@@ -175,3 +174,4 @@ fresh: $(READY)  ## run `make demo` and `make test` on bare systems of Debian, a
 
 clean:  ## remove everything that make has made
 	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page studio/node_modules
+	rm -f $$(sed -n 's|^/\(docs/reference/\)|\1|p' .gitignore)

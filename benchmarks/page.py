@@ -1,9 +1,8 @@
-"""The page on performance, made of the data of a run; `python benchmarks/page.py` writes it."""
+"""The page on performance, made of the data of a run."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from names import COMPILED, FLOOR, GENERATED, KINDS, WAY_NAMES, WAYS
@@ -12,15 +11,14 @@ from targets import JUDGED_RATE, TAIL_RATE, TARGETS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-PAGE = HERE.parent / "docs" / "performance.md"
 _QUIET_LOAD = 0.7
 _INTRODUCTION = """\
 # What it costs
 
 How much time and memory a generated bridge needs, and how long the toolchain takes. `make bench`
-writes this page; do not edit it. The figures are from CPython {python} on {processors} processors.
+has written this page. The figures are from CPython {python} on {processors} processors.
 Trust ratios: what is compared took turns in one run. *floor* is a Python program that only forwards
 the same bytes between the same two sockets, *compiled* the generated bridge, *generated* the same
 one without a compiler. The span of a ratio over the run is in brackets.
@@ -135,12 +133,3 @@ def stored(data_file: Path) -> dict[str, Any]:
     if soak.exists():
         data["soak"] = json.loads(soak.read_text(encoding="utf-8"))
     return data
-
-
-def main() -> None:
-    """Writes the page from the data that is stored."""
-    PAGE.write_text(page(stored(HERE / "results.json")), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

@@ -2,10 +2,10 @@
 
 Usage: run.py [--quick | --tiny] [--only NAME...] [--before PYTHON] [--data FILE] [--page FILE]
 
-A full run takes about twelve minutes and writes benchmarks/results.json and docs/performance.md;
-any other writes into build/benchmarks unless it is told where. With --only, the other figures of
-the data file stay, and the page says of each part what kind of run it is of. Each section runs in a
-process of its own with a time limit; one that fails is told, and the others run.
+A full run takes about twelve minutes and writes performance.json and performance.md in
+build/results; any other writes them into build/benchmarks unless it is told where. With --only, the
+other figures of the data file stay, and the page says of each part what kind of run it is of. Each
+section runs in a process of its own with a time limit; one that fails is told, and the others run.
 """
 
 from __future__ import annotations
@@ -36,10 +36,11 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
-DATA = HERE / "results.json"
-PAGE = ROOT / "docs" / "performance.md"
 FORMAT = 4
 """Version of the data; figures of another one are not kept."""
+
+RESULTS = ROOT / "build" / "results"
+"""Where full runs go; a release takes them along."""
 
 LOOKS = ROOT / "build" / "benchmarks"
 """Where runs go that are not full."""
@@ -78,9 +79,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     scale = TINY if options.tiny else QUICK if options.quick else FULL
     if options.section:
         return _one(options.section, scale, Path(options.data))
-    folder = HERE if scale is FULL else LOOKS
-    data_file = Path(options.data or folder / DATA.name)
-    page_file = Path(options.page or (PAGE if scale is FULL else LOOKS / PAGE.name))
+    folder = RESULTS if scale is FULL else LOOKS
+    data_file = Path(options.data or folder / "performance.json")
+    page_file = Path(options.page or folder / "performance.md")
     if options.before:
         os.environ[BEFORE] = options.before
     data = _measured(options.only or NAMES, scale, data_file)

@@ -3,9 +3,9 @@
 Usage: soak.py [--minutes 60] [--rate 500] [--data FILE]
 
 Points pass both ways through a generated bridge. Every ten seconds its memory, descriptors, threads
-and counts are looked at. Writes benchmarks/soak.json, whose section of docs/performance.md
-benchmarks/page.py makes, or after less than an hour a file in build/benchmarks; the exit code is 1
-when something has grown or does not add up.
+and counts are looked at. Writes build/results/soak.json, which the page of the next `make bench`
+tells of, or after less than an hour a file in build/benchmarks; the exit code is 1 when something
+has grown or does not add up.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from figures import rounded
 from names import GENERATED, WAYS
 from processes import Children
 from rclpy.serialization import deserialize_message
-from run import LOOKS, machine
+from run import LOOKS, RESULTS, machine
 from samples import sample
 from systems import Measured, generate
 from variants import Loop, settle
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from samples import Sample
     from systems import System
 
-HERE = Path(__file__).resolve().parent
-DATA = HERE / "soak.json"
 FULL = 60.0
 """Minutes of a run that the page on performance tells of."""
 
@@ -315,7 +313,7 @@ def _rest(loop: _Soaked) -> None:
 
 def data_file(minutes: float) -> Path:
     """Returns where a run is kept; a short one does not replace what the page tells."""
-    return DATA if minutes >= FULL else LOOKS / DATA.name
+    return (RESULTS if minutes >= FULL else LOOKS) / "soak.json"
 
 
 def main() -> int:

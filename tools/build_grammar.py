@@ -12,7 +12,7 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.tree import classes_by_keyword
 
 ROOT = Path(__file__).resolve().parent.parent
-GRAMMAR = ROOT / "editors" / "vscode" / "syntaxes" / "ros2jaus.tmLanguage.json"
+GRAMMAR = ROOT / "integrations" / "vscode" / "syntaxes" / "ros2jaus.tmLanguage.json"
 
 _FIRST_GROUP = re.compile(r"\((?:\w+\|)+\w+\)")
 

@@ -1,6 +1,6 @@
-"""Writes docs/reference/mutations.md: breaks the examples, and tells what notices it.
+"""Breaks models, those of the examples at first, and writes a page on what notices it.
 
-python tools/build_mutations.py [--limit N] [--jobs N]
+python tools/build_mutations.py [--limit N] [--jobs N] [--page FILE] [MODEL...]
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "reference" / "mutations.md"
+PAGE = ROOT / "build" / "results" / "mutations.md"
 MODELS = (
     "models/catvehicle/catvehicle.xmi",
     "models/examples/waypoint_list/waypoint_list.ros2jaus",
@@ -33,8 +33,7 @@ HEAD = """\
 # Mutations
 
 Look up what notices a mistake in the models of the examples. `make mutate` has broken them, one
-thing at a time, as [`jausml mutate`](../how-to/mutate.md) does with any model, and has written this
-page.
+thing at a time, as `jausml mutate` does with any model, and has written this page.
 """
 
 
@@ -51,13 +50,16 @@ def operators() -> Iterator[str]:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Breaks the examples, and writes the page."""
+    """Breaks the models, and writes the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--limit", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--page", type=Path, default=PAGE)
+    parser.add_argument("models", nargs="*", default=MODELS, metavar="MODEL")
     asked = parser.parse_args(arguments)
-    campaigns = [_campaign(model, asked.limit, asked.jobs) for model in MODELS]
-    PAGE.write_text(page(campaigns), encoding="utf-8")
+    campaigns = [_campaign(model, asked.limit, asked.jobs) for model in asked.models]
+    asked.page.parent.mkdir(parents=True, exist_ok=True)
+    asked.page.write_text(page(campaigns), encoding="utf-8")
 
 
 def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:

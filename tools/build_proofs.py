@@ -1,6 +1,6 @@
-"""Writes docs/reference/proofs.md: proves the ready maps, and tells what becomes of values.
+"""Proves maps, the ready ones at first, and writes a page on what becomes of values.
 
-python tools/build_proofs.py [--budget SECONDS] [--jobs N]
+python tools/build_proofs.py [--budget SECONDS] [--jobs N] [--page FILE] [MODEL...]
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
     from jausml.proving.results import FieldResult, MapResult
 
-PAGE = Path(__file__).resolve().parent.parent / "docs" / "reference" / "proofs.md"
+PAGE = Path(__file__).resolve().parent.parent / "build" / "results" / "proofs.md"
 
 HEAD = """\
 # Proofs of the ready maps
 
 Look up what becomes of the values that go through the ready maps. `make proofs` has put them
-through the compiled translations, there and back, as [`jausml prove mappings`](../how-to/prove.md)
-does, and has written this page.
+through the compiled translations, there and back, as `jausml prove mappings` does, and has written
+this page.
 
 For each map it names the numbers of the JAUS message that come back as they were, those that do
 not, and those that go one way. Numbers of up to 16 bits were tried with all values, wider ones with
@@ -51,26 +51,29 @@ What does not come back is meant so:
 | sensor states | standby | a truth value of ROS has no third state |
 | range validity | neither true nor false | is not true: the reading is 0, which is no range |
 
-What is left to Python has no compiled form that gives the same bits
-([why](../how-to/compile-bridges.md#what-stays-in-python)); its generated tests and vectors stand
-for it.
+What is left to Python has no compiled form that gives the same bits; its generated tests and
+vectors stand for it.
 """
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Proves the ready maps, and writes the page."""
+    """Proves the maps, and writes the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--budget", type=float, default=1.0)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--page", type=Path, default=PAGE)
+    ready = list(map(str, library_paths("mappings")))
+    parser.add_argument("models", nargs="*", default=ready, metavar="MODEL")
     asked = parser.parse_args(arguments)
-    report = check_project(list(map(str, library_paths("mappings"))))
+    report = check_project(asked.models)
     trips = round_trips(report.model)
     settings = Settings(program(), asked.budget, asked.jobs)
     found = dict(prove_all(report.model, trips, settings))
     results = [found[number] for number in range(len(trips))]
     modules = {each.name: _module(report.model.location(each.to_ros).path) for each in trips}
     faults = by_map(with_proofs(report, trips, results))
-    PAGE.write_text(page(results, modules, faults), encoding="utf-8")
+    asked.page.parent.mkdir(parents=True, exist_ok=True)
+    asked.page.write_text(page(results, modules, faults), encoding="utf-8")
 
 
 def _module(path: str) -> str:

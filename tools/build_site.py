@@ -1,8 +1,9 @@
 """Builds the site of the documentation, for `make docs`; fails at the first warning.
 
 The pages are written to be read in the repository too. So docs/index.md says which pages there are
-and in which order, and what they link to outside docs/ comes along. Each version has a folder of
-its own; versions.json beside them is what the chooser of versions on each page reads.
+and in which order, and what they link to outside docs/ comes along. The references are made here,
+of what the code is now. Each version has a folder of its own; versions.json beside them is what the
+chooser of versions on each page reads.
 """
 
 from __future__ import annotations
@@ -18,13 +19,17 @@ import tempfile
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
+import build_reference
+
 import jausml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = PurePosixPath("docs")
+REFERENCES = {DOCS / "reference" / name: make for name, make in build_reference.MAKERS.items()}
+"""What makes the pages that are not committed, by their path in the repository."""
 OUTSIDE = PurePosixPath("repository")
 """Folder of the site for what lies outside docs/."""
 SETTINGS = "zensical.toml"
@@ -107,11 +112,12 @@ def navigation(index: PurePosixPath = DOCS / "index.md") -> list[dict[str, Any]]
     return top
 
 
-def stage(folder: Path) -> None:
+def stage(folder: Path, made: Mapping[PurePosixPath, str]) -> None:
     """Puts together what the site is built from: pages, what they link to, and the settings.
 
     Args:
         folder: An empty folder.
+        made: The text of pages that need not be there as files, by their path in the repository.
 
     Raises:
         SiteError: A page links to what is not there.
@@ -121,18 +127,20 @@ def stage(folder: Path) -> None:
         for path in (ROOT / DOCS).rglob("*")
         if path.is_file()
     ]
+    todo += made
     done = set()
     while todo:
         path = todo.pop()
         if path in done:
             continue
         done.add(path)
-        if not (ROOT / path).is_file():
+        if path not in made and not (ROOT / path).is_file():
             raise SiteError(f"a page links to {path}, which is no file")
         place = folder / DOCS / site_path(path)
         place.parent.mkdir(parents=True, exist_ok=True)
         if path.suffix == ".md":
-            text = (ROOT / path).read_text(encoding="utf-8")
+            # One that is there as a file may be of an older state of the code.
+            text = made[path] if path in made else (ROOT / path).read_text(encoding="utf-8")
             place.write_text(moved(path, text), encoding="utf-8")
             todo += links(path, text)
         else:
@@ -153,19 +161,20 @@ def _toml(value: str | list[Any] | dict[str, Any]) -> str:
     return json.dumps(value)
 
 
-def build(site: Path, version: str) -> None:
+def build(site: Path, version: str, made: Mapping[PurePosixPath, str]) -> None:
     """Builds one version of the site beside those that stand there.
 
     Args:
         site: Folder of all versions.
         version: Name of this one's folder.
+        made: The text of pages that are not committed, by their path in the repository.
 
     Raises:
         SiteError: There was a warning.
     """
     with tempfile.TemporaryDirectory(prefix="jausml-site-") as name:
         folder = Path(name)
-        stage(folder)
+        stage(folder, made)
         command = [sys.executable, "-m", "zensical", "build", "--strict", "--clean"]
         done = subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
         said = _COLOUR.sub("", done.stdout + done.stderr).partition("Traceback")[0]
@@ -209,7 +218,7 @@ def main() -> int:
     given = parser.parse_args()
     try:
         given.out.mkdir(parents=True, exist_ok=True)
-        build(given.out, given.name)
+        build(given.out, given.name, {path: make() for path, make in REFERENCES.items()})
     except (SiteError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

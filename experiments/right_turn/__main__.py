@@ -2,16 +2,14 @@
 
 Usage: python -m experiments.right_turn [--quick] [--stage NAME]... [--runs N] [--out FOLDER]
 
-Each stage leaves its data in a folder. When all stages of the full experiment are done in the usual
-one, docs/experiment.md and its figures are written; else they are left beside the data. The exit
-status is 1 when a stage failed or a claim does not hold.
+Each stage leaves its data in the folder; the page, experiment.md, and its figures are beside them.
+The exit status is 1 when a stage failed or a claim does not hold.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
 import traceback
 from pathlib import Path
@@ -25,9 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 OUT = ROOT / "experiment-out"
-DATA = ROOT / "experiments" / "results.json"
-PAGE = ROOT / "docs" / "experiment.md"
-FIGURES = ROOT / "docs" / "experiment"
 RUN = dict(zip(STAGES, (wall.run, virtual.run, simulator.run), strict=True))
 
 
@@ -53,10 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     text = json.dumps(found, indent=1, allow_nan=False) + "\n"
     (folder / "results.json").write_text(text, encoding="utf-8")
     page = folder / "experiment.md"
-    page.write_text(report.page(found, "figures"), encoding="utf-8")
-    if not plan.quick and options.out == OUT and found["summaries"].keys() == set(STAGES):
-        _publish(folder, text, report.page(found))
-        page = PAGE
+    page.write_text(report.page(found), encoding="utf-8")
     print(f"\n{report.table(found)}\n\n{page} was written.")
     for name, why in failed.items():
         print(f"failed: {name}: {why}", file=sys.stderr)
@@ -81,14 +73,6 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     if options.runs is not None and options.runs < 2:
         parser.error("--runs: at least 2, or J cannot be compared with J")
     return options
-
-
-def _publish(folder: Path, data: str, page: str) -> None:
-    """Puts data, page and figures where the documentation has them."""
-    DATA.write_text(data, encoding="utf-8")
-    PAGE.write_text(page, encoding="utf-8")
-    shutil.rmtree(FIGURES, ignore_errors=True)
-    shutil.copytree(folder / "figures", FIGURES)
 
 
 if __name__ == "__main__":

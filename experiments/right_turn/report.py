@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 from catvehicle.metrics import Table
 
-from experiments.right_turn import ROOT
 from experiments.right_turn.comparisons import HOP_NAMES
 from experiments.right_turn.results import MEASURES, QUIET_SHARE
 from experiments.right_turn.tables import answer, figure, markdown_table, number
@@ -15,14 +13,11 @@ from experiments.right_turn.tables import answer, figure, markdown_table, number
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-DATA = ROOT / "experiments" / "results.json"
-PAGE = ROOT / "docs" / "experiment.md"
-
 _INTRODUCTION = """\
 # The right turn, by JAUS alone and through the bridge
 
 Does a car drive the same turn through a generated bridge as without one? `make experiment` drives,
-judges and writes this page in five minutes; do not edit it. The figures are from CPython {python}
+judges and writes this page in five minutes. The figures are from CPython {python}
 on {processors} processors.
 
 The paper that proposed bridges made from models (Morley, Warren, Rabb, Whitsitt, Bunting and
@@ -31,7 +26,7 @@ drives by eye (its Fig. 6), and saw the second one steer "more wildly". Here bot
 measured: **J** has vehicle, operator and controllers as JAUS components; in **R**, the controllers
 are ROS 2 nodes behind one generated bridge. They share the code of vehicle and control laws. In
 *real time* they are processes with sockets and rclpy; in *virtual time* the same generated code
-runs on one simulated clock ([Test in virtual time](how-to/virtual-time.md)).
+runs on one simulated clock.
 """
 
 _NOT_REPRODUCED = """\
@@ -44,7 +39,7 @@ shape of the drives and the claims are reproduced, and not single data points.
 """
 
 
-def page(data: Mapping[str, Any], figures: str = "experiment") -> str:
+def page(data: Mapping[str, Any], figures: str = "figures") -> str:
     """Returns the page.
 
     Args:
@@ -294,10 +289,9 @@ def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         return
     yield "## With a simulator\n"
     yield (
-        "The plant is a separate process with ROS topics and its own time, as in Gazebo "
-        "([Connect a simulator to a bridge](how-to/simulators.md)). A JAUS unit behind the bridge "
-        f"asks for {found['rate']:g} reports a second. The reports follow the time of the "
-        "simulation:\n"
+        "The plant is a separate process with ROS topics and its own time, as in Gazebo. A JAUS "
+        f"unit behind the bridge asks for {found['rate']:g} reports a second. The reports follow "
+        "the time of the simulation:\n"
     )
     yield figure("simulator", figures, "Rate of JAUS events over the pace of the simulation", data)
     rows = [
@@ -321,13 +315,3 @@ def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         "follows",
     )
     yield markdown_table(head, rows)
-
-
-def main() -> None:
-    """Writes the page from the data that is stored."""
-    data = json.loads(DATA.read_text(encoding="utf-8"))
-    PAGE.write_text(page(data), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

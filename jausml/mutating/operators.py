@@ -397,4 +397,4 @@ OPERATORS = (
         "jaus.State transitions defaults entry exit, jaus.Transition actions",
     ),
 )
-"""All operators; docs/reference/mutations.md has what they find in the examples."""
+"""All operators."""

@@ -60,7 +60,7 @@ def test_lists_of_what_is_known_load_no_reader_of_models(words):
 def test_lists_of_what_is_known_are_what_the_rules_and_the_library_have():
     command = [sys.executable, str(ROOT / "tools" / "build_known.py"), "--check"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert result.returncode == 0, f"{result.stdout}make reference writes them anew"
+    assert result.returncode == 0, f"{result.stdout}make types writes them anew"
 
 
 @pytest.mark.parametrize(

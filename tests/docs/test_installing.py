@@ -8,7 +8,7 @@ from pathlib import Path
 from jausml.installing import SOURCE, command
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = ("docs", "editors", "generators", "integrations", "jausml", "models", "tools")
+FOLDERS = ("docs", "generators", "integrations", "jausml", "models", "tools")
 TEXTS = {".j2", ".md", ".py", ".ros2jaus", ".toml", ".yml", ".yaml"}
 BY_NAME = re.compile(r"(pip|pipx) install( --?[\w-]+( wheels)?)* [\"']?jausml(?![\w.-])|uvx jausml")
 

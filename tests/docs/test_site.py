@@ -9,7 +9,10 @@ from pathlib import Path, PurePosixPath
 import build_site
 import pytest
 
-GUARDS = ("docs/index.md", "zensical.toml")
+from jausml.language.validation.engine import check_project
+from jausml.language.validation.formats import sarif
+
+GUARDS = ("docs/index.md", "zensical.toml", "tools/build_reference.py")
 
 ROOT = Path(__file__).resolve().parents[2]
 _OTHER_SERVER = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="?(https?:[^" >]+)')
@@ -29,6 +32,7 @@ def test_each_page_is_listed_once():
         for path in (ROOT / "docs").rglob("*.md")
         if path != ROOT / "docs" / "index.md"
     }
+    there |= {build_site.site_path(path).as_posix() for path in build_site.REFERENCES}
     assert there - set(listed) == set(), "docs/index.md and docs/adr/index.md list all pages"
     assert len(listed) == len(set(listed))
 
@@ -41,10 +45,16 @@ def test_a_warning_ends_the_build(tmp_path, monkeypatch):
     (tmp_path / "zensical.toml").write_text('[project]\nsite_name = "x"\n', encoding="utf-8")
     monkeypatch.setattr(build_site, "ROOT", tmp_path)
     with pytest.raises(build_site.SiteError, match="nowhere"):
-        build_site.build(tmp_path / "site", "1.0.0")
+        build_site.build(tmp_path / "site", "1.0.0", {})
     (docs / "other.md").write_text("# Other\n\n[gone](../gone.md)\n", encoding="utf-8")
     with pytest.raises(build_site.SiteError, match="no file"):
-        build_site.build(tmp_path / "site", "1.0.0")
+        build_site.build(tmp_path / "site", "1.0.0", {})
+
+
+def linked_rules():
+    """The rules of a SARIF log that links each of them to its section."""
+    log = json.loads(sarif.render(check_project([]), "rules/"))
+    return log["runs"][0]["tool"]["driver"]["rules"]
 
 
 @pytest.mark.slow
@@ -52,7 +62,8 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     """One test, as the build takes seconds: versions, what comes along, search, other servers."""
     (tmp_path / "0.0.9").mkdir()
     (tmp_path / "0.0.9" / "index.html").write_text("old", encoding="utf-8")
-    build_site.build(tmp_path, "0.0.10")
+    made = {path: make() for path, make in build_site.REFERENCES.items()}
+    build_site.build(tmp_path, "0.0.10", made)
 
     told = json.loads((tmp_path / "versions.json").read_text(encoding="utf-8"))
     assert [(each["version"], each["aliases"]) for each in told] == [
@@ -65,6 +76,10 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     page = (site / "how-to" / "ready-mappings" / "index.html").read_text(encoding="utf-8")
     assert 'href="../../repository/models/library/mappings/"' in page
     assert (site / "repository" / "models" / "library" / "mappings" / "index.html").is_file()
+    rules = (site / "reference" / "rules" / "index.html").read_text(encoding="utf-8")
+    links = {rule["helpUri"].partition("#")[2] for rule in linked_rules()}
+    assert len(links) > 200
+    assert links <= set(re.findall(r'<h2 id="?([^" >]+)', rules))
     decisions = (site / "adr" / "index.html").read_text(encoding="utf-8")
     assert "<title>Decisions - jausml</title>" in decisions
     assert "silenceTimeout" in (site / "search.json").read_text(encoding="utf-8")

@@ -15,9 +15,9 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.tree import KEYWORDS
 
-GUARDS = ("editors", "metamodels")
+GUARDS = ("integrations/vscode", "metamodels")
 
-FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
+FOLDER = Path(__file__).parents[2] / "integrations" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))
 PACKAGE = json.loads((FOLDER / "package.json").read_text("utf-8"))
 
@@ -67,7 +67,7 @@ def test_conversions_are_coloured(name):
 
 def test_the_conversions_of_the_grammar_are_written_by_their_table():
     text = GRAMMAR_FILE.read_text(encoding="utf-8")
-    assert grammar(text) == text, "run `make reference`"
+    assert grammar(text) == text, "run `make types`"
 
 
 def test_classes_are_coloured():

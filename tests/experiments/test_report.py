@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import pytest
@@ -104,12 +103,3 @@ def test_numbers_have_three_digits(value, text):
 
 def test_a_bar_in_a_cell_parts_no_cells():
     assert markdown_table(("a",), [("x|y",)]).splitlines()[-1] == r"| x\|y |"
-
-
-def test_the_page_in_the_documentation_is_made_of_the_data():
-    if not report.DATA.exists():
-        pytest.skip("nobody has run the experiment")
-    text = report.page(json.loads(report.DATA.read_text(encoding="utf-8")))
-    assert report.PAGE.read_text(encoding="utf-8") == text
-    for name in re.findall(r"!\[.*?\]\((experiment/.*?)\)", text):
-        assert (report.PAGE.parent / name).stat().st_size < 300_000

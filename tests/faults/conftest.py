@@ -49,6 +49,7 @@ def pytest_sessionfinish(session):
             data[part] = {**data.get(part, {}), **figures}
         data.update(stale=STALE, machine=_machine())
         text = json.dumps(data, indent=1, sort_keys=True)
+        file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(f"{text}\n", encoding="utf-8")
 
 

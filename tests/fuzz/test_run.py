@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+HERE = Path(__file__).parent
 
 FINDS = """
 def seeds():
@@ -39,14 +39,14 @@ def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 def driver(tmp_path: Path) -> Path:
     """A copy of the driver with targets of its own."""
     (tmp_path / "targets").mkdir()
-    (tmp_path / "run.py").write_bytes((ROOT / "fuzz" / "run.py").read_bytes())
+    (tmp_path / "run.py").write_bytes((HERE / "run.py").read_bytes())
     (tmp_path / "targets" / "finds.py").write_text(FINDS)
     (tmp_path / "targets" / "grows.py").write_text(GROWS)
     return tmp_path
 
 
 def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
-    done = run(ROOT / "fuzz", "datagrams", "--plain", "--runs", "20000", "--seed", "7")
+    done = run(HERE, "datagrams", "--plain", "--runs", "20000", "--seed", "7")
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("20000 inputs in ")
     for end in ("delivered", "judp.truncated=", "transport.duplicate=", "transport.reassembled="):
@@ -54,13 +54,13 @@ def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
 
 
 def test_streams_are_read_the_same_however_they_are_cut():
-    done = run(ROOT / "fuzz", "streams", "--plain", "--runs", "5000", "--seed", "5")
+    done = run(HERE, "streams", "--plain", "--runs", "5000", "--seed", "5")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.slow
 def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopped():
-    done = run(ROOT / "fuzz", "components", "--plain", "--runs", "2000", "--seed", "3")
+    done = run(HERE, "components", "--plain", "--runs", "2000", "--seed", "3")
     assert done.returncode == 0, done.stdout + done.stderr
     for name in ("messages sent", "access_control.timed_out=", "management.clear_ignored="):
         assert name in done.stdout
@@ -69,9 +69,7 @@ def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopp
 @pytest.mark.slow
 def test_a_run_can_be_repeated():
     reports = [
-        run(
-            ROOT / "fuzz", "datagrams", "--plain", "--runs", "2000", "--seed", seed
-        ).stdout.splitlines()[1:]
+        run(HERE, "datagrams", "--plain", "--runs", "2000", "--seed", seed).stdout.splitlines()[1:]
         for seed in ("3", "3", "4")
     ]
     assert reports[0] == reports[1] != reports[2]
@@ -100,7 +98,7 @@ def test_a_duration_ends_a_run(driver):
 
 
 def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
-    done = run(ROOT / "fuzz", "datagram")
+    done = run(HERE, "datagram")
     assert done.returncode == 2
     assert "did you mean datagrams?" in done.stderr
 
@@ -108,7 +106,7 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
 @pytest.mark.slow
 @pytest.mark.needs("atheris")
 def test_a_run_guided_by_coverage(driver):
-    done = run(ROOT / "fuzz", "datagrams", "--runs", "500")
+    done = run(HERE, "datagrams", "--runs", "500")
     assert done.returncode == 0, done.stderr
     assert "stat::number_of_executed_units: " in done.stderr
     found = run(driver, "finds", "--runs", "200000")

@@ -77,8 +77,6 @@ def run_action(folder, **given):
     """Runs the scripts of the action but for the installation, as a runner does."""
     inputs = {name: each["default"] for name, each in ACTION["inputs"].items()} | given
     known = {f"inputs.{name}": value for name, value in inputs.items()}
-    known |= {"github.server_url": "https://git.example", "github.action_ref": "v1"}
-    known |= {"github.action_repository": "a/jausml"}
     (step,) = (each for each in ACTION["runs"]["steps"] if each.get("name") == "Validate models")
     assert "${{" not in step["run"], "an input within a script could be a command"
     values = {
@@ -105,8 +103,7 @@ def test_the_action_tells_findings_and_leaves_sarif_to_upload(repository):
     (run,) = json.loads((repository / "jausml.sarif").read_text())["runs"]
     (result,) = run["results"]
     rule = run["tool"]["driver"]["rules"][result["ruleIndex"]]
-    page = "https://git.example/a/jausml/blob/v1/docs/reference/rules.md#jml426-"
-    assert rule["helpUri"].startswith(page)
+    assert rule["help"]["markdown"].startswith("**JML426: ")
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from for_each import for_each
 HERE = Path(__file__).resolve()
 ROOT = HERE.parents[2]
 ASKING = ROOT / "tests" / "support" / "needs.py"
-FOLDERS = ("tests", "tools", "benchmarks", "fuzz", "experiments")
+FOLDERS = ("tests", "tools", "benchmarks", "experiments")
 FILES = [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py"))]
 
 

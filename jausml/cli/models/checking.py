@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 @click.option(
     "--help-uri",
     metavar="URI",
-    help="Address of your copy of docs/reference/rules.md, to which SARIF links each rule.",
+    help="Address of your copy of the page of rules, to which SARIF links each rule.",
 )
 @cache_option
 @quiet_option("Print no summary.")

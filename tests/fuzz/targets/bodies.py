@@ -23,7 +23,7 @@ from jausml_generators.python.package import PACKAGE_TEMPLATES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 LIBRARY = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
 CHOICE = 2
 

@@ -18,7 +18,7 @@ from jausml.language.validation.engine import check
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SEEDS = (
     ROOT / "models" / "minimal" / "minimal.xmi",
     ROOT / "tests" / "generators" / "every_kind.xmi",

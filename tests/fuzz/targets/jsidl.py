@@ -15,7 +15,7 @@ from jausml.language.model.xmi.writer import to_xmi
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 WINCH = ROOT / "tests" / "importers" / "winch"
 SEPARATOR = b"\0"
 

@@ -16,7 +16,7 @@ from jausml.language.validation.engine import check
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-MAPPINGS = Path(__file__).resolve().parents[2] / "models" / "library" / "mappings"
+MAPPINGS = Path(__file__).resolve().parents[3] / "models" / "library" / "mappings"
 
 
 def one_input(data: bytes) -> None:

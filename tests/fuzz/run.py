@@ -1,7 +1,7 @@
 """Feeds a target with inputs that nobody meant: mutated, random, or guided by coverage.
 
-    python fuzz/run.py datagrams --seconds 60
-    python fuzz/run.py datagrams --plain --runs 1000000 --seed 1
+    python tests/fuzz/run.py datagrams --seconds 60
+    python tests/fuzz/run.py datagrams --plain --runs 1000000 --seed 1
 
 A target is a module of ``targets`` with ``one_input(data: bytes) -> None``, which raises for an
 input that shows a bug, and optionally ``seeds() -> Sequence[bytes]``, inputs to begin with, and
