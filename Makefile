@@ -127,7 +127,6 @@ reference: $(READY)  ## write the references into docs/reference/, for reading h
 
 types: $(READY)  ## write what follows from metamodels and conversions: type stubs, and names for editors
 	$(BIN)/python tools/build_model_types.py
-	$(BIN)/python tools/build_known.py
 	$(BIN)/python tools/build_grammar.py
 
 # Python 3.10 and all later ones, on any system; no index is named.

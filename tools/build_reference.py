@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli import main as command_line
-from jausml.cli.lookup import listed
+from jausml.cli.lookup.rules import all_entries
 from jausml.language.metamodel import (
     ClassTable,
     FeatureTable,
@@ -291,7 +291,7 @@ def _outcome(assignment: bridge.FieldAssignment | bridge.ListAssignment, target:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = [_RULES]
-    for entry in listed.rules():
+    for entry in all_entries():
         lines += [f"## {entry['rule']} {entry['title']}", "", f"Severity: {entry['severity']}.", ""]
         lines += [entry["documentation"], ""]
     return "\n".join(lines).rstrip() + "\n"

@@ -27,7 +27,7 @@ VERBS = {
     "init": ("authoring.init", "Make a project of models."),
     "new": ("authoring.new", "Add an element to a model: a bridge, a component, a node."),
     "validate": ("models.checking:validate", "Check models."),
-    "prove": ("models.prove", "Prove what becomes of every value that goes through a map."),
+    "prove": ("models.prove", "Prove the maps of a model: what becomes of every value."),
     "generate": ("models.generate", "Generate a workspace from the system in a model."),
     "build": ("live.run:build", "Compile the translations of a generated workspace."),
     "run": ("live.run", "Start the processes of a generated workspace."),

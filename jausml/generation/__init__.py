@@ -22,7 +22,7 @@ from jausml.generation.errors import (
 )
 from jausml.generation.manifest import MANIFEST_PATH, Manifest, read_manifest
 from jausml.generation.plan import ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.rendering import OnceRendered, are_own, render, render_again
+from jausml.generation.rendering import render
 from jausml.generation.target import (
     FileTask,
     Target,
@@ -48,7 +48,6 @@ __all__ = [
     "Manifest",
     "MethodContract",
     "NoSystemError",
-    "OnceRendered",
     "OwnershipError",
     "Plan",
     "RefusedError",
@@ -64,7 +63,6 @@ __all__ = [
     "WholeLibrary",
     "WriteError",
     "apply",
-    "are_own",
     "broken_code",
     "drift",
     "generate",
@@ -72,7 +70,6 @@ __all__ = [
     "make_plan",
     "read_manifest",
     "render",
-    "render_again",
     "select",
     "templates_beside",
     "unified_diff",

@@ -6,11 +6,8 @@ The only importer of multigen. Nothing here touches the output folder.
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
-from hashlib import sha256
-from importlib.metadata import PackageNotFoundError
 from types import CodeType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,16 +20,13 @@ from jausml.generation.artifact import (
     CANNOT_PARSE,
     Artifact,
     Kind,
-    MethodContract,
-    SkeletonContract,
     add_header,
     syntax_problem,
 )
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.python import Modules
 from jausml.generation.target import FileTask, Target, Task, TextTask, View
-from jausml.language.model.cache import digest, keep, kept, tool
-from jausml.language.model.model import Model, without_collector
+from jausml.language.model.model import without_collector
 from jausml.language.semantics.subject import remembering
 
 if TYPE_CHECKING:
@@ -223,80 +217,3 @@ def _laid_out(text: str) -> str:
     """Returns a rendered text as it is to stand in its file."""
     body = text.replace("\r\n", "\n").rstrip("\n")
     return body + "\n" if body else ""
-
-
-LARGE = 1 << 18
-"""Bytes of a model of which the files are kept: those of a smaller one are rendered in a second."""
-
-_CODE = frozenset({"jausml", "jausml_generators"})
-"""The packages whose files `tool` tells apart."""
-
-
-def render_again(model: Model, targets: Sequence[Target[Any]], reading: str) -> list[Artifact]:
-    """Renders as `render` does, or returns what was rendered of the same before.
-
-    Nothing but files and what is written in them is kept: what becomes of files in a folder, and
-    whether those of users fit, is found out as ever.
-
-    Args:
-        reading: How the model was read of its documents, where options change what it says.
-    """
-    own = sum(len(each.data) for each in model.documents if not each.is_library)
-    if own < LARGE or not are_own(targets):
-        return render(model, targets)
-    wanted = [f"{each.name} {getattr(each.tasks, '__qualname__', '')}" for each in targets]
-    named = digest([str(model.documents[0].path), *wanted])
-    name = f"artifacts-{named[:24]}"
-    try:
-        state = digest([reading, *wanted, *_documents(model), *tool()])
-    except (OSError, PackageNotFoundError):
-        return render(model, targets)  # nobody knows what renders
-    found = kept(name, state)
-    if found is not None:
-        return [_artifact(each) for each in found]
-    artifacts = render(model, targets)
-    keep(name, state, [asdict(each) | {"kind": each.kind.value} for each in artifacts])
-    return artifacts
-
-
-class OnceRendered:
-    """Renders a model once, and has then what was made.
-
-    Args:
-        reading: As for `render_again`; empty where nothing may be what was rendered before.
-    """
-
-    def __init__(self, reading: str) -> None:
-        self._reading = reading
-        self._made: list[Artifact] | None = None
-
-    def __call__(self, model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
-        """Returns the files of targets."""
-        if self._made is None:
-            reading = self._reading
-            self._made = (
-                render_again(model, targets, reading) if reading else render(model, targets)
-            )
-        return self._made
-
-
-def are_own(targets: Iterable[Target[Any]]) -> bool:
-    """Tells whether all targets are those of jausml, so that `tool` knows what they make."""
-    return {getattr(each.tasks, "__module__", "").partition(".")[0] for each in targets} <= _CODE
-
-
-def _artifact(raw: dict[str, Any]) -> Artifact:
-    contract = raw["contract"]
-    if contract is not None:
-        methods = [
-            MethodContract(**each | {"parameters": tuple(each["parameters"])})
-            for each in contract["methods"]
-        ]
-        prefixes = tuple(contract["prefixes"])
-        contract = SkeletonContract(**contract | {"methods": tuple(methods), "prefixes": prefixes})
-    return Artifact(**raw | {"kind": Kind(raw["kind"]), "contract": contract})
-
-
-def _documents(model: Model) -> Iterator[str]:
-    for each in model.documents:
-        yield f"{each.path} {each.display} {each.given} {sha256(each.data).hexdigest()}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -84,7 +84,6 @@ def generate(
     force: bool = False,
     write: bool = True,
     fix: bool = False,
-    rendering: Callable[[Model, Sequence[Target[Any]]], list[Artifact]] = render,
 ) -> Result:
     """Generates a workspace; writes nothing when a file is refused.
 
@@ -104,7 +103,7 @@ def generate(
         again = [target for target in renewed if target.name in there]
         _check_again(model, again)
         targets = [*targets, *again]
-    artifacts = rendering(model, targets)
+    artifacts = render(model, targets)
     with locked(out) if write else nullcontext():
         return _generate(
             model, targets, artifacts, out, kept, adopt, force=force, write=write, fix=fix

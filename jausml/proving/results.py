@@ -136,10 +136,6 @@ class MapResult:
     seconds: float = 0.0
     error: str = ""
 
-    def would_gain(self, seconds: float) -> bool:
-        """Tells whether all values of some number more can be tried in a time."""
-        return any(0 < each.needs <= seconds for each in self.fields)
-
     def find(self, side: str, path: str) -> FieldResult | None:
         """Returns what becomes of a number; None where nothing is known."""
         fields = self.fields
@@ -148,20 +144,6 @@ class MapResult:
     def to_json(self) -> dict[str, Any]:
         """Returns it as JSON."""
         return asdict(self)
-
-
-def map_result(raw: dict[str, Any]) -> MapResult:
-    """Returns what `to_json` has written."""
-    fields = [_field(each) for each in raw["fields"]]
-    return MapResult(**raw | {"fields": fields})
-
-
-def _field(raw: dict[str, Any]) -> FieldResult:
-    largest = None if raw["largest"] is None else Extreme(**raw["largest"])
-    mixed = None if raw["mixed"] is None else Mixed(**raw["mixed"])
-    reached = [Reached(**each) for each in raw["reached"]]
-    pairs = {name: tuple(raw[name]) for name in ("largest_drift", "ends")}
-    return FieldResult(**raw | {"largest": largest, "reached": reached, "mixed": mixed} | pairs)
 
 
 _SHOWN = 8

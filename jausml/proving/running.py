@@ -9,12 +9,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.model import Model
-from jausml.language.model.cache import digest, keep, kept, tool
 from jausml.language.project import OneDocument, one_document
 from jausml.live.workers.pool import Work
 from jausml.live.workers.pool_processes import PoolError
@@ -23,46 +21,15 @@ from jausml.proving.compiled_form import (
     NAME,
     CompiledForm,
     ProgramError,
-    ProofCode,
     PythonForm,
     Tally,
     compiled,
     proof_code,
 )
 from jausml.proving.plan import Field, directed, plan
-from jausml.proving.results import MapResult, map_result
-from jausml.proving.round_trips import RoundTrip, field_assignments, inputs, round_trips
+from jausml.proving.results import MapResult
+from jausml.proving.round_trips import RoundTrip, round_trips
 from jausml.proving.summary import EXAMPLES, Swept, summed_up
-
-
-class Known:
-    """The place of the result of a map."""
-
-    def __init__(self, code: ProofCode, trip: RoundTrip) -> None:
-        self._name = (
-            f"proof-{digest([trip.name, code.core, code.program, code.python.digest])[:24]}"
-        )
-        try:
-            self._state = digest(
-                [
-                    *tool(),
-                    *(repr(each.layout(None)) for each in inputs(trip).values()),
-                    repr([each.precision for each in field_assignments(trip.to_jaus.toJaus)]),
-                ]
-            )
-        except (OSError, PackageNotFoundError, ValueError):
-            self._state = ""  # nobody knows what proves
-
-    def load(self) -> MapResult | None:
-        """Returns what was found; None where nothing is known."""
-        found = kept(self._name, self._state) if self._state else None
-        return None if found is None else map_result(found)
-
-    def store(self, result: MapResult) -> None:
-        """Keeps what was found."""
-        if self._state:
-            keep(self._name, self._state, result.to_json())
-
 
 NARROW = 16
 """Bits of numbers of which all values are tried in whole messages."""
@@ -83,13 +50,11 @@ class Settings:
 
     Attributes:
         budget: Seconds for all values of numbers of more than 16 bits, where they can be tried.
-        is_cached: Whether what was proved before counts.
     """
 
     program: str
     budget: float
     jobs: int
-    is_cached: bool = False
 
 
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
@@ -107,10 +72,6 @@ def unproved(trip: RoundTrip) -> MapResult:
 def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) -> MapResult:
     begun = time.monotonic()
     code = proof_code(model, trip)
-    place = Known(code, trip) if settings.is_cached else None
-    known = place.load() if place is not None else None
-    if known is not None and not known.would_gain(deadline - begun):
-        return known
     made = unproved(trip)
     if not code.directions:
         made.remarks = [f"left to Python: {each}" for each in code.reasons]
@@ -123,14 +84,9 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
         planned = plan(code, form, trip)
         made.not_carried, made.remarks = planned.not_carried, planned.remarks
         for each in planned.fields:
-            before = known.find(each.side, each.path) if known is not None else None
-            if before is None or before.needs:
-                found = _swept(form, each, settings.jobs, deadline)
-                before = summed_up(trip, each, found, python, form)
-            made.fields.append(before)
+            found = _swept(form, each, settings.jobs, deadline)
+            made.fields.append(summed_up(trip, each, found, python, form))
     made.seconds = time.monotonic() - begun
-    if place is not None:
-        place.store(made)
     return made
 
 

@@ -5,38 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
-from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.safety_case.argument import SafetyCase, to_plain
-
-_LOST, _STALE, _ANSWER, _OLD = (f"JML{number}" for number in range(941, 945))
-
-CASE_RULES: Mapping[str, RuleInfo] = MappingProxyType(
-    {
-        _LOST: RuleInfo(
-            "case: evidence that is lost",
-            "A file of evidence that a safety case names is not there any more, cannot be read, or "
-            "is another one than it was. Good: the file again, or a case that is made anew.",
-        ),
-        _STALE: RuleInfo(
-            "case: evidence of another model",
-            "A piece of evidence was found of another version of the model, so it says nothing of "
-            "this one. Good: prove, test and run again, and make the case anew.",
-        ),
-        _ANSWER: RuleInfo(
-            "case: goal that has lost its answer",
-            "The model does nothing about the hazard any more, or evidence speaks against it. "
-            "Good: give the model its answer again, or have a new case reviewed.",
-        ),
-        _OLD: RuleInfo(
-            "case: out of date",
-            "The model, jausml or what was found differs from the safety case that is checked in. "
-            "Good: make it anew by `jausml case -o`, and review what has changed.",
-        ),
-    }
-)
+from jausml.safety_case.rules import ANSWER, LOST, OLD, STALE
 
 
 class CaseError(Exception):
@@ -83,7 +56,7 @@ def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> lis
     """Returns what a case has lost, compared with one that is made now of the same files."""
     found = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
     if not found and to_plain(case) != former.plain:
-        found = [_finding(_OLD, Location(former.path), "the case is not what is found now")]
+        found = [_finding(OLD, Location(former.path), "the case is not what is found now")]
     return found
 
 
@@ -94,11 +67,11 @@ def _of_evidence(
     for path, before in former.evidence.items():
         place, name = former.place(path), f"evidence {path}"
         if path in unread:
-            yield _finding(_LOST, place, f"{name} {unread[path]}")
+            yield _finding(LOST, place, f"{name} {unread[path]}")
         elif now[path].stale and not before["stale"]:
-            yield _finding(_STALE, place, f"{name} {now[path].stale}")
+            yield _finding(STALE, place, f"{name} {now[path].stale}")
         elif now[path].sha256 != before["sha256"]:
-            yield _finding(_LOST, place, f"{name} is another file than it was")
+            yield _finding(LOST, place, f"{name} is another file than it was")
 
 
 def _of_goals(former: Former, case: SafetyCase) -> Iterator[Diagnostic]:
@@ -107,10 +80,10 @@ def _of_goals(former: Former, case: SafetyCase) -> Iterator[Diagnostic]:
         goal = goals.get(id_)
         if goal is None:
             text = f"goal {id_} is gone: the model has no such element"
-            yield _finding(_ANSWER, former.place(id_), text)
+            yield _finding(ANSWER, former.place(id_), text)
         elif not goal.answered:
             text = f"{goal.claim}: {'; '.join(goal.against)}"
-            yield _finding(_ANSWER, goal.location, text, goal.element)
+            yield _finding(ANSWER, goal.location, text, goal.element)
 
 
 def _finding(rule: str, place: Location, message: str, element: str = "") -> Diagnostic:

@@ -34,37 +34,6 @@ def test_help_lists_the_verbs_without_loading_them():
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ["rules"],
-        ["explain", "JML301"],
-        ["list", "services"],
-        ["list", "messages"],
-        ["list", "maps"],
-        ["list", "maps", "--ros", "Odometry", "--format", "json"],
-        ["list", "--help"],
-    ],
-)
-def test_lists_of_what_is_known_load_no_reader_of_models(words):
-    code = (
-        f"import sys; from jausml.cli import main\n"
-        f"try: main({words})\n"
-        "except SystemExit as end: assert not end.code\n"
-        "heavy = {'pyecore', 'lxml', *('jausml.language.' + each for each in"
-        " ('metamodel', 'model.reading', 'validation'))}\n"
-        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
-    )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-
-
-def test_lists_of_what_is_known_are_what_the_rules_and_the_library_have():
-    command = [sys.executable, str(ROOT / "tools" / "build_known.py"), "--check"]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert result.returncode == 0, f"{result.stdout}make types writes them anew"
-
-
-@pytest.mark.parametrize(
-    "words",
     sweep(
         [["show", "message", "SetVelocityCommand"], ["list", "services"], ["decode", "0220"]],
         every=3,

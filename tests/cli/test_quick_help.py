@@ -14,8 +14,6 @@ from jausml.language.validation import formats
 from jausml.live.peers import console, measuring, network
 from jausml.live.peers.conformance import formats as conformance_formats
 
-GUARDS = ("jausml/cli/shared/known",)
-
 HEAVY = {
     *("jinja2", "lark", "lxml", "numpy", "pyecore", "pygls"),
     *(

@@ -14,8 +14,6 @@ pytestmark = pytest.mark.timeout(60)
 
 OWN_DATA = {
     "views/analysis/sizes.py",
-    "language/model/cache.py",
-    "cli/shared/names.py",
     "cli/lookup/listed.py",
     "views/diagrams/writers/html.py",
     "generators/jausml_generators/python/package.py",

@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
-from jausml.cli.shared.models import is_in_project, model_option
-from jausml.cli.shared.names import completing, known, library_file, rule_names
+from jausml.cli.shared.models import model_option
+from jausml.cli.shared.names import completing
 
 
 @click.group("list")
@@ -29,7 +29,9 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service set), 3 internal error.
     """
-    found = _services(models)
+    from jausml.cli.lookup import listed
+
+    found = listed.services(models)
     if set_name is not None:
         known_sets = sorted({service["set"] for service in found})
         found = [service for service in found if set_name == service["set"]]
@@ -42,14 +44,6 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
     columns = ("service", "version", "set", "inherits")
     rows = (tuple(service[column] or "" for column in columns) for service in found)
     _table(("SERVICE", "VERSION", "SET", "INHERITS"), rows)
-
-
-def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
-    if not (models or is_in_project()):
-        return known("services")
-    from jausml.cli.lookup import listed
-
-    return listed.services(models)
 
 
 @command.command("messages")
@@ -66,7 +60,9 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
     """
-    found = _messages(models, service)
+    from jausml.cli.lookup import listed
+
+    found = listed.messages(models, service)
     if output_format == "json":
         _write_json(found)
         return
@@ -80,14 +76,6 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
         for each in found
     )
     _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
-
-
-def _messages(models: tuple[str, ...], service: str | None) -> list[dict[str, Any]]:
-    if not (models or is_in_project()) and service is None:
-        return known("messages")
-    from jausml.cli.lookup import listed
-
-    return listed.messages(models, service)
 
 
 def _shortened(services: Sequence[str]) -> str:
@@ -118,7 +106,9 @@ def maps(
     Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3 internal
     error.
     """
-    found = _maps(models)
+    from jausml.cli.lookup import listed
+
+    found = listed.maps(models)
     if ros_type is not None:
         wanted = ros_type.replace("/msg/", "/")
         found = _chosen(found, wanted, _types, "ROS type")
@@ -138,14 +128,6 @@ def maps(
         for each in found
     )
     _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
-
-
-def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
-    if not (models or is_in_project()):
-        return [each | {"file": library_file(each["file"])} for each in known("maps")]
-    from jausml.cli.lookup import listed
-
-    return listed.maps(models)
 
 
 def _types(each: dict[str, Any]) -> list[str]:
@@ -193,15 +175,25 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
 @click.command("rules")
 def rules() -> None:
     """List the rules: id, severity and title."""
-    for entry in known("rules"):
+    from jausml.cli.lookup.rules import all_entries
+
+    for entry in all_entries():
         click.echo(f"{entry['rule']} {entry['severity']:7} {entry['title']}")
 
 
+def _rule_names(_models: Sequence[str]) -> list[str]:
+    from jausml.cli.lookup.rules import all_entries
+
+    return [entry["rule"] for entry in all_entries()]
+
+
 @click.command("explain")
-@click.argument("rule_id", metavar="RULE", shell_complete=completing(rule_names))
+@click.argument("rule_id", metavar="RULE", shell_complete=completing(_rule_names))
 def explain(rule_id: str) -> None:
     """Explain a rule: what it requires and why, with a bad and a good example."""
-    entries = {entry["rule"]: entry for entry in known("rules")}
+    from jausml.cli.lookup.rules import all_entries
+
+    entries = {entry["rule"]: entry for entry in all_entries()}
     entry = entries.get(rule_id.upper())
     if entry is None:
         # A rule says of which others it has taken the place.

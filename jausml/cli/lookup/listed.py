@@ -1,4 +1,4 @@
-"""Lists as JSON objects, of what is read: rules, services, messages, attribute maps at a glance."""
+"""Services, messages and attribute maps at a glance, as JSON objects."""
 
 from __future__ import annotations
 
@@ -8,29 +8,20 @@ from typing import Any
 
 import click
 
-from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.cli.shared.models import ModelFault, open_catalogue, project_files, readable_model
-from jausml.cli.shared.names import listed_fields, listed_service
 from jausml.cli.shared.terminal import warn
-from jausml.generation.contract.finding import CODE_RULES
-from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
-from jausml.language.importers.jsidl.building import JSIDL_RULES
-from jausml.language.importers.ros.definitions import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
-from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.rules import PRODUCT_RULES, catalogue
-from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
+from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry, UnknownServiceError
 from jausml.live.messages.of_project import sound_files
-from jausml.proving.results import PROOF_RULES
-from jausml.safety_case.comparing import CASE_RULES
 
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
 
 def overview(attribute_map: bridge.AttributeMap) -> dict[str, Any]:
     """Returns a map at a glance."""
+    from jausml.language.semantics.paths.ros_paths import ros_name
+
     message = attribute_map.message
     owner = message.eContainer()
     ways = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))
@@ -62,37 +53,21 @@ def _freshness(join: bridge.Join | bridge.ReportJoin) -> dict[str, Any]:
     return {"freshness": float(join.freshness), "whenStale": str(join.whenStale)}
 
 
-def rules() -> list[dict[str, Any]]:
-    """Returns all rules, ordered by id."""
-    return [
-        {
-            "rule": entry.id,
-            "severity": entry.severity.value,
-            "title": entry.title,
-            "documentation": entry.documentation,
-        }
-        for entry in catalogue(
-            JSIDL_RULES,
-            JSIDL_EXPORT_RULES,
-            ROS_RULES,
-            TEXT_RULES,
-            MERGE_RULES,
-            CODE_RULES,
-            PROOF_RULES,
-            PRODUCT_RULES,
-            CASE_RULES,
-        )
-    ]
-
-
 def services(models: Sequence[str]) -> list[dict[str, Any]]:
     """Returns the services of models and of the library."""
-    return [listed_service(entry) for entry in open_catalogue(models).services.values()]
+    return [_service(entry) for entry in open_catalogue(models).services.values()]
 
 
-def fields(models: Sequence[str]) -> list[dict[str, Any]]:
-    """Returns the messages of models and of the library with the paths of their fields."""
-    return listed_fields(open_catalogue(models).services.values())
+def _service(entry: ServiceEntry) -> dict[str, Any]:
+    return {
+        "service": entry.urn,
+        "version": entry.version,
+        "name": entry.name,
+        "set": entry.set_name,
+        "inherits": entry.inherits.label if entry.inherits else None,
+        "inputs": [str(message.name) for message in entry.definition.inputs],
+        "outputs": [str(message.name) for message in entry.definition.outputs],
+    }
 
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:

@@ -16,19 +16,21 @@ from jausml.cli.shared.models import (
     readable_model,
     told,
 )
-from jausml.cli.shared.names import completing, known, map_names, message_names, service_names
+from jausml.cli.shared.names import completing, message_names, service_names
 
 if TYPE_CHECKING:
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
     from jausml.live.messages.text import Row
 
 
-_NAMES = {"message": "message", "service": "name", "map": "map"}
+def _map_names(models: Sequence[str] = ()) -> list[str]:
+    from jausml.cli.lookup import listed
+
+    return [found["map"] for found in listed.maps(models)]
 
 
-def _known_names(kind: str) -> set[str]:
-    """Returns the names of all that the library has of a kind."""
-    return {each[_NAMES[kind]] for each in known(f"{kind}s")}
+_NAMES = {"message": message_names, "service": service_names, "map": _map_names}
+"""What names all that is known of a kind."""
 
 
 class Kinds(click.Group):
@@ -40,7 +42,8 @@ class Kinds(click.Group):
         """Returns the kind that is meant and its command."""
         name = args[0]
         if name not in self.commands:
-            kind = next((k for k in _NAMES if name in _known_names(k)), "type" * ("/" in name))
+            named = (kind for kind, names in _NAMES.items() if name in names())
+            kind = next(named, "type" * ("/" in name))
             if kind:
                 ctx.fail(f"{name} is a {kind}: jausml show {kind} {name}")
         return super().resolve_command(ctx, args)
@@ -231,7 +234,7 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
 
 
 @command.command("map")
-@click.argument("name", metavar="NAME", shell_complete=completing(map_names))
+@click.argument("name", metavar="NAME", shell_complete=completing(_map_names))
 @line_format_option
 @model_option
 def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,7 +18,6 @@ from jausml.cli.shared.files import (
 )
 from jausml.cli.shared.models import (
     bridge_options,
-    cache_option,
     checked,
     frequency_option,
     model_argument,
@@ -27,7 +26,7 @@ from jausml.cli.shared.models import (
     valid_system,
 )
 from jausml.cli.shared.options import REPORT_FORMATS, FiniteRange, format_option, quiet_option
-from jausml.cli.shared.terminal import painted_findings, verbosity
+from jausml.cli.shared.terminal import painted_findings
 
 if TYPE_CHECKING:
     from jausml.language.model import Model
@@ -55,7 +54,6 @@ if TYPE_CHECKING:
     metavar="URI",
     help="Address of your copy of the page of rules, to which SARIF links each rule.",
 )
-@cache_option
 @quiet_option("Print no summary.")
 def validate(
     paths: tuple[str, ...],
@@ -66,7 +64,6 @@ def validate(
     baseline: str | None,
     write_baseline: bool,
     help_uri: str | None,
-    no_cache: bool,
     quiet: bool,
 ) -> None:
     """Check models: files, or all *.xmi and *.ros2jaus files below folders.
@@ -75,61 +72,29 @@ def validate(
 
     Follows references to other files. Reports all problems in one run, the same on each run.
     Ignores findings that an @allow in the documentation of an element allows, until its date.
-    What was found is kept in the cache of the user, and told again at once while nothing changes.
 
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
     """
-    from jausml.language.model.answers import Question
-    from jausml.language.model.looking import noting
+    from jausml.language.validation.formats import RENDERERS, sarif, text
 
     if write_baseline and baseline is None:
         raise click.UsageError("--write-baseline needs --baseline FILE")
     if help_uri is not None and output_format != "sarif":
         raise click.UsageError("--help-uri is for --format sarif")
-    is_looked_up = not (no_cache or write_baseline or verbosity().verbose)
-    asked = ("validate", paths, output_format, reading, baseline, help_uri)
-    question = Question(asked) if is_looked_up else None
-    judged = question.answer() if question else None
-    if judged is None:
-        with noting() as seen:
-            judged = _judged(paths, reading, output_format, help_uri, baseline, write_baseline)
-        if question:
-            question.keep(judged, seen)
-    is_painted = output is None and output_format == "text"
-    write_report(painted_findings(judged["report"]) if is_painted else judged["report"], output)
-    if not quiet:
-        click.echo("\n".join(judged["summary"]), err=True)
-    if judged["errors"] or (strict and judged["warnings"]):
-        raise click.exceptions.Exit(PROBLEMS)
-
-
-def _judged(
-    paths: tuple[str, ...],
-    reading: Reading,
-    output_format: str,
-    help_uri: str | None,
-    baseline: str | None,
-    write_baseline: bool,
-) -> dict[str, Any]:
-    """Returns what is to be told of models, as JSON."""
-    from jausml.language.validation.formats import RENDERERS, sarif, text
-
     report, gone = checked(paths, reading), 0
     if baseline is not None:
         report, gone = _against(report, Path(baseline), is_written=write_baseline)
-    summary = [text.summary(report)]
-    if gone:
+    shown = RENDERERS[output_format](report) if help_uri is None else sarif.render(report, help_uri)
+    is_painted = output is None and output_format == "text"
+    write_report(painted_findings(shown) if is_painted else shown, output)
+    if not quiet:
+        click.echo(text.summary(report), err=True)
+    if gone and not quiet:
         what = "finding of it is" if gone == 1 else "findings of it are"
-        summary.append(f"{baseline}: {gone} {what} gone: write it anew")
-    return {
-        "report": (
-            RENDERERS[output_format](report) if help_uri is None else sarif.render(report, help_uri)
-        ),
-        "summary": summary,
-        "errors": report.has_errors,
-        "warnings": report.has_warnings,
-    }
+        click.echo(f"{baseline}: {gone} {what} gone: write it anew", err=True)
+    if report.has_errors or (strict and report.has_warnings):
+        raise click.exceptions.Exit(PROBLEMS)
 
 
 def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, int]:

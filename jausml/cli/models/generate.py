@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,6 @@ import click
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.shared.models import (
     bridge_options,
-    cache_option,
     checked,
     fail,
     model_argument,
@@ -22,7 +21,6 @@ from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
     from jausml.generation import NoSystemError, Plan, Result, Selection, Target
-    from jausml.language.model.answers import Question
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
 
@@ -107,7 +105,6 @@ class WholeLibraryOption(click.Option):
     metavar="HZ",
     help="Frequency of every bridge, for connections that state no rate.",
 )
-@cache_option
 @reading_options
 @bridge_options
 @quiet_option("Print no summary and list no files; with --check, list those that would change.")
@@ -123,7 +120,6 @@ def command(
     adopt: str,
     force: bool,
     frequency: float | None,
-    no_cache: bool,
     reading: Reading,
     quiet: bool,
     **modes: bool,
@@ -134,9 +130,6 @@ def command(
     afterwards, except by --fix, which prints what it changes. They are read, not run: what no
     longer fits the generated code is an error where it ends the program, else a warning.
 
-    What came of a run is kept in the cache of the user, and told again at once while neither the
-    model nor a file in OUT changes.
-
     If the same happens to many files of a package, they are listed as one line. Unchanged files are
     not listed. `jausml --verbose generate` lists every file.
 
@@ -144,43 +137,23 @@ def command(
     your own files (--check: or something would change; --check and --strict: or a warning about
     your own files), 2 usage or environment, 3 internal error.
     """
-    from jausml.language.model.looking import look, look_below, noting
+    from jausml.generation import with_code
+    from jausml.language.validation.formats import RENDERERS, text
 
     is_report = output_format != "text" or output is not None
     mode = _mode(modes, fix=fix, is_report=is_report)
     _check_frequency(frequency)
     folder = _out_folder(model, out)
-    # What says whether a workspace is right looks for itself.
-    is_kept = mode == "write" and not no_cache
-    is_usual = is_kept and not (fix or adopt or force or verbosity().verbose)
-    asked = (model, out, names, whole_library, strict, frequency, reading, quiet, verbosity())
-    question = _question(asked) if is_usual else None
-    if question is not None and (known := question.answer()) is not None:
-        _tell(map(tuple, known))
-        return
-    from jausml.generation import OnceRendered, are_own, with_code
-    from jausml.language.validation.formats import RENDERERS, text
-
     selection = _selected(names, whole_library=whole_library)
-    with noting() as seen:
-        report = checked([model], reading, is_one=True, frequency=frequency)
-    is_bad = report.has_errors or (strict and report.has_warnings)
-    findings = [] if is_report else [(painted_findings(text.render(report)), True)]
-    _tell(findings)
-    if is_bad:
+    report = checked([model], reading, is_one=True, frequency=frequency)
+    if not is_report:
+        click.echo(painted_findings(text.render(report)), nl=False, err=True)
+    if report.has_errors or (strict and report.has_warnings):
         if is_report:
             write_report(RENDERERS[output_format](report), output)
         fail(report, "nothing generated")
-    rendering = OnceRendered(repr((reading, frequency)) if is_kept else "")
     result = _generated(
-        report.model,
-        selection,
-        folder,
-        adopt=adopt,
-        force=force,
-        write=mode == "write",
-        fix=fix,
-        rendering=rendering,
+        report.model, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
     )
     if is_report:
         write_report(RENDERERS[output_format](with_code(report, result, folder)), output)
@@ -192,29 +165,6 @@ def command(
     _tell(_conclusion(result, quiet=quiet))
     if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
         raise click.exceptions.Exit(PROBLEMS)
-    if question is not None and are_own((*selection.targets, *selection.renewed)):
-        with noting(seen):
-            look("real", folder)
-            look_below(folder)
-            again = _generated(report.model, selection, folder, write=False, rendering=rendering)
-            look_below(folder)
-        if again.plan.is_up_to_date:
-            lines = [*findings, *_changes(again, folder, mode, quiet=quiet)]
-            lines += _conclusion(again, quiet=quiet)
-            question.keep(lines, seen)
-
-
-def _question(asked: Sequence[object]) -> Question | None:
-    """Returns what is asked of the installed targets; None where others than ours may change."""
-    from importlib.metadata import entry_points
-
-    from jausml.language.model.answers import Question
-
-    # To load targets takes long; their names tell enough of them.
-    targets = sorted((each.name, each.value) for each in entry_points(group="jausml.targets"))
-    if not all(module.startswith("jausml_generators.") for _, module in targets):
-        return None
-    return Question(("generate", *asked, *targets))
 
 
 def _tell(lines: Iterable[Line]) -> None:

@@ -46,7 +46,6 @@ _FORMATS = ("text", "json", "sarif")
     help="Time for all values of numbers of 17 to 32 bits; without it, chosen ones are tried.",
 )
 @jobs_option
-@click.option("--no-cache", is_flag=True, help="Prove what was proved before, too.")
 @format_option("Format of the results.", _FORMATS)
 @click.option("-o", "--output", metavar="DIR", help="Also write a page for each map into a folder.")
 @reading_options
@@ -55,7 +54,6 @@ def command(
     names: tuple[str, ...],
     budget: float,
     jobs: int | None,
-    no_cache: bool,
     output_format: str,
     output: str | None,
     reading: Reading,
@@ -80,7 +78,7 @@ def command(
         show_findings(report)
         fail(report, "nothing proved")
     maps = _wanted(report.model, names)
-    settings = Settings("", budget, jobs or processors(), is_cached=not no_cache)
+    settings = Settings("", budget, jobs or processors())
     results = _proved(report.model, maps, settings)
     judged = with_proofs(report, maps, results)
     if output_format == "sarif":

@@ -73,13 +73,6 @@ def only_system(argument: str) -> str:
         return from_here(Index(_project(argument)).only_system())
 
 
-cache_option = click.option(
-    "--no-cache",
-    is_flag=True,
-    help="Find out everything anew, also what is known because nothing has changed.",
-)
-
-
 def models_argument(command: Callable[..., None]) -> Callable[..., None]:
     """Adds PATH..., by default the project of the current folder."""
     return click.argument("paths", nargs=-1, metavar="[PATH]...", callback=_or_project)(command)

@@ -30,7 +30,6 @@ from jausml.language.interfaces.definitions import (
     parse_type,
     parse_value,
 )
-from jausml.language.model.looking import look
 from jausml.language.model.values import nearest
 
 PARTS = {
@@ -263,7 +262,7 @@ class Installation:
         for share in self.shares:
             folder = share / package
             # Unlike Path.is_dir this is False where nothing may be looked at.
-            if any(look("is_folder", folder / kind) for kind in PARTS):
+            if any(os.path.isdir(folder / kind) for kind in PARTS):  # noqa: PTH112 - as above
                 return folder
         return None
 

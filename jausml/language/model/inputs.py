@@ -15,8 +15,6 @@ import stat
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from jausml.language.model.looking import look, note_data
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -55,17 +53,6 @@ def read_input(path: str | os.PathLike[str]) -> bytes:
     Raises:
         OSError: It cannot be read, is no regular file or too large; `strerror` says which.
     """
-    try:
-        data = read_unnoted(path)
-    except (OSError, ValueError) as error:
-        note_data(path, error)
-        raise
-    note_data(path, data)
-    return data
-
-
-def read_unnoted(path: str | os.PathLike[str]) -> bytes:
-    """Returns what a file holds as `read_input` does, where no answer rests on it."""
     with open_input(path) as file:
         return bounded(file.read((_most_mib() << 20) + 1), path)
 
@@ -94,7 +81,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 def leads_out(path: str | os.PathLike[str], root: Path) -> bool:
     """Tells whether a path leads out of a folder by its links."""
-    return not Path(look("real", path)).is_relative_to(root)
+    return not Path(os.path.realpath(path)).is_relative_to(root)
 
 
 def _is_null(descriptor: int) -> bool:

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 
 from jausml.language.model.inputs import leads_out, open_input
 from jausml.language.model.library import SUFFIXES, library_root, shipped_as
-from jausml.language.model.looking import look
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+# Unlike pathlib, os.path says no where nothing may be looked at.
+# ruff: noqa: PTH110, PTH112, PTH113
 
 MARKER = ".project"
 """The file that makes a folder a project; `jausml init` writes one, as Eclipse does."""
@@ -31,7 +33,7 @@ def project_folder(path: Path) -> Path | None:
     """
     marks = (MARKER, _CHECKOUT)
     return next(
-        (each for each in path.parents if any(look("exists", each / m) for m in marks)), None
+        (each for each in path.parents if any(os.path.exists(each / m) for m in marks)), None
     )
 
 
@@ -40,13 +42,13 @@ def made_project(folder: Path) -> Path | None:
 
     A checkout alone may hold models of all kinds, which do not belong together.
     """
-    found = project_folder(Path(look("real", folder)) / "any")
-    return found if found is not None and look("is_file", found / MARKER) else None
+    found = project_folder(Path(os.path.realpath(folder)) / "any")
+    return found if found is not None and os.path.isfile(found / MARKER) else None
 
 
 def enclosing_project(path: Path) -> Path | None:
     """Returns the nearest folder above a file that is an Eclipse project, None without one."""
-    return next((each for each in path.parents if look("is_file", each / MARKER)), None)
+    return next((each for each in path.parents if os.path.isfile(each / MARKER)), None)
 
 
 def find_project_root(paths: Iterable[Path]) -> Path:
@@ -56,12 +58,12 @@ def find_project_root(paths: Iterable[Path]) -> Path:
     that holds the file; else the current folder, when all files lie in it; else the folder that all
     files share. It is no narrower than the project: parts of a checkout refer to each other.
     """
-    real = [Path(look("real", path)) for path in paths]
+    real = [Path(os.path.realpath(path)) for path in paths]
     folders = [path.parent for path in real]
     if not folders:
         return Path.cwd()
     for folder in (folders[0], *folders[0].parents):
-        if look("exists", folder / _CHECKOUT):
+        if os.path.exists(folder / _CHECKOUT):
             return folder
     project = enclosing_project(real[0])
     if project is not None:
@@ -87,7 +89,6 @@ def walk(
         OSError: A folder cannot be read, unless `onerror` is another.
     """
     for parent, subfolders, names in os.walk(folder, onerror=onerror):
-        look("entries", parent)
         subfolders[:] = sorted(filter(_is_shown, subfolders))
         for name in sorted(names):
             if name.endswith(suffixes) and _is_shown(name):
@@ -118,9 +119,9 @@ def is_model_file(file: str, root: Path, suffixes: tuple[str, ...] = SUFFIXES) -
     """
     if not file.endswith(suffixes) or not all(map(_is_shown, file.split("/"))):
         return False
-    real = look("real", root / file)
+    real = os.path.realpath(root / file)
     # A device or pipe would keep its reader waiting.
-    if look("exists", real) and not look("is_file", real):
+    if os.path.exists(real) and not os.path.isfile(real):
         return False
     library = os.path.realpath(library_root()) + os.sep
     if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
@@ -164,7 +165,7 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
 def files_at(path: str, suffixes: tuple[str, ...], hint: str = "") -> Sequence[str]:
     """Returns a file, or the files with certain endings below a folder, sorted."""
     try:
-        if look("is_folder", path):
+        if os.path.isdir(path):
             found = sorted(walk(path, suffixes))
             _refuse_links(path, found)
             if not found:
@@ -186,7 +187,7 @@ def shown(path: str | Path) -> str:
 def _refuse_links(folder: str, found: Sequence[str]) -> None:
     """Refuses files of a walk that are links out of the project: nobody has named them."""
     links = [each for each in found if os.path.islink(each)]  # noqa: PTH114 - as above
-    root = Path(look("real", find_project_root([Path(folder) / "any"]))) if links else None
+    root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
     for each in links:
         if root is not None and leads_out(each, root):
             raise InputError(

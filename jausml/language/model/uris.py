@@ -23,7 +23,6 @@ from jausml.language.model.library import (
     place_in_library,
     shipped_as,
 )
-from jausml.language.model.looking import look, note_data
 from jausml.language.model.project import MARKER, enclosing_project
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import parse
@@ -67,7 +66,7 @@ class UriResolver:
     def __init__(
         self, project_root: Path, *, allow_outside: bool, projects: Mapping[str, Path]
     ) -> None:
-        self._root = Path(look("real", project_root))
+        self._root = Path(os.path.realpath(project_root))
         self._allow_outside = allow_outside
         self._projects = projects
         self._library = Path(os.path.realpath(library_root()))
@@ -80,7 +79,7 @@ class UriResolver:
         Args:
             contents: Files that an editor holds, by real path: what is stored says nothing of them.
         """
-        real = Path(look("real", path))
+        real = Path(os.path.realpath(path))
         self._known.add(real)
         if real.is_relative_to(self._library):
             return FileTarget(real, path, is_library=True)
@@ -139,7 +138,7 @@ class UriResolver:
         return self._checked(display, path, base)
 
     def _checked(self, display: str, written: str, base: Document) -> FileTarget | UriFault:
-        real = Path(look("real", display))
+        real = Path(os.path.realpath(display))
         if real.is_relative_to(self._library):
             return FileTarget(real, display, is_library=True)
         allowed = self._allow_outside or real in self._known or real.is_relative_to(self._root)
@@ -156,9 +155,9 @@ class UriResolver:
 
     def _projects_of(self, base: Document) -> dict[str, Path]:
         """The Eclipse projects that a document may refer to, by name."""
-        document = Path(look("real", base.display))
+        document = Path(os.path.realpath(base.display))
         if document.parent not in self._around:
-            given = {name: Path(look("real", each)) for name, each in self._projects.items()}
+            given = {name: Path(os.path.realpath(each)) for name, each in self._projects.items()}
             found = {**projects_around(document), **projects_in(self._root), **given}
             self._around[document.parent] = found
         return self._around[document.parent]
@@ -169,7 +168,7 @@ class UriResolver:
         projects = self._projects_of(base)
         if project in projects:
             folder = projects[project]
-        elif look("is_folder", self._root / project):
+        elif os.path.isdir(self._root / project):  # noqa: PTH112 -- as below
             folder = self._root / project
         elif self._root.name == project:
             folder = self._root
@@ -218,7 +217,12 @@ def projects_in(folder: Path) -> dict[str, Path]:
 
 
 def _folders(folder: Path) -> Iterator[Path]:
-    for name in look("folders", folder)[:_MOST_FOLDERS]:
+    try:
+        with os.scandir(folder) as entries:
+            names = sorted(entry.name for entry in entries if entry.is_dir())
+    except OSError:
+        return
+    for name in names[:_MOST_FOLDERS]:
         yield folder / name
 
 
@@ -227,10 +231,8 @@ def _name_of(folder: Path) -> str:
     try:
         with open_input(folder / MARKER) as file:
             data = file.read(_LONGEST_FILE)
-    except OSError as error:
-        note_data(folder / MARKER, error)
+    except OSError:
         return ""
-    note_data(folder / MARKER, data)
     root = parse(data).root
     if root is None or root.tag != "projectDescription":
         return ""

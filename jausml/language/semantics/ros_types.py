@@ -6,6 +6,7 @@ two fields of the one before, have 2^30 numbers. Who walks along the tree of a t
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,6 @@ from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.idl import parse_interface
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
-from jausml.language.model.looking import look
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
@@ -156,7 +156,8 @@ class InstalledTypes:
         if folder is None or not is_type_name(str(element.name)):
             return
         own, idl = (folder / kind / f"{element.name}{suffix}" for suffix in (f".{kind}", IDL))
-        path = own if look("is_file", own) or not look("is_file", idl) else idl
+        # Unlike Path.is_file this is False where nothing may be looked at.
+        path = own if os.path.isfile(own) or not os.path.isfile(idl) else idl  # noqa: PTH113
         try:
             text = read_text(path)
         except FileNotFoundError:

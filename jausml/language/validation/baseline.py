@@ -15,7 +15,6 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.model.inputs import read_input
-from jausml.language.model.looking import look
 from jausml.language.validation.rule import Ground, SetAside
 
 if TYPE_CHECKING:
@@ -115,7 +114,8 @@ def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[
         {
             identity: count
             for identity, count in known.items()
-            if identity[1] not in seen and look("exists", path.parent / identity[1])
+            # Unlike Path.exists this is False where nothing may be looked at.
+            if identity[1] not in seen and os.path.exists(path.parent / identity[1])  # noqa: PTH110
         }
     )
 
@@ -127,7 +127,9 @@ def _identity(each: Diagnostic, path: Path) -> Identity:
 
 def _relative(file: str | Path, path: Path) -> str:
     """Returns the path of a file from the folder of a baseline."""
-    return PurePath(os.path.relpath(look("real", file), look("real", path.parent))).as_posix()
+    return PurePath(
+        os.path.relpath(os.path.realpath(file), os.path.realpath(path.parent))
+    ).as_posix()
 
 
 def _by_file(identity: Identity) -> tuple[str, ...]:

@@ -128,10 +128,12 @@ class Catalogue:
             return ()
         if code not in self._entries:
             by_identity: dict[object, MessageEntry] = {}
-            for definition, service in self._by_code[code]:
+            definitions = self._by_code[code]
+            for definition, service in definitions:
                 entry = MessageEntry(definition, self._encode_embedded, self.decode)
                 try:
-                    identity: object = entry.identity
+                    # Most codes have one definition, which nothing can be equal to.
+                    identity: object = entry.identity if len(definitions) > 1 else definition
                 except MessageError:
                     identity = definition  # using it will tell what is wrong
                 entry = by_identity.setdefault(identity, entry)
