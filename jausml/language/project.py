@@ -38,7 +38,6 @@ from jausml.language.model.project import (
     walk,
 )
 from jausml.language.model.reading.library_cache import LibraryCache
-from jausml.language.model.reading.patching import patched
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import file_of
 from jausml.language.model.xmi.writer import to_xmi
@@ -68,11 +67,12 @@ class _Kept:
     contents: Mapping[str, bytes]
     names: frozenset[str]
 
-    def differs_in(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> list[str] | None:
-        """Returns which files have other bytes than it was read of; None for other files."""
-        if self.files != files or self.names != contents.keys():
-            return None
-        return [each for each, data in self.contents.items() if contents[each] != data]
+    def is_of(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> bool:
+        """Tells whether it was read of files that hold the same now."""
+        is_same_project = self.files == files and self.names == contents.keys()
+        return is_same_project and all(
+            contents[file] == data for file, data in self.contents.items()
+        )
 
 
 class Models:
@@ -89,46 +89,19 @@ class Models:
         self._kept: dict[str, list[_Kept]] = {}
         self._cache = cache or LibraryCache()
 
-    def read(
-        self,
-        files: tuple[str, ...],
-        contents: Mapping[str, bytes],
-        *,
-        may_patch: bool = False,
-    ) -> ReadResult:
-        """Returns the model of files and of all that they refer to.
-
-        Args:
-            may_patch: Whether elements of models that were returned before may get other values,
-                if nothing else has changed: much faster for whoever has no use for the past.
-        """
+    def read(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> ReadResult:
+        """Returns the model of files and of all that they refer to."""
         # Of models of several files few are kept, whichever these are.
         kept = self._kept.setdefault(files[0] if len(files) == 1 else "", [])
-        differences = [each.differs_in(files, contents) for each in kept]
-        if [] in differences:
-            return kept[differences.index([])].result
-        result = self._patched(kept, differences, contents) if may_patch else None
-        result = result or self._read(files, contents)
+        for each in kept:
+            if each.is_of(files, contents):
+                return each.result
+        result = self._read(files, contents)
         held = {file_of(each, self._root) for each in result.model.documents} & contents.keys()
         said = {each: contents[each] for each in held}
         kept.insert(0, _Kept(result, files, said, frozenset(contents)))
         del kept[_KEPT:]
         return result
-
-    def _patched(
-        self,
-        kept: list[_Kept],
-        differences: Sequence[list[str] | None],
-        contents: Mapping[str, bytes],
-    ) -> ReadResult | None:
-        """Returns a model that was read of all but one file, which is then kept no longer."""
-        for each, names in zip(kept, differences, strict=True):
-            if names is not None and len(names) == 1:
-                found = patched(each.result, self._root / names[0], contents[names[0]])
-                if found is not None:
-                    kept.remove(each)
-                    return found
-        return None
 
     def _read(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> ReadResult:
         return read_models(

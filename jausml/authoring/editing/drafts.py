@@ -40,10 +40,7 @@ if TYPE_CHECKING:
 
 
 class Draft:
-    """The files of a project with changes that nobody else sees yet.
-
-    `may_patch`: whether models that were read before may get the values that are tried.
-    """
+    """The files of a project with changes that nobody else sees yet."""
 
     def __init__(
         self,
@@ -51,15 +48,12 @@ class Draft:
         files: Mapping[str, Stored],
         reader: Reader,
         revision: int,
-        *,
-        may_patch: bool = False,
     ) -> None:
         self.root = root
         self.files = dict(files)
         self._before = files
         self._reader = reader
         self._revision = revision
-        self._may_patch = may_patch
         self._steps: dict[str, list[tuple[Splice, ...]]] = {}
 
     @property
@@ -69,7 +63,7 @@ class Draft:
 
     def read(self, file: str) -> ReadResult:
         """Returns the model of a file and all that it refers to, with the changes."""
-        return self._reader.read(file, self.files, may_patch=self._may_patch)
+        return self._reader.read(file, self.files)
 
     def referring(self, file: str) -> list[str]:
         """Returns a file and those whose models have elements of it, itself first."""

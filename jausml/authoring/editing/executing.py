@@ -177,16 +177,15 @@ class _Work:
                 raise EditError(str(error)) from error
         for file, splices in plans.items():
             self._draft.apply(file, splices)
-        self._check(applying, is_shifting=is_shifting)
+        self._check(applying)
         if is_shifting:
             self._shifts.append(_shift(before, self._working_copy.refs()))
 
-    def _check(self, applying: Applying, *, is_shifting: bool) -> None:
+    def _check(self, applying: Applying) -> None:
         """Reads what was changed, and sees to it that it is what was meant."""
         models = self._read(list(self._working_copy.roots))
         changed = applying.changed.keys()
-        read = None if is_shifting else patched(self._working_copy, models, changed)
-        read = read or renewed(self._working_copy, models, changed)
+        read = renewed(self._working_copy, models, changed)
         for file in self._working_copy.roots:
             if layout_file(file) in self._draft.files:
                 layout = followed(self._layout_of(file), file, self._working_copy, read)
@@ -278,25 +277,6 @@ def renewed(
             pending += _children(copy, read)
     read.pair()
     for copy in read.everything():
-        _compare_references(copy, read)
-    return read
-
-
-def patched(
-    wanted: WorkingCopy, models: Mapping[str, Model], changed: Collection[ElementCopy]
-) -> WorkingCopy | None:
-    """Returns what `renewed` does where nothing but values was changed, None elsewhere."""
-    read = wanted.with_models(models)
-    looked_at = dict.fromkeys(changed)
-    for file, model in models.items():
-        patches = model.patches_since(wanted.models[file])
-        if patches is None:
-            return None
-        looked_at |= dict.fromkeys(wanted.copies[each] for each in patches)
-    for copy in looked_at:
-        if copy.obj is None:
-            return None
-        _renew(copy, copy.obj, copy.file, wanted, read, is_changed=True)
         _compare_references(copy, read)
     return read
 

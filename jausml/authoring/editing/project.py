@@ -115,11 +115,11 @@ class Project:
         """Returns the model of a file and all that it refers to.
 
         It is that of the last revision in which the file could be parsed. When the file changes,
-        later calls return another one; of this one nothing changes but single values.
+        later calls return another one.
         """
         with self._lock:
             self._known(file)
-            return self._reader.read(file, self._files, may_patch=True)
+            return self._reader.read(file, self._files)
 
     def read(self, file: str) -> tuple[ReadResult, Freshness]:
         """Returns the model of a file as `model` does, and what it is worth at this moment."""
@@ -159,7 +159,7 @@ class Project:
         """Returns what commands with refs of a revision would do; nothing is written."""
         with self._lock:
             commands = self._rebased(commands, base)
-            draft = self._draft(may_patch=False)
+            draft = self._draft()
             outcome = execute(commands, draft)
             changes = draft.changes()
             new = {each.file: draft.files.get(each.file) for each in changes}
@@ -328,8 +328,8 @@ class Project:
             raise EditError(f"{file} is no model file of the opened folder")
         return found
 
-    def _draft(self, *, may_patch: bool = True) -> Draft:
-        return Draft(self.root, self._files, self._reader, self._revision + 1, may_patch=may_patch)
+    def _draft(self) -> Draft:
+        return Draft(self.root, self._files, self._reader, self._revision + 1)
 
     def _write(self, changed: Mapping[str, Stored | None]) -> None:
         """Writes files, all or none, if they are still as this project knows them."""

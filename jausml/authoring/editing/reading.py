@@ -81,15 +81,9 @@ class Reader:
         self._library: dict[str, ReadResult] = {}
         self._known_faults: dict[str, tuple[str, tuple[Diagnostic, ...]]] = {}
 
-    def read(
-        self, file: str, files: Mapping[str, Stored], *, may_patch: bool = False
-    ) -> ReadResult:
-        """Returns the model of a file and all that it refers to.
-
-        `may_patch`: whether elements of models that were returned before may get other values.
-        """
-        result = self._models.read((file,), _contents(files), may_patch=may_patch)
-        return self._with_faults(result, files)
+    def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
+        """Returns the model of a file and all that it refers to."""
+        return self._with_faults(self._models.read((file,), _contents(files)), files)
 
     def beside(self, file: str, files: Mapping[str, Stored]) -> Model:
         """Returns the model of the files that a file does not refer to."""
@@ -123,7 +117,7 @@ class Reader:
 
     def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
         """Returns what the model of a file is worth."""
-        result = self.read(file, files, may_patch=True)
+        result = self.read(file, files)
         documents = {file_of(each, self._root): each for each in result.model.documents}
         old = [
             files[name]

@@ -127,13 +127,6 @@ class WorkingCopy:
             copy.references = working_copy.references_of(copy)
         return working_copy
 
-    def with_models(self, models: Mapping[str, Model]) -> WorkingCopy:
-        """Returns one of the same copies, whose elements are those of other models too."""
-        made = WorkingCopy(models, self.folder)
-        made.roots, made.copies, made.identifiers = self.roots, self.copies, self.identifiers
-        made._foreign = self._foreign
-        return made
-
     def find(self, ref: Ref) -> ElementCopy | None:
         """Returns the copy of a ref as it was read, None when the working copy has none."""
         model = self.models.get(split(ref)[0])

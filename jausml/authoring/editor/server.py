@@ -184,12 +184,16 @@ class _Handlers:
         What is typed without a pause is not looked at: most of it is half a word.
         """
         await asyncio.sleep(PAUSE)
+        task = asyncio.current_task()
         for path in list(self._bench.texts):
             version, text = self._versions[path], self._bench.text(path)
             faults = await asyncio.to_thread(syntax_problems, text)
             if faults:
                 self._publish_of(path, version, faults)
-            problems = await asyncio.to_thread(all_problems, self._bench, path)
+            # The thread goes on when the task is cancelled, until it asks for the next element.
+            problems = await asyncio.to_thread(
+                all_problems, self._bench, path, lambda: self._checking is task
+            )
             self._publish_of(path, version, problems)
 
     def _publish_of(self, path: Path, version: int, problems: list[Problem]) -> None:

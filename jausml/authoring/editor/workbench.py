@@ -25,7 +25,6 @@ from jausml.language.text.reading.pieces import parsed_text, roughly_parsed
 from jausml.language.text.tree import Import, Span, Text
 from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
-from jausml.language.validation.judge import Judge
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.model import Model
     from jausml.language.text.tree import SyntaxTree
-    from jausml.language.validation.rule import Report
 
 ElementT = TypeVar("ElementT", bound="EObject")
 
@@ -62,10 +60,8 @@ class Workbench:
     _models: dict[Path, Model] = field(default_factory=dict)
     _beside: dict[Path, Model] = field(default_factory=dict)
     _read: dict[Path, Models] = field(default_factory=dict)
-    _judges: dict[Path, Judge] = field(default_factory=dict)
     _library: LibraryCache = field(default_factory=LibraryCache)
     _lock: threading.Lock = field(default_factory=threading.Lock)
-    _judging: threading.Lock = field(default_factory=threading.Lock)
 
     def text(self, path: Path) -> str:
         """Returns the text of a file, as the editor has it or as it is stored; empty if neither."""
@@ -85,11 +81,13 @@ class Workbench:
         real = path.resolve()
         return any(real.is_relative_to(each) for each in (self.root, library_root().resolve()))
 
-    def findings(self, path: Path) -> list[Diagnostic]:
+    def findings(
+        self, path: Path, is_wanted: Callable[[], bool] = lambda: True
+    ) -> list[Diagnostic]:
         """Reads an open text with all that it refers to, and checks it.
 
         May run beside everything else. What was read answers later questions. Returns what was
-        found in this text.
+        found in this text. `SupersededError`: `is_wanted` says meanwhile that nobody asks any more.
         """
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)
@@ -105,8 +103,7 @@ class Workbench:
             self._models[path] = result.model
             self._read_beside(path, contents)
         shown = result.model.documents[0].display
-        with self._judging:
-            found = checked(result, self._judges.setdefault(path, Judge()).report)
+        found = checked(result, is_wanted)
         return [each for each in found if each.location.path == shown]
 
     def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
@@ -126,7 +123,6 @@ class Workbench:
         self.texts.pop(path, None)
         self._models.pop(path, None)
         self._beside.pop(path, None)
-        self._judges.pop(path, None)
 
     def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
         """Returns the elements of a class that a text can name: its own, then the library's.
@@ -200,11 +196,11 @@ def imported_file(item: Import, path: Path) -> Path | None:
 
 
 def checked(
-    result: ReadResult, judged: Callable[[ReadResult], Report] = check
+    result: ReadResult, is_wanted: Callable[[], bool] = lambda: True
 ) -> Sequence[Diagnostic]:
     """Returns what is found in a model that was read of texts."""
     try:
-        return judged(result).diagnostics
+        return check(result, is_wanted=is_wanted).diagnostics
     except RuleError:
         # A rule that fails on a text half written says nothing about it.
         return result.diagnostics
@@ -228,8 +224,13 @@ def syntax_problems(text: str) -> list[Problem]:
     ]
 
 
-def all_problems(bench: Workbench, path: Path) -> list[Problem]:
-    """Reads an open text as a model and returns all that is wrong with it."""
+def all_problems(
+    bench: Workbench, path: Path, is_wanted: Callable[[], bool] = lambda: True
+) -> list[Problem]:
+    """Reads an open text as a model and returns all that is wrong with it.
+
+    `SupersededError`: `is_wanted` says meanwhile that nobody asks any more.
+    """
     lines = bench.text(path).split("\n")
     return [
         Problem(
@@ -238,7 +239,7 @@ def all_problems(bench: Workbench, path: Path) -> list[Problem]:
             each.rule,
             _with_hint(each.message, each.hint),
         )
-        for each in bench.findings(path)
+        for each in bench.findings(path, is_wanted)
     ]
 
 

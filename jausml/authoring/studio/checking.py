@@ -6,12 +6,12 @@ import gc
 import logging
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
-from jausml.language.validation.engine import RuleError
-from jausml.language.validation.judge import Judge
+from jausml.language.validation.engine import RuleError, SupersededError, check
 from jausml.language.validation.rule import Report
 
 if TYPE_CHECKING:
@@ -55,7 +55,6 @@ class Verdicts:
         self._project = project
         self._verdicts: dict[str, Verdict] = {}
         self._judging: dict[str, threading.Lock] = {}
-        self._judges: dict[str, Judge] = {}
         self._lock = threading.Lock()
 
     @property
@@ -63,37 +62,34 @@ class Verdicts:
         """The revision of the project now."""
         return self._project.revision
 
-    def has_judged(self, file: str) -> bool:
-        """Tells whether the next verdict on a file is quick: only what has changed is looked at."""
-        with self._lock:
-            return file in self._verdicts
-
     def of(self, file: str) -> Verdict:
         """Returns the verdict on a file as it is now; who asks meanwhile gets the same."""
         with self._lock:
             judging = self._judging.setdefault(file, threading.Lock())
-            judge = self._judges.setdefault(file, Judge())
         with judging:
             verdict = self._verdicts.get(file)
-            if verdict is None or verdict.revision != self._project.revision:
-                verdict = self._verdicts[file] = self._judged(file, judge)
+            while verdict is None or verdict.revision != self._project.revision:
+                with suppress(SupersededError):
+                    verdict = self._verdicts[file] = self._judged(file)
             return verdict
 
-    def _judged(self, file: str, judge: Judge) -> Verdict:
+    def _judged(self, file: str) -> Verdict:
         started = time.perf_counter()
         revision = self._project.revision
         result, freshness = self._project.read(file)
-        report, fault = _checked(result, freshness, judge)
+        report, fault = _checked(result, freshness, lambda: self._project.revision == revision)
         elapsed = 1000 * (time.perf_counter() - started)
         return Verdict(file, revision, elapsed, result, freshness, report, fault)
 
 
-def _checked(result: ReadResult, freshness: Freshness, judge: Judge) -> tuple[Report, str]:
+def _checked(
+    result: ReadResult, freshness: Freshness, is_wanted: Callable[[], bool]
+) -> tuple[Report, str]:
     if not freshness.is_current:
         # What was read is of the past: about that there is no verdict.
         return Report(result.model, (), freshness.faults), freshness.why
     try:
-        return judge.report(result), ""
+        return check(result, is_wanted=is_wanted), ""
     except RuleError as error:
         # What was read is told all the same: an editor holds models that are half written.
         return Report(result.model, (), tuple(result.diagnostics)), str(error)

@@ -16,9 +16,7 @@ from ordered_set import OrderedSet
 from pyecore.innerutils import InternalSet
 from pyecore.valuecontainer import ECollection, EList, EValue
 
-from jausml.language.metamodel.reactive import Engine, Watch
 from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable, ValueKind
-from jausml.language.metamodel.watching import WATCH, note, watched_class
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -33,18 +31,7 @@ def new_object(table: ClassTable) -> Any:
 
     It is not among pyecore's `allInstances`, whose weak references would take most of the time.
     """
-    return _new(table.eclass.python_class)
-
-
-def new_watched(table: ClassTable, engine: Engine) -> Any:
-    """Makes an element that notes who reads it; only the functions of this module change it."""
-    made = _new(watched_class(table))
-    made.__dict__[WATCH] = Watch(engine)
-    return made
-
-
-def _new(python_class: type[Any]) -> Any:
-    made = object.__new__(python_class)
+    made = object.__new__(table.eclass.python_class)
     state = {
         "_internal_id": None,
         "_isset": InternalSet(),
@@ -156,7 +143,6 @@ def count(obj: Any, table: FeatureTable) -> int:
 
 def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
     """Returns the values of a feature; unlike asking for it, that leaves no empty value behind."""
-    note(obj, table.name)
     held = obj.__dict__.get(table.name)
     if held is None:
         return ()
@@ -168,7 +154,6 @@ def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
 
 def is_set(obj: Any, table: FeatureTable) -> bool:
     """Tells whether a feature was given a value, be it the default."""
-    note(obj, table.name)
     return table.name in obj.__dict__ and table.feature in obj._isset
 
 

@@ -17,7 +17,7 @@ from jausml.language.model.documents import Document
 from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
@@ -54,8 +54,6 @@ class Model:
         self._ids: dict[EObject, str] = {}
         self._by_class: _Lists | None = None
         self._made: dict[Any, Any] = {}
-        self._patches: list[EObject] = []
-        self._patched = 0
 
     def adopt(self, document: Document, node: Node) -> None:
         """Remembers where an element was read; for the reader."""
@@ -75,36 +73,6 @@ class Model:
         self._made.clear()
         self._origin.update(origins.nodes)
         self._ids.update(origins.identifiers)
-
-    def patched(self, old: Document, new: Document, nodes: Mapping[EObject, Node]) -> Model:
-        """Returns a model of the same elements, of which those of one document stand elsewhere."""
-        made = Model([new if each is old else each for each in self.documents], self.metamodels)
-        made._origin = {**self._origin, **{each: (new, node) for each, node in nodes.items()}}
-        made._ids = self._ids
-        made._by_class = self._by_class
-        made._patches = self._patches
-        made._patched = self._patched
-        return made
-
-    @property
-    def is_latest(self) -> bool:
-        """Whether its elements have the values that were read for it, and not for a later model."""
-        return self._patched == len(self._patches)
-
-    def note_patch(self, elements: Iterable[EObject]) -> None:
-        """Remembers which elements have other values than in the model that it was made of."""
-        self._patches += elements
-        self._patched = len(self._patches)
-
-    def patches_since(self, former: Model) -> Sequence[EObject] | None:
-        """Returns the elements that may have other values than in a former model.
-
-        None where anything else may be another: the files were read as a whole meanwhile.
-        """
-        if self._patches is not former._patches:
-            return None
-        ends = sorted((former._patched, self._patched))
-        return self._patches[ends[0] : ends[1]]
 
     def node_of(self, obj: EObject) -> Node | None:
         """Returns the light node of which an element was built, None for one that was not read."""

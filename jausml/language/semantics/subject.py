@@ -12,10 +12,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.metamodel.reactive import Answers, Engine
 from jausml.language.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
 
 ElementT = TypeVar("ElementT", bound="EObject")
 Fact = TypeVar("Fact")
-OwnerT = TypeVar("OwnerT")
-FoundT = TypeVar("FoundT")
 
 _Unread = frozenset[str] | None
 """The features of an element that were not read; None where it may be any of them."""
@@ -82,11 +79,6 @@ class Subject:
             self._damaged.add(around)
             around = around.eContainer()
 
-    def take_faults(self, other: Subject, copies: Mapping[EObject, EObject]) -> None:
-        """Takes what was not read from another subject, whose elements have copies here."""
-        self._unread = {copies.get(each, each): of for each, of in other._unread.items()}
-        self._damaged = {copies.get(each, each) for each in other._damaged}
-
     def elements(self) -> list[EObject]:
         """Returns all elements that are judged, be they read well or not."""
         return [element for of_class in self._by_class.values() for _, element in of_class]
@@ -115,8 +107,8 @@ class Subject:
 
         `find`: takes the subject, and what the fact is about.
         """
-        engine = _ENGINE.get()
-        found: Fact = find(self, *about) if engine is None else engine.ask((find, self, *about))
+        answers = _ANSWERS.get()
+        found: Fact = find(self, *about) if answers is None else answers.ask((find, self, *about))
         return found
 
     def is_read(self, element: EObject, needs: Iterable[str] | None = None) -> bool:
@@ -171,20 +163,69 @@ def _joined(first: _Unread, second: _Unread) -> _Unread:
     return None if first is None or second is None else first | second
 
 
-_ENGINE: ContextVar[Answers | Engine | None] = ContextVar("engine", default=None)
+_Call = tuple[Any, ...]
+"""A function and what it is called with, all of it hashable."""
+
+_RUNNING = object()
+
+
+class SelfAskingError(Exception):
+    """An answer depends on itself."""
+
+    def __init__(self, call: _Call) -> None:
+        name = getattr(call[0], "__qualname__", call[0])
+        super().__init__(f"{name} asks for its own answer")
+
+
+class _Raised:
+    """The answer of a call that failed, for all who ask."""
+
+    __slots__ = ("error",)
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+
+
+class _Answers:
+    """The answers to calls, which hold to its end: nothing that they read changes meanwhile."""
+
+    def __init__(self) -> None:
+        self._known: dict[_Call, Any] = {}
+
+    def ask(self, call: _Call) -> Any:
+        """Returns the answer of a call, which raises what the call raises.
+
+        `SelfAskingError`: it asks for its own answer.
+        """
+        value = self._known.get(call)
+        if value is None and call not in self._known:
+            self._known[call] = _RUNNING
+            try:
+                value = call[0](*call[1:])
+            except Exception as error:
+                value = _Raised(error)
+            except BaseException:
+                del self._known[call]
+                raise
+            self._known[call] = value
+        if value is _RUNNING:
+            raise SelfAskingError(call)
+        if value.__class__ is _Raised:
+            raise value.error.with_traceback(None)
+        return value
+
+
+_ANSWERS: ContextVar[_Answers | None] = ContextVar("answers", default=None)
 
 
 @contextmanager
-def remembering(engine: Engine | None = None) -> Iterator[None]:
-    """Has what is asked within it remembered until its end, in this thread alone.
-
-    `engine`: remembers it, and may know more from before; by default one that ends with it.
-    """
-    token = _ENGINE.set(Answers() if engine is None else engine)
+def remembering() -> Iterator[None]:
+    """Has what is asked within it remembered until its end, in this thread alone."""
+    token = _ANSWERS.set(_Answers())
     try:
         yield
     finally:
-        _ENGINE.reset(token)
+        _ANSWERS.reset(token)
 
 
 def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], AnswerT]:
@@ -192,30 +233,10 @@ def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], Answ
 
     @wraps(function)
     def answer(asked: AskedT) -> AnswerT:
-        engine = _ENGINE.get()
-        if engine is None:
+        answers = _ANSWERS.get()
+        if answers is None:
             return function(asked)
-        found: AnswerT = engine.ask((function, asked))
+        found: AnswerT = answers.ask((function, asked))
         return found
 
     return answer
-
-
-class RememberedProperty(Generic[OwnerT, FoundT]):
-    """A property that is worked out once.
-
-    The object itself remembers it, unless it is noted what answers read: then they do.
-    """
-
-    def __init__(self, find: Callable[[OwnerT], FoundT]) -> None:
-        self._find = find
-        self.__doc__ = find.__doc__
-
-    def __get__(self, owner: OwnerT, kind: type[OwnerT]) -> FoundT:
-        engine = _ENGINE.get()
-        found: FoundT
-        if isinstance(engine, Engine):
-            found = engine.ask((self._find, owner))
-        else:
-            found = owner.__dict__[self._find.__name__] = self._find(owner)
-        return found

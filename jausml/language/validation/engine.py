@@ -20,7 +20,7 @@ from jausml.language.validation.rules import all_rules
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.language.metamodel import Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject
@@ -38,19 +38,37 @@ class RuleError(Exception):
         self.rule = rule
 
 
-def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
-    """Checks a model that was read."""
+class SupersededError(Exception):
+    """Nobody wants to know any more what is found: what was read has changed since."""
+
+
+def check(
+    result: ReadResult,
+    rules: Sequence[Rule] | None = None,
+    is_wanted: Callable[[], bool] = lambda: True,
+) -> Report:
+    """Checks a model that was read.
+
+    Args:
+        is_wanted: Tells whether somebody still wants to know; it is asked before each element.
+
+    Raises:
+        RuleError: A rule failed.
+        SupersededError: Nobody wants to know any more.
+    """
     rules = all_rules() if rules is None else rules
     with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
-        found = [each for rule in rules for each in found_in_whole(subject, rule)]
-        judging = Judging(rules, result.model.metamodels)
+        found = [each for rule in rules for each in _found_in_whole(subject, rule)]
+        judging = _Judging(rules, result.model.metamodels)
         for element in subject.elements():
-            found += found_at(subject, element, judging.of(element))
-        return reported(result, rules, read_well(subject, found))
+            if not is_wanted():
+                raise SupersededError
+            found += _found_at(subject, element, judging.of(element))
+        return _reported(result, rules, _read_well(subject, found))
 
 
-class Judging:
+class _Judging:
     """Which rules judge elements of a class."""
 
     def __init__(self, rules: Iterable[Rule], metamodels: Metamodels) -> None:
@@ -70,7 +88,7 @@ class Judging:
         return self._parts.get(element.eClass, ())
 
 
-def found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
+def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
     """Returns what the parts of a rule find that look at the model as a whole."""
     try:
         return [
@@ -80,7 +98,7 @@ def found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
         raise RuleError(rule, error) from error
 
 
-def found_at(
+def _found_at(
     subject: Subject, element: EObject, parts: Iterable[tuple[Rule, Part]]
 ) -> list[tuple[Rule, Finding]]:
     """Returns what rules find that judge an element by itself."""
@@ -94,7 +112,7 @@ def found_at(
     return found
 
 
-def read_well(
+def _read_well(
     subject: Subject, found: Iterable[tuple[Rule, Finding]]
 ) -> Iterator[tuple[Rule, Finding]]:
     """Yields what was found in features that were read; in an element as a whole, in all of it.
@@ -109,7 +127,7 @@ def read_well(
             yield rule, finding
 
 
-def reported(
+def _reported(
     result: ReadResult, rules: Iterable[Rule], found: Iterable[tuple[Rule, Finding]]
 ) -> Report:
     """Returns a report on a model that was read, of all that rules have found in it."""

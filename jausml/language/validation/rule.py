@@ -87,7 +87,6 @@ class Rule:
         id: `JML` and three digits; an id is never used again for something else.
         parts: Its functions. The first one has its documentation.
         is_decision: Whether it asks for a decision of a person, since no tool knows the vehicle.
-        is_outward: Whether it looks at more than the model.
     """
 
     id: str
@@ -95,17 +94,11 @@ class Rule:
     title: str
     parts: list[Part]
     is_decision: bool = False
-    is_outward: bool = False
 
     @property
     def documentation(self) -> str:
         """What the rule demands and why, with a bad and a good example."""
         return inspect.getdoc(self.parts[0].check) or ""
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether a function of it looks at the model as a whole, and not at each element."""
-        return any(not each.each for each in self.parts)
 
     def findings(self, subject: Subject) -> Iterator[Finding]:
         """Yields what is wrong with a model."""
@@ -134,7 +127,6 @@ def rule(
     *,
     severity: Severity = Severity.ERROR,
     is_decision: bool = False,
-    is_outward: bool = False,
     each: Kinds = (),
     needs: Iterable[str] | None = None,
     given: Callable[[Subject, Any], bool] | None = None,
@@ -142,13 +134,12 @@ def rule(
     """Makes a rule of a function, whose docstring is the documentation page of the rule.
 
     With `each` the function takes the subject and one element of these classes, and judges it by
-    what it reads of that and of others: only where that changes, it is judged again. Without, it
-    takes the subject, and judges the model anew whenever anything changes that it reads.
+    itself. Without, it takes the subject, and judges the model as a whole.
     """
 
     def make(check: RuleFunction) -> Rule:
         part = _part(check, each, needs, given)
-        return Rule(rule_id, severity, title, [part], is_decision, is_outward)
+        return Rule(rule_id, severity, title, [part], is_decision)
 
     return make
 

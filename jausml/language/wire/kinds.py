@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from jausml.language.wire.numbers import INTEGERS, IntegerType, LegalIntegers, Number
@@ -358,14 +357,8 @@ def comparable(layout: object, leaving_out: Collection[str]) -> object:
     """
     if isinstance(layout, tuple):
         return tuple(comparable(each, leaving_out) for each in layout)
-    names = _attributes(type(layout))
+    names = getattr(layout, "__dataclass_fields__", ())  # many: `fields` takes five times as long
     if not names:
         return layout
     values = (comparable(getattr(layout, n), leaving_out) for n in names if n not in leaving_out)
     return (type(layout).__name__, *values)
-
-
-@cache
-def _attributes(kind: type) -> tuple[str, ...]:
-    """Returns the attributes of a class of layouts, of any other class none."""
-    return tuple(each.name for each in fields(kind)) if is_dataclass(kind) else ()

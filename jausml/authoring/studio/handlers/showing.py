@@ -144,11 +144,7 @@ def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]
     verdict: Verdict | None = None
     if sent is not None and sent.revision == revision:
         verdict = sent
-    elif (
-        view != SYSTEM
-        or context.verdicts.has_judged(file)
-        or len(participants(result.model)) <= MOST_SHOWN
-    ):
+    elif view != SYSTEM or len(participants(result.model)) <= MOST_SHOWN:
         verdict = context.verdicts.of(file)
     if verdict is not None:
         revision, result, freshness = (
@@ -156,8 +152,7 @@ def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]
             verdict.result,
             context.freshness(verdict),
         )
-    # Nobody waits for the first verdict on a large system: its page asks again when it is there.
-    # Any later one takes less time than to draw the system once more.
+    # Nobody waits for the verdict on a large system: its page asks again when it is there.
     diagnostics = tuple(verdict.report.diagnostics) if verdict is not None else ()
     of = revision, diagnostics
     drawn = context.drawings.again(file, view, opened, of)

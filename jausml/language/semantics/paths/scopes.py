@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
 
 from jausml.language.metamodel.classes import bridge, jaus
@@ -14,7 +14,7 @@ from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute,
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.wholes import FoundPlace, PathPlace, ShapeError, parts_of
-from jausml.language.semantics.subject import RememberedProperty, Subject, remembered
+from jausml.language.semantics.subject import Subject, remembered
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
@@ -109,23 +109,23 @@ class Placed(Generic[AssignmentT_co]):
     assignment: AssignmentT_co
     scope: PathScope
 
-    @RememberedProperty
+    @cached_property
     def targets(self) -> list[tuple[str, Found]]:
         """The target paths and what they lead to."""
         paths = target_paths(self.assignment)
         return [(path, attribute_at(self.scope.find_target(path))) for path in paths]
 
-    @RememberedProperty
+    @cached_property
     def sources(self) -> list[tuple[str, Found]]:
         """The source paths and what they lead to; none for constants and the like."""
         return [(path, _source(self.scope, path)) for path in source_paths(self.assignment)]
 
-    @RememberedProperty
+    @cached_property
     def target_attributes(self) -> list[Attribute]:
         """What the targets are, empty unless all of them were found."""
         return _all_found(self.targets)
 
-    @RememberedProperty
+    @cached_property
     def source_attributes(self) -> list[Attribute]:
         """What the sources are, empty unless all of them were found."""
         return _all_found(self.sources)

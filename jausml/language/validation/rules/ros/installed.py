@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     "JML409",
     "ROS type that is installed with other fields",
     severity=Severity.WARNING,
-    is_outward=True,
 )
 def installed_types(subject: Subject) -> Iterator[Finding]:
     """The ROS types that a model uses are those of the installed packages.
