@@ -8,20 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.editor.completion import complete
 from jausml.authoring.editor.definition import outline
-from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems, syntax_problems
 from jausml.language.model import read_models
 from jausml.language.text.reading import parsing
-from jausml.language.text.reading.pieces import parsed_text
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 TEXTS = sorted(EXAMPLES.rglob("*.ros2jaus"))
 
 
 def parts(parsed):
-    return parsed.document, parsed.faults, list(parsed.tokens)
+    return parsed.document, parsed.faults, parsed.tokens
 
 
 @pytest.fixture
@@ -35,7 +32,7 @@ def test_reading_leaves_the_tree_as_it_was_parsed(bench, path):
     bench.texts[path.resolve()] = text
     all_problems(bench, path.resolve())
 
-    assert parts(parsed_text(text)) == parts(parsing.parse(text))
+    assert parts(parsing.parsed_text(text)) == parts(parsing.parse(text))
 
 
 def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
@@ -44,7 +41,7 @@ def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
     parsed = Counter()
 
     def counted(frame, event, _argument):
-        if event == "call" and frame.f_code is parsing.parse_part.__code__:
+        if event == "call" and frame.f_code is parsing.parse.__code__:
             parsed[frame.f_locals["text"]] += 1
 
     sys.setprofile(counted)
@@ -71,31 +68,3 @@ def test_a_letter_has_nothing_of_the_library_read_again(bench, tmp_path, monkeyp
     assert libraries[0]
     assert libraries[0] == libraries[1] == libraries[2]
     assert found[0] == found[1] == found[2]
-
-
-def test_a_letter_has_the_element_around_it_parsed_alone(bench, tmp_path):
-    path = tmp_path / "robot.ros2jaus"
-    elements = [f"component c{n} {{\n  address: 1.1.{n}\n}}\n" for n in range(1, 100)]
-    bench.texts[path] = "".join(elements)
-    bench.tree(path)
-    parsed = []
-
-    def noted(frame, event, _argument):
-        if event == "call" and frame.f_code is parsing.parse_part.__code__:
-            parsed.append(frame.f_locals["text"].lstrip())
-
-    elements[50] = elements[50].replace("address", "addre")
-    bench.texts[path] = "".join(elements)
-    sys.setprofile(noted)
-    try:
-        complete(bench, path, Place(152, 8))
-    finally:
-        sys.setprofile(None)
-    assert parsed == [elements[50]]
-
-
-@pytest.mark.parametrize("wrong", ["", "}", "{", "x: "])
-def test_problems_are_those_of_the_whole_text(wrong):
-    text = f"component a {{ }}\n{wrong}\ncomponent b {{ }}\n"
-
-    assert parts(parsed_text(text)) == parts(parsing.parse(text))

@@ -24,7 +24,7 @@ from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.xmi.parsing import parse as parse_xmi
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project import Index, Models
-from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
+from jausml.language.text.notation import NOTATIONS, SUFFIX, decode
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -32,21 +32,10 @@ if TYPE_CHECKING:
     from jausml.language.model.diagnostics import Diagnostic
     from jausml.language.model.documents import Document
     from jausml.language.model.model import Model
-    from jausml.language.text.reading.parsing import Parsed
 
 _MARKS = (b"<<<<<<< ", b">>>>>>> ")
 
 _LINE_END = re.compile(rb"\r\n|\n|\r")
-
-
-def parsed_text(text: str) -> Parsed:
-    """Returns the syntax tree of a text; parsed is what changed since it was seen before."""
-    from jausml.language.text.reading import pieces  # noqa: PLC0415 - takes a while to load
-
-    return pieces.parsed_text(text)
-
-
-NOTATIONS = (Ros2Jaus(parse=parsed_text),)
 
 
 def digest(data: bytes) -> str:
@@ -67,6 +56,8 @@ def can_be_parsed(file: str, data: bytes) -> bool:
     if layout.is_layout(file):
         return True
     if file.endswith(SUFFIX):
+        from jausml.language.text.reading.parsing import parsed_text  # noqa: PLC0415 - as there
+
         text, fault = decode(data)
         return fault is None and not parsed_text(text).faults
     return parse_xmi(data).root is not None

@@ -17,7 +17,7 @@ from jausml.authoring.editor.context import (
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
 from jausml.authoring.editor.places import Place, start_of
-from jausml.authoring.editor.workbench import names_in
+from jausml.authoring.editor.workbench import imports_of, names_in
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
@@ -25,15 +25,13 @@ from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
-from jausml.language.text.reading.joining import chosen
-from jausml.language.text.reading.pieces import roughly_parsed
+from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.tree import (
     Assignment,
     Direction,
     Element,
     End,
     Feature,
-    Import,
     Name,
     snake_case,
 )
@@ -95,12 +93,12 @@ class CompletionList:
 def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
     """Returns what can stand at a place."""
     text = bench.text(path)
-    context = context_at(text, roughly_parsed(text), place)
+    context = context_at(text, parsed_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:
         offered.setdefault((each.label, each.module), each)
-    imports = chosen(bench.tree(path).items, Import)
+    imports = imports_of(bench.tree(path))
     end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
     return CompletionList(context.start, context.end, tuple(offered.values()), end)
 
@@ -276,7 +274,7 @@ def _is_visible(declaration: Declaration, context: Context) -> bool:
     """Tells whether a name can be meant by itself: tables and the like only in their map."""
     owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
     around = [start_of(each.item.span) for each in context.levels if each.item is not None]
-    return not owned or all(any(map(each.is_at, around)) for each in declaration.owners)
+    return not owned or all(start_of(each.span) in around for each in declaration.owners)
 
 
 _OFFERS = {
@@ -335,7 +333,7 @@ def maps(bench: Workbench, path: Path, context: Context) -> Iterator[Candidate]:
 
 
 def _imported(bench: Workbench, path: Path) -> set[str]:
-    items = chosen(bench.tree(path).items, Import)
+    items = imports_of(bench.tree(path))
     return {each.target.text for each in items if isinstance(each.target, Name)}
 
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editor.places import Place, end_of
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
-from jausml.language.text.reading.joining import backwards, near
 from jausml.language.text.reading.shaping import Items
 from jausml.language.text.tree import (
     Assignment,
@@ -200,7 +199,7 @@ def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     start = Place(place.line, place.column - len(word))
     end = Place(place.line, rest.end() + 1 if rest is not None else place.column)
     levels = tuple(_levels(parsed.document, start))
-    tokens = (each for each in backwards(parsed.tokens, start.line) if _position(each) <= start)
+    tokens = (each for each in reversed(parsed.tokens) if _position(each) <= start)
     last = next(tokens, None)
     quoted = last if last is not None and _is_text_around(last, place) else None
     behind = [] if last is None or last is quoted or _position(last) == start else [last]
@@ -230,7 +229,7 @@ def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
     level = Level(None, None, document.items)
     while True:
         yield level
-        inner = [each for each in _inner_levels(level, place) if _holds(each.items, place)]
+        inner = [each for each in _inner_levels(level) if _holds(each.items, place)]
         if not inner:
             return
         # A list whose bracket is missing reaches to the end of the text: the last one counts.
@@ -243,9 +242,9 @@ def _holds(items: Sequence[Item], place: Place) -> bool:
     return Place(*items.start) < place <= Place(*items.end)
 
 
-def _inner_levels(level: Level, place: Place) -> Iterable[Level]:
-    """Yields the lists of those items of a list that may be around a place."""
-    for item in near(level.items, place.line):
+def _inner_levels(level: Level) -> Iterable[Level]:
+    """Yields the lists of the items of a list."""
+    for item in level.items:
         if isinstance(item, Feature):
             known = feature_named(item, level.item, level.table)
             for value in item.values:
@@ -275,7 +274,7 @@ def _begin(level: Level, start: Place) -> Place:
     """Returns the end of the last whole item before a place, or the beginning of the list."""
     opening = level.items.start if isinstance(level.items, Items) else None
     begin = Place(opening[0], opening[1] + 1) if opening is not None else Place(1, 1)
-    ends = (end_of(item.span) for item in near(level.items, start.line))
+    ends = (end_of(item.span) for item in level.items)
     return max([begin, *(end for end in ends if end < start)])
 
 

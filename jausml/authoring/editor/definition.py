@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import takewhile
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.authoring.editor.context import Part, context_at
 from jausml.authoring.editor.names import Declaration, find
 from jausml.authoring.editor.places import Place, is_within
-from jausml.authoring.editor.workbench import imported_file, names_in
+from jausml.authoring.editor.workbench import imported_file, imports_of, names_in
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.text.reading.joining import backwards, chosen
-from jausml.language.text.reading.pieces import roughly_parsed
+from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import (
     Assignment,
     Direction,
     Element,
     Feature,
-    Import,
     Name,
     Span,
     Vector,
@@ -30,16 +27,18 @@ from jausml.language.text.tree import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from lark import Token
 
     from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.names import Owner, Reference
+    from jausml.authoring.editor.names import Reference
     from jausml.authoring.editor.workbench import Workbench
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.semantics.paths import attributes
     from jausml.language.semantics.paths.wholes import PathPlace
+    from jausml.language.text.tree import Item
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
@@ -175,11 +174,9 @@ class Definition:
 
 def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
-    tokens = takewhile(
-        lambda each: each.end_line == place.line, backwards(roughly_parsed(text).tokens, place.line)
-    )
-    found = [each for each in tokens if is_within(span_of(each), place)]
-    return next((each for each in reversed(found) if each.type not in _PUNCTUATION), None)
+    tokens = parsed_text(text).tokens
+    found = (t for t in tokens if t.end_line == place.line and is_within(span_of(t), place))
+    return next((each for each in found if each.type not in _PUNCTUATION), None)
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
@@ -195,7 +192,7 @@ def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
     if reference is not None:
         return _in_models(bench, path, reference)
     token = word_at(text, place)
-    context = context_at(text, roughly_parsed(text), place)
+    context = context_at(text, parsed_text(text), place)
     if token is None or context.part not in (Part.SOURCE, Part.TARGET):
         return None
     sides = sides_at(bench, path, context)
@@ -223,7 +220,7 @@ def meant(bench: Workbench, path: Path, reference: Reference) -> tuple[Path, Dec
 
 
 def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
-    for item in chosen(bench.tree(path).items, Import):
+    for item in imports_of(bench.tree(path)):
         if is_within(item.target.span, place):
             file = imported_file(item, path)
             return Definition(file, Span()) if file is not None and file.is_file() else None
@@ -257,15 +254,15 @@ class Symbol:
 def outline(text: str) -> list[Symbol]:
     """Returns what a text declares, as trees."""
     roots: list[Symbol] = []
-    by_item: dict[tuple[int, int], Symbol] = {}
+    by_item: dict[int, Symbol] = {}
     for each in names_in(text).declarations:
-        symbol = Symbol(each.name.text, snake_case(each.table.name), each.span, each.name.span)
-        by_item[id(each.item), each.what.by] = symbol
+        symbol = Symbol(each.name.text, snake_case(each.table.name), each.item.span, each.name.span)
+        by_item[id(each.item)] = symbol
         owner = _nearest(each.owners, by_item)
         (owner.children if owner is not None else roots).append(symbol)
     return roots
 
 
-def _nearest(owners: tuple[Owner, ...], by_item: dict[tuple[int, int], Symbol]) -> Symbol | None:
-    keys = ((id(each.item), each.by) for each in reversed(owners))
-    return next((by_item[each] for each in keys if each in by_item), None)
+def _nearest(owners: Sequence[Item], by_item: dict[int, Symbol]) -> Symbol | None:
+    keys = map(id, reversed(owners))
+    return next((by_item[key] for key in keys if key in by_item), None)

@@ -14,7 +14,7 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.paths.markers import in_words
-from jausml.language.text.reading.pieces import roughly_parsed
+from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
@@ -50,7 +50,7 @@ def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, roughly_parsed(text), place)
+    context = context_at(text, parsed_text(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:

@@ -32,7 +32,7 @@ from jausml.authoring.editor.workspace_edits import Fix, RenameError, fixes, ren
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX
-from jausml.language.text.reading.pieces import parsed_text
+from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import span_of
 from jausml.language.text.tree import Span
 from jausml.language.text.writing.layout import lay_out

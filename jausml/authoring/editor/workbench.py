@@ -18,10 +18,9 @@ from jausml.language.model.project import made_project
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.project import Index, Models, library, own_instances, stored_files
-from jausml.language.text.notation import SUFFIX, Ros2Jaus, decode
+from jausml.language.text.notation import NOTATIONS, SUFFIX, decode
 from jausml.language.text.reading.imports import resolve
-from jausml.language.text.reading.joining import chosen
-from jausml.language.text.reading.pieces import parsed_text, roughly_parsed
+from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.tree import Import, Span, Text
 from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
@@ -41,10 +40,7 @@ _WORD = re.compile(r"[^\s,(){}\[\]]+|.")
 
 def names_in(text: str) -> Names:
     """Returns the names in a text."""
-    return names_of(roughly_parsed(text).document)
-
-
-_NOTATIONS = (Ros2Jaus(parse=parsed_text),)
+    return names_of(parsed_text(text).document)
 
 
 @dataclass
@@ -96,7 +92,7 @@ class Workbench:
             result = read_models(
                 [path],
                 project_root=self.root,
-                notations=_NOTATIONS,
+                notations=NOTATIONS,
                 contents=contents,
                 cache=self._library,
             )
@@ -113,7 +109,7 @@ class Workbench:
             return
         inside = {each: data for each, data in held.items() if each.is_relative_to(root)}
         texts = {each.relative_to(root).as_posix(): data for each, data in inside.items()}
-        models = self._read.setdefault(root, Models(root, _NOTATIONS, self._library))
+        models = self._read.setdefault(root, Models(root, NOTATIONS, self._library))
         index = Index(root, {**stored_files(root), **texts}, models)
         file = path.resolve().relative_to(root).as_posix()
         self._beside[path] = index.beside(file, self._models[path])
@@ -143,7 +139,7 @@ class Workbench:
 
     def tree(self, path: Path) -> SyntaxTree:
         """Returns the syntax tree of a text."""
-        return roughly_parsed(self.text(path)).document
+        return parsed_text(self.text(path)).document
 
     def module_of(self, path: Path, element: EObject) -> str:
         """Returns what a text imports for an element; empty for one that it knows."""
@@ -169,8 +165,7 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        items = chosen(self.tree(path).items, Import)
-        found = (imported_file(each, path) for each in items)
+        found = (imported_file(each, path) for each in imports_of(self.tree(path)))
         return [each for each in found if each is not None]
 
     def related(self, path: Path) -> list[Path]:
@@ -183,6 +178,11 @@ class Workbench:
                 found[each] = None
                 pending += self.imports(each)
         return list(found)
+
+
+def imports_of(tree: SyntaxTree) -> list[Import]:
+    """Returns the imports of a text."""
+    return [item for item in tree.items if isinstance(item, Import)]
 
 
 def imported_file(item: Import, path: Path) -> Path | None:

@@ -14,7 +14,6 @@ from jausml.authoring.editing.executing import execute
 from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editor.definition import declaration_at
-from jausml.authoring.editor.names import Owner
 from jausml.authoring.editor.places import is_within, start_of
 from jausml.authoring.editor.workbench import checked, names_in
 from jausml.authoring.proposals.elements import Scope
@@ -25,7 +24,7 @@ from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import Span
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.splices import Splice
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.model.reading.reader import ReadResult
     from jausml.language.model.refs import Ref
+    from jausml.language.text.tree import Item
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,17 +194,20 @@ def _declared(model: Model, declaration: Declaration) -> EObject | None:
         node = pending.pop()
         pending += node.children
         source = written.source_of(node)
-        is_there = source is not None and start_of(source.span) == start_of(declaration.span)
+        is_there = source is not None and start_of(source.span) == start_of(declaration.item.span)
         if is_there and model.metamodels.class_of(node.obj) in declaration.table.subtypes:
             return cast("EObject", node.obj)
     return None
 
 
+def _spans(items: Iterable[Item]) -> list[Span]:
+    return [item.span for item in items]
+
+
 def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: str) -> None:
     for other in names_in(bench.text(home)).declarations:
-        is_beside = len(other.owners) == len(declaration.owners)
-        is_beside &= all(map(Owner.is_same, other.owners, declaration.owners))
-        is_beside &= other.table is declaration.table and not other.what.is_same(declaration.what)
+        is_beside = _spans(other.owners) == _spans(declaration.owners)
+        is_beside &= other.table is declaration.table and other.item.span != declaration.item.span
         if is_beside and other.name.text == name:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")

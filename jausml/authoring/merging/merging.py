@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.reading import NOTATIONS, Reader, stored
+from jausml.authoring.editing.reading import Reader, stored
 from jausml.authoring.editing.records import Stored
 from jausml.authoring.merging.comments import LineOf, comments_of, with_comments
 from jausml.authoring.merging.executing import Execution
@@ -28,6 +28,7 @@ from jausml.language.model.model import Model
 from jausml.language.model.project import model_files
 from jausml.language.model.reading.reader import LostReference, ReadResult, read_models
 from jausml.language.model.xmi.writer import attribute_text
+from jausml.language.text.notation import NOTATIONS
 
 _HALF_DONE = ("JML108", "JML110")
 """The rules of values that are still to come: all that is there was read."""

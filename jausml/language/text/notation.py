@@ -146,7 +146,7 @@ class Ros2Jaus:
     """Reads ros2jaus text.
 
     Args:
-        parse: Parses a text; one that remembers spares parsing what was parsed.
+        parse: Parses texts in which more may stand than in files.
     """
 
     def __init__(
@@ -178,13 +178,13 @@ class Ros2Jaus:
         """Reads a document, as `jausml.language.model.notation.Notation` says."""
         # All this takes a while to load, and models in XMI do without it.
         from jausml.language.text.reading.document import TextDocument  # noqa: PLC0415
-        from jausml.language.text.reading.parsing import parse  # noqa: PLC0415
+        from jausml.language.text.reading.parsing import parsed_text  # noqa: PLC0415
         from jausml.language.text.tree import SyntaxTree  # noqa: PLC0415
 
         text, fault = decode(data)
         if fault is not None:
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
-        parsed = (self._parse or parse)(text)
+        parsed = (self._parse or parsed_text)(text)
         conflict, first = inputs.unmerged(data) if parsed.faults else ("", 0)
         if conflict:
             fault = Fault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)

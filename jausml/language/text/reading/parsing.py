@@ -9,7 +9,8 @@ clause of a map that begins a line tells that the list before it lacks its brack
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache
+from typing import Any
 
 from lark import Token
 
@@ -23,12 +24,9 @@ from jausml.language.text.reading.scanning import (
     suggestion,
 )
 from jausml.language.text.reading.shaping import Items, span_of
-from jausml.language.text.tree import DEEPEST, LONGEST, Element, Span, SyntaxTree
+from jausml.language.text.tree import DEEPEST, LONGEST, Span, SyntaxTree
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-__all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse", "parse_part"]
+__all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse", "parsed_text"]
 
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
@@ -42,16 +40,11 @@ _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BR
 
 @dataclass(slots=True)
 class Parsed:
-    """The outcome of parsing a text, or a part of one.
-
-    Attributes:
-        is_apart: Whether what stands around it would change nothing, nor it what it does to that.
-    """
+    """The outcome of parsing a text."""
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
-    tokens: Iterable[Token] = ()
-    is_apart: bool = True
+    tokens: list[Token] = field(default_factory=list)
 
 
 def parse(text: str) -> Parsed:
@@ -60,35 +53,19 @@ def parse(text: str) -> Parsed:
     if len(text) > LONGEST:
         fault = SyntaxFault(Span(), f"the text is longer than {LONGEST:,} characters")
         return Parsed(SyntaxTree(), [fault])
-    return parse_part(text)
-
-
-def parse_part(
-    text: str, line: int = 1, *, is_first: bool = True, in_block: bool = False
-) -> Parsed:
-    """Reads a part of a text.
-
-    Args:
-        line: The line on which it begins; positions are those in the whole text.
-        is_first: Whether no item stands before it; else one does, on the line before.
-        in_block: Whether it consists of items of a block, and not of those of a text.
-    """
-    scanned = scan(text, line)
+    scanned = scan(text)
     run = _Run(scanned.tokens)
-    document = run.block() if in_block else run.document()
-    attach(document, scanned.comments, 0 if is_first else line - 1)
+    document = run.document()
+    attach(document, scanned.comments)
     faults = scanned.faults + run.faults
     faults.sort(key=lambda fault: (fault.span.line, fault.span.column))
-    is_apart = not faults or (run.is_apart and _ends_with_item(document, scanned.tokens))
-    return Parsed(document, faults, scanned.tokens, is_apart)
+    return Parsed(document, faults, scanned.tokens)
 
 
-def _ends_with_item(document: SyntaxTree, tokens: list[Token]) -> bool:
-    """Tells whether the last item is there: else its comments belong to the one behind it."""
-    if not document.items or not tokens:
-        return False
-    last, token = document.items[-1].span, span_of(tokens[-1])
-    return (last.end_line, last.end_column) == (token.end_line, token.end_column)
+@lru_cache(maxsize=8)
+def parsed_text(text: str) -> Parsed:
+    """Returns what `parse` does, once for all who ask for one text; nobody may change it."""
+    return parse(text)
 
 
 class _Run:
@@ -96,15 +73,13 @@ class _Run:
 
     def __init__(self, tokens: list[Token]) -> None:
         self.faults: list[SyntaxFault] = []
-        self.is_apart = True
-        self._brackets_around = 0
         self._tokens = tokens
         self._machine = Machine()
         self._accepts = self._machine.accepts
         self._values = self._machine.values
 
-    def document(self, *, is_block: bool = False) -> SyntaxTree:
-        """Reads all tokens, and ends the block before if they are in one."""
+    def document(self) -> SyntaxTree:
+        """Reads all tokens."""
         position = depth = 0
         take = self._machine.take
         while position < len(self._tokens):
@@ -122,26 +97,16 @@ class _Run:
                 self._report(position)
                 position = self._recover(position)
                 depth = len(self._open_brackets())
-        return self._end(position, is_block=is_block)
+        return self._end(position)
 
-    def block(self) -> SyntaxTree:
-        """Reads all tokens as items of a block."""
-        self._machine.take(self._token("WORD"))
-        self._machine.take(self._token("LBRACE"))
-        self._brackets_around = 1
-        document = self.document(is_block=True)
-        around = document.items[0] if document.items else None
-        return SyntaxTree(list(around.items) if isinstance(around, Element) else [])
-
-    def _end(self, position: int, *, is_block: bool) -> SyntaxTree:
+    def _end(self, position: int) -> SyntaxTree:
         """Ends the document, with the brackets that are missing."""
         if position < len(self._tokens):
-            self.is_apart = False
             is_deep = len(self.faults) < MOST_FAULTS
             deep = f"brackets are nested more than {DEEPEST} deep"
             message = deep if is_deep else "so much is wrong above that the rest is not read"
             self.faults.append(SyntaxFault(span_of(self._tokens[position]), message))
-        elif not self._accepts("RBRACE" if is_block else END):
+        elif not self._accepts(END):
             self._report(position)
         self._complete_item()
         self._drop_item()
@@ -153,7 +118,6 @@ class _Run:
 
     def _report(self, position: int) -> None:
         """Reports that the token at a position cannot stand there."""
-        self.is_apart &= 0 < position < len(self._tokens)
         accepted = self._machine.accepted()
         message = describe(accepted, self._tokens, position)
         hint = suggestion(accepted, self._tokens, position)
@@ -240,7 +204,6 @@ class _Run:
             elif not skipped and self._begins_line(position) and self._begins_item(token):
                 break
             position += 1
-        self.is_apart &= position < len(self._tokens)
         return position
 
     def _begins_arguments(self, position: int) -> bool:
@@ -261,7 +224,6 @@ class _Run:
     def _is_closing(self, token: Token) -> bool:
         """Tells whether a closing bracket can come, after those within it have been closed."""
         opener = _OPENERS[token.type]
-        self.is_apart &= len(self._open_brackets()) > self._brackets_around
         if self._is_misspelt(token):
             self._close()
             return False

@@ -76,7 +76,7 @@ def line_end(text: str) -> str:
     return found.group() if found else "\n"
 
 
-def scan(text: str, first_line: int = 1) -> Scan:
+def scan(text: str) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 
     Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
@@ -84,7 +84,7 @@ def scan(text: str, first_line: int = 1) -> Scan:
     text = with_line_feeds(text)
     keywords = grammar().keywords
     result = Scan()
-    line, begin = first_line, 0
+    line, begin = 1, 0
     before: Token | None = None
     for match in grammar().pattern.finditer(text):
         kind, (start, end) = match.lastgroup or BLANK, match.span()
@@ -260,14 +260,10 @@ class _Body:
     end: tuple[int, int]
 
 
-def attach(document: SyntaxTree, comments: Sequence[Token], line: int = 0) -> None:
-    """Puts comments to the items of a document, and tells items that stand behind an empty line.
-
-    Args:
-        line: The last line of an item before it; 0 for none.
-    """
+def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
+    """Puts comments to the items of a document, and tells items that stand behind an empty line."""
     far = (1 << 60, 0)
-    _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments), line)
+    _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
 
 
 def _ordinary(comment: Token) -> str:
@@ -282,13 +278,14 @@ def _ordinary(comment: Token) -> str:
     return "\n".join([first, *cut])
 
 
-def _distribute(body: _Body, comments: list[Token], line: int = 0) -> list[Token]:
+def _distribute(body: _Body, comments: list[Token]) -> list[Token]:
     """Puts comments to the items of a list, behind an item that ends on a line.
 
     Returns:
         Those that the list has no place for.
     """
     pending = list(reversed(comments))
+    line = 0  # of the end of the item before
     for item in body.items:
         start, end = _start(item), _end(item)
         leading = _take(pending, start)
