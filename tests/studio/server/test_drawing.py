@@ -61,8 +61,7 @@ def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes() -> None
     assert draw("Other")["Other"] != (7, 70)
 
 
-def test_after_an_edit_a_large_system_is_drawn_once_with_its_verdict(tmp_path: Path) -> None:
-    """Only the first picture does not wait: any later verdict takes less time than a picture."""
+def test_a_large_system_is_drawn_at_once_and_again_with_its_verdict(tmp_path: Path) -> None:
     file = "large.ros2jaus"
     (tmp_path / file).write_text(large_system(31), encoding="utf-8")
     context = StudioContext(Project(tmp_path))
@@ -77,7 +76,10 @@ def test_after_an_edit_a_large_system_is_drawn_once_with_its_verdict(tmp_path: P
     rate = {"kind": "set", "feature": "rate", "values": ["-1"]}
     command = {**rate, "element": context.project.ref(edited, model)}
     editing._edit(context, (command,), "Set", context.project.revision)
-    now = showing.view(context, file, "system", (), seen["picture"])
+    unjudged = showing.view(context, file, "system", (), seen["picture"])
+    assert not unjudged["checked"]
+    showing.problems(context, context.verdicts.of(file))
+    now = showing.view(context, file, "system", (), unjudged["picture"])
     assert now["checked"]
     (closed,) = now["changes"]["nodes"]["put"]
     assert [each["message"] for each in closed["findings"]] == ["1 error in it"]
