@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
+import sys
 import tempfile
 import time
 from functools import cache
 from hashlib import sha256
+from importlib.metadata import version
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from type_support import require_own
 
-from jausml.generation.rendering import digest, render, tool
+from jausml.generation import render
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from typing import Any
 
     from jausml.generation import Target
@@ -51,7 +55,7 @@ def kept(model: Model, targets: Sequence[Target[Any]], *, compiled: bool = False
     another. What is compiled in it stays, so that there is one with and one without.
     """
     names = [f"{each.path.name} {sha256(each.data).hexdigest()}" for each in model.documents]
-    folder = _place() / digest([str(compiled), *(each.name for each in targets), *names])[:24]
+    folder = _place() / _digest([str(compiled), *(each.name for each in targets), *names])
     if not folder.exists():
         new = Path(tempfile.mkdtemp(dir=folder.parent, prefix="new-"))
         write(model, targets, new)
@@ -70,7 +74,22 @@ def _place() -> Path:
     for each in root.iterdir():
         if each.stat().st_mtime < time.time() - _FORGOTTEN:
             shutil.rmtree(each, ignore_errors=True)
-    place = root / digest(tool())[:24]
+    place = root / _digest(_state())
     place.mkdir(exist_ok=True)
     os.utime(place)
     return place
+
+
+def _state() -> Iterator[str]:
+    """Yields what tells one state of the project from another: libraries, and all of its files."""
+    yield sys.version
+    yield from map(version, ("jinja2", "lark", "lxml", "pyecore", "pyecoregen"))
+    for package in ("jausml", "jausml_generators", "jausml.metamodels"):
+        folder = Path(str(files(package)))
+        for path in sorted(folder.rglob("*")):
+            if "__pycache__" not in path.parts and path.is_file():
+                yield f"{path.relative_to(folder)} {sha256(path.read_bytes()).hexdigest()}"
+
+
+def _digest(texts: Iterable[str]) -> str:
+    return sha256(json.dumps([*texts]).encode()).hexdigest()[:24]

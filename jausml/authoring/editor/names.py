@@ -122,6 +122,8 @@ class _Collector:
 
     def __init__(self) -> None:
         self.names = Names()
+        self._of_map: dict[str, set[str]] = {}
+        """The names of the joins of the map that is walked through, by keyword."""
 
     def items(
         self,
@@ -151,7 +153,11 @@ class _Collector:
     def _element(self, element: Element, own: ClassTable | None, owners: tuple[Item, ...]) -> None:
         if element.name is not None and own is not None:
             self._declare(element.name, own, element, owners)
+        around = self._of_map
+        if own is table("bridge.AttributeMap"):
+            self._of_map = _joins_in(element)
         self.items(element.items, element, own, (*owners, element))
+        self._of_map = around
 
     def _feature(
         self,
@@ -187,16 +193,7 @@ class _Collector:
     def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...], *, to_ros: bool) -> None:
         """Notes paths that may begin with the name of a join of their map."""
         keyword, wanted = _JOINS[to_ros]
-        joins = {
-            each.name.text
-            for owner in owners
-            if isinstance(owner, Element)
-            for each in owner.items
-            if isinstance(each, Element)
-            and each.keyword is not None
-            and each.keyword.text == keyword
-            and each.name is not None
-        }
+        joins = self._of_map.get(keyword, ())
         for path in paths:
             if path.text.partition(".")[0] in joins:
                 reference = Reference(path, table(wanted), owners, is_first_step=True)
@@ -207,3 +204,12 @@ class _Collector:
 
     def _refer(self, name: Name, wanted: ClassTable, owners: tuple[Item, ...]) -> None:
         self.names.references.append(Reference(name, wanted, owners))
+
+
+def _joins_in(element: Element) -> dict[str, set[str]]:
+    """Returns the names of the joins in a map, by keyword."""
+    found: dict[str, set[str]] = {keyword: set() for keyword, _ in _JOINS.values()}
+    for item in element.items:
+        if isinstance(item, Element) and item.keyword is not None and item.name is not None:
+            found.get(item.keyword.text, set()).add(item.name.text)
+    return found
