@@ -79,7 +79,7 @@ def test_what_is_another_one_is_generated(tmp_path: Path, monkeypatch: pytest.Mo
         workspaces.kept(small, [RUNTIME], compiled=True),
         workspaces.kept(model(tmp_path, "1.1.2"), [RUNTIME]),
     ]
-    monkeypatch.setattr(workspaces, "tool", lambda: ["a changed template"])
+    monkeypatch.setattr(workspaces, "_state", lambda: ["a changed template"])
     workspaces._place.cache_clear()
     found.append(workspaces.kept(small, [RUNTIME]))
     assert len(set(found)) == len(found)
