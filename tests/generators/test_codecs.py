@@ -14,7 +14,17 @@ from typing import Any
 import pytest
 from codec_nearness import differences
 from codec_strategies import messages
-from codec_support import codec, definitions, library, listed_definitions, shipped_sets
+from codec_support import (
+    LIBRARY,
+    codec,
+    definitions,
+    library,
+    listed_definitions,
+    load,
+    read_messages,
+    render,
+    shipped_sets,
+)
 from for_each import for_each
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -191,3 +201,15 @@ def test_optional_fields_and_they_alone_default_to_none(set_name: str) -> None:
     for view in views:
         optional = tuple(member.attribute for member in view.body.members if member.is_optional)
         assert optional_fields(getattr(module, view.class_name)) == optional
+
+
+def test_octets_that_a_definition_does_not_list_are_never_sent() -> None:
+    views = [view for view in read_messages(LIBRARY / "hmi.xmi") if view.code == 0x4701]
+    message_class = load(render(tuple(views)), "data_definitions").ReportDataDefinition
+    many = bytes([10, 0, *range(9), 202])
+    message = message_class.decode(b"\x01\x47" + bytes(2) + many)
+    refused = "primitive_data_definition: 202 is outside 0 .. 19"
+    for _ in range(2):  # also once somebody has looked at the records
+        with pytest.raises(EncodeError, match=refused):
+            message.encode()
+        assert message.primitive_data_definition_list[9].primitive_data_definition == 202

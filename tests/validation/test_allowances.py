@@ -7,6 +7,7 @@ import re
 from datetime import date
 from pathlib import Path
 
+import build_reference
 import pytest
 
 from jausml.language.model import read_models
@@ -209,8 +210,7 @@ def test_sarif_links_each_rule_to_its_heading_in_the_reference(tmp_path):
     (run,) = json.loads(
         sarif.render(report_on(tmp_path, DOUBTFUL), "https://example.org/rules.md")
     )["runs"]
-    page = Path(__file__).parents[2] / "docs" / "reference" / "rules.md"
-    headings = re.findall(r"^## (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    headings = re.findall(r"^## (.+)$", build_reference.rules_page(), re.MULTILINE)
     anchors = {re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in headings}
     for rule in run["tool"]["driver"]["rules"]:
         base, _, anchor = rule["helpUri"].partition("#")

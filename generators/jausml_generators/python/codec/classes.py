@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from jausml_generators.python.codec.members import Member, Run, Single
 
 
+_ANY_OCTET = {"b": (-128, 127), "B": (0, 255)}
+"""All numbers of an octet, by its format in `struct`."""
+
+
 @dataclass(frozen=True)
 class Enumeration:
     """The listed values of a field.
@@ -255,7 +259,8 @@ class ContainerClass:
         value = only.value
         if not isinstance(value, Fixed) or value.check != "integer" or value.format not in "bB":
             return ""
-        if value.offset:  # the number is not the one on the wire
+        # Octets go out as they came, so each must be a number that the field can have.
+        if value.ranges != (_ANY_OCTET[value.format],):
             return ""
         signed = ["is_signed=True"] if value.format == "b" else []
         return call("Octet", python_string(only.attribute), *signed)
