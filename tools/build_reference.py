@@ -32,6 +32,7 @@ from jausml.language.semantics.paths.markers import unknown
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import flattened, outer_scope
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.explaining import MEANINGS
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ Look up the rules that `jausml validate`, the importers and `jausml generate` ch
 their ids. Each entry says what the rule requires and why, with examples where they help.
 
 On the command line, `jausml rules` lists all rules, and `jausml explain JML103` shows one of them.
-[Check models in CI](../how-to/ci.md) shows how to allow single findings.
+[Keep models in git and CI](../how-to/ci.md#allow-a-finding) shows how to allow single findings.
 """
 
 _CONVERSIONS = """\
@@ -62,7 +63,7 @@ _CONVERSIONS = """\
 Look up the conversions that an assignment of an attribute map can apply to a value. It may list
 several, which are applied one after the other. `takes` and `yields` are the kinds of values before
 and after. [Carry a message across a bridge](../how-to/map-a-message.md) shows how to use them, and
-[Frames, signs and units](../explanation/frames.md) which ones a pair of axes needs.
+[Frames, units and values](../explanation/frames.md) which ones a pair of axes needs.
 """
 
 _MARKERS = """\
@@ -110,6 +111,14 @@ bit.
 
 ```"""
 
+_COUNTERS = """\
+# Counters
+
+Look up why a bridge did not pass a message on. It counts each such message under the name of the
+reason: on `/diagnostics` as `dropped: REASON` of the connection, in the log and in the last lines
+of the process. [Watch a running system](../how-to/top.md#counters) shows the other counts.
+"""
+
 _COMMAND_LINE = """\
 # Command line
 
@@ -120,9 +129,9 @@ the [how-to guides](../index.md) show the commands in use.
 _METAMODEL = """\
 Look up the classes of this metamodel with their features. In [ros2jaus](../ros2jaus.md) text, an
 element begins with its class in lower case (`service_connection` for ServiceConnection), and the
-features keep their names. In XMI and in Eclipse, features are attributes and child elements; [Text
-and XMI, side by side](../explanation/text-and-xmi.md) shows both. A number such as `0..1` or `1..*`
-says how many values a feature has.
+features keep their names. In XMI and in Eclipse, features are attributes and child elements; [text
+and XMI](../how-to/editor.md#side-by-side) show both. A number such as `0..1` or `1..*` says how
+many values a feature has.
 """
 
 
@@ -297,6 +306,13 @@ def rules_page() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def counters_page() -> str:
+    """Returns the page of the counters: what each of them means."""
+    rows = [(f"`{counter}`", why) for counter, why in MEANINGS.items()]
+    table = markdown_table(("counter", "a message is not passed on, because"), rows)
+    return "\n".join([_COUNTERS, *table]).rstrip() + "\n"
+
+
 def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = [_COMMAND_LINE]
@@ -329,6 +345,7 @@ MAKERS: Mapping[str, Callable[[], str]] = {
     "rules.md": rules_page,
     "cli.md": command_line_page,
     "conversions.md": conversions_page,
+    "counters.md": counters_page,
     "markers.md": markers_page,
     "unknown-values.md": unknown_page,
 }

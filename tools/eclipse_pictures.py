@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/how-to/eclipse.md: `python tools/eclipse_pictures.py`.
+"""Makes the pictures of docs/how-to/editor.md: `python tools/eclipse_pictures.py`.
 
 tools/emf/EmfPicture.java draws them; it names the Debian packages that it needs, and Xvfb, the
 package xvfb, is its display.

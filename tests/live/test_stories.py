@@ -42,15 +42,6 @@ def test_each_story_is_told():
     assert sorted(OFTEN) == sorted(each.stem for each in STORIES.glob("*.story"))
 
 
-def test_the_page_of_the_stories_counts_their_commands():
-    page = (STORIES.parents[2] / "docs" / "explanation" / "stories.md").read_text("utf-8")
-    for name in OFTEN:
-        text = (STORIES / f"{name}.story").read_text("utf-8")
-        steps = [each for each in read(text) if isinstance(each, Step)]
-        wrong = sum(each.status != 0 for each in steps)
-        assert f"{name.split('_')[1]} | {len(steps)} | {wrong} |" in page, name
-
-
 @pytest.mark.skipif(not INSTALLED, reason="make stories tells them with an installed wheel")
 def test_what_is_told_is_the_wheel(tmp_path):
     program = [str(Path(INSTALLED, "python")), "-c", "import jausml; print(jausml.__file__)"]

@@ -17,7 +17,7 @@ from jausml.language.model import LIBRARY_URI, read_models
 ROOT = Path(__file__).resolve().parents[2]
 MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
 MINIMAL = MINIMAL.replace("../library/", LIBRARY_URI)
-HOW_TO = (ROOT / "docs" / "how-to" / "git.md").read_text(encoding="utf-8")
+HOW_TO = (ROOT / "docs" / "how-to" / "ci.md").read_text(encoding="utf-8")
 HOSTS = '  <hosts name="{}" interface="10.0.0.{}"/>\n</system:System>'
 RATE = 'rate="10.0"'
 

@@ -302,10 +302,7 @@ def test_a_definition_whose_types_hold_each_the_next_one_twice_is_read_at_once()
         RosReader("own_msgs/msg/Outer", f"T0 whole\n{text}").read(b"\0\1\0\0")
 
 
-def test_all_counters_of_the_runtime_have_a_meaning_that_the_guide_tells():
-    guide = (MODEL.parents[3] / "docs" / "how-to" / "deploy.md").read_text(encoding="utf-8")
-    for counter, why in MEANINGS.items():
-        assert f"| `{counter}` | {why} |" in guide
+def test_all_counters_of_the_runtime_have_a_meaning():
     assert meaning("stale_join_velocity").endswith("fresh: velocity")
     assert meaning("lost on the way, at most") == MEANINGS["lost on the way"]
     assert meaning("refused SetWrenchEffort") == MEANINGS["refused"]

@@ -59,7 +59,7 @@ MEANINGS: Mapping[str, str] = {
     "out of order": "it arrived after a newer one",
     "too old": "it waited in the queue for too long",
 }
-"""Why a message was not passed on, by its counter. They stand in docs/how-to/deploy.md too."""
+"""Why a message was not passed on, by its counter. The page of the counters is made of them."""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
 from pathlib import Path
 
 import needs
@@ -20,7 +21,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "connection-states.md"
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "top.md"
 CONNECTIONS = {"through": "goal to list", "follow": "list to goal"}
 DEACTIVATE, ACTIVATE = 4, 3
 """Transitions of lifecycle_msgs."""
@@ -30,7 +31,8 @@ def table():
     """Returns the states of the page by what happens and connection."""
     lines = PAGE.read_text(encoding="utf-8").splitlines()
     (start,) = (n for n, line in enumerate(lines) if line.startswith("| with an action |"))
-    rows = [line.strip("|").split("|") for line in lines[start:] if line.startswith("|")]
+    whole = takewhile(lambda line: line.startswith("|"), lines[start:])
+    rows = [line.strip("|").split("|") for line in whole]
     head, _, *body = [[cell.strip() for cell in row] for row in rows]
     names = [next(n for n, kind in CONNECTIONS.items() if kind == each) for each in head[1:]]
     return {

@@ -52,7 +52,7 @@ from .bridge_support import (
     values,
 )
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "connection-states.md"
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "top.md"
 
 
 def rows(title):

@@ -41,7 +41,7 @@ class Sensor(SensorBase):
         """Returns the velocity in JAUS axes: clockwise is positive."""
         return ReportVelocityState(velocity_x=1.0, yaw_rate=0.2)
 '''
-"""What the tutorial has its reader write."""
+"""What drives in a circle to the right."""
 
 
 COVERED = """() => {
