@@ -12,7 +12,7 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.layout import is_layout
 from jausml.authoring.editing.reading import can_be_parsed, digest, is_library, is_text, stored
 from jausml.authoring.editing.records import FileChange, Stored
-from jausml.authoring.editing.splices import applied, difference, merged
+from jausml.authoring.editing.splices import difference
 from jausml.language.metamodel import FeatureKind, load_metamodels
 from jausml.language.metamodel.filling import new_object, set_value, set_values
 from jausml.language.model import refs
@@ -25,7 +25,7 @@ from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from jausml.authoring.editing.commands import Create, Values
@@ -107,16 +107,15 @@ class Draft:
             raise EditError(f"there is no element {ref}", conflict=not is_library(file))
         return found, model
 
-    def apply(self, file: str, splices: Sequence[Splice]) -> None:
-        """Changes a file by splices of its present bytes, none over another."""
-        step = tuple(merged(splices))
+    def apply(self, file: str, data: bytes) -> None:
+        """Gives a file the bytes that commands have led to."""
+        step = difference(file, self.files[file].data, data)
         if step:
-            data = applied(self.files[file].data, step)
             # Whether it can be parsed shows when it is read: see `check`.
             self.files[file] = Stored(
-                file, data, digest(data), self._revision, data, self._revision
+                file, data, digest(data), self._revision, data, self._revision, is_printed=True
             )
-            self._steps.setdefault(file, []).append(step)
+            self._steps.setdefault(file, []).append(tuple(step))
 
     def put(self, file: str, data: bytes | None) -> None:
         """Gives a file other bytes, or makes it; None deletes it."""

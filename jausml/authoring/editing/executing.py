@@ -22,9 +22,9 @@ from jausml.authoring.editing.drafts import Context, new_document
 from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
 from jausml.authoring.editing.reading import is_text
 from jausml.authoring.editing.records import Referrer
-from jausml.authoring.editing.text.planner import plan_text
+from jausml.authoring.editing.text.planner import is_laid_out_text, print_text
 from jausml.authoring.editing.working_copy import WorkingCopy
-from jausml.authoring.editing.xmi.planner import plan_xmi
+from jausml.authoring.editing.xmi.planner import is_laid_out_xmi, print_xmi
 from jausml.language.model import refs
 from jausml.language.model.model import without_collector
 from jausml.language.model.xmi.writer import UnwritableError
@@ -53,12 +53,14 @@ class Outcome:
 
     `working_copy`: the elements of the files that were changed, and of those that refer to them.
     `shifts`: how each command changed refs: new ones by old ones, empty for what is gone.
+    `formatted`: the files that were changed and whose layout was another one before.
     """
 
     created: tuple[Ref, ...]
     referrers: tuple[Referrer, ...]
     working_copy: WorkingCopy
     shifts: tuple[Mapping[Ref, Ref], ...]
+    formatted: tuple[str, ...] = ()
 
 
 def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None = None) -> Outcome:
@@ -119,12 +121,14 @@ class _Work:
         self._created: list[ElementCopy] = []
         self._referrers: list[Referrer] = []
         self._shifts: list[Mapping[Ref, Ref]] = []
+        self._formatted: list[str] = []
 
     def outcome(self) -> Outcome:
         fragments = self._working_copy.fragments() if self._created else {}
         created = [self._working_copy.ref(each, fragments) for each in self._created]
-        shifts = tuple(self._shifts)
-        return Outcome(tuple(created), tuple(self._referrers), self._working_copy, shifts)
+        shifts, formatted = tuple(self._shifts), tuple(self._formatted)
+        referrers = tuple(self._referrers)
+        return Outcome(tuple(created), referrers, self._working_copy, shifts, formatted)
 
     def execute(self, command: Command) -> None:
         """Plans a command, makes the changes in the draft, and checks them."""
@@ -161,25 +165,35 @@ class _Work:
         paths = working_copy.paths()
         is_shifting = not isinstance(command, Set | Rename)
         before = working_copy.refs(paths) if is_shifting else {}
-        applying = Applying(working_copy, self._find, self._draft.read(files[0]).model.metamodels)
+        locate, root = self._draft.locate, self._draft.root
+        contexts = [
+            Context(file, root, self._draft.read(file).model, working_copy, paths, locate)
+            for file in files
+        ]
+        odd = [each.file for each in contexts if not self._is_laid_out(each)]
+        applying = Applying(working_copy, self._find, contexts[0].model.metamodels)
         applying.apply(command)
         self._referrers += _referrers_of(applying, paths)
-        plans = {}
-        for file in files:
-            model = self._draft.read(file).model
-            context = Context(
-                file, self._draft.root, model, working_copy, paths, self._draft.locate
-            )
-            plan = plan_text if is_text(file) else plan_xmi
-            try:
-                plans[file] = plan(applying.steps, context)
-            except UnwritableError as error:
-                raise EditError(str(error)) from error
-        for file, splices in plans.items():
-            self._draft.apply(file, splices)
+        try:
+            printed = {
+                each.file: (print_text if is_text(each.file) else print_xmi)(applying.steps, each)
+                for each in contexts
+            }
+        except UnwritableError as error:
+            raise EditError(str(error)) from error
+        for file, data in printed.items():
+            if data is not None:
+                self._draft.apply(file, data)
+                self._formatted += [file] if file in odd else []
         self._check(applying)
         if is_shifting:
             self._shifts.append(_shift(before, self._working_copy.refs()))
+
+    def _is_laid_out(self, context: Context) -> bool:
+        """Tells whether a file has the layout that edits give it; one that was printed has."""
+        if self._draft.files[context.file].is_printed:
+            return True
+        return (is_laid_out_text if is_text(context.file) else is_laid_out_xmi)(context)
 
     def _check(self, applying: Applying) -> None:
         """Reads what was changed, and sees to it that it is what was meant."""

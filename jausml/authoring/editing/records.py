@@ -141,6 +141,7 @@ class Stored:
     """A file as the project knows it.
 
     `good`: the bytes of which its model is read: those, or the last ones that could be parsed.
+    `is_printed`: whether an edit has laid it out.
     """
 
     file: str
@@ -149,6 +150,7 @@ class Stored:
     revision: int
     good: bytes = field(default=b"")
     good_since: int = 0
+    is_printed: bool = False
 
     @property
     def is_stale(self) -> bool:

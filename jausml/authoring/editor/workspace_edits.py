@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from jausml.authoring.editing.commands import EditError, Rename
 from jausml.authoring.editing.drafts import Draft
@@ -21,13 +21,13 @@ from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.text.reading.document import TextDocument
-from jausml.language.text.tree import Span
+from jausml.language.text.reading.parsing import parsed_text
+from jausml.language.text.tree import Href, Name, Number, Span, Text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.splices import Splice
     from jausml.authoring.editor.names import Declaration
     from jausml.authoring.editor.places import Place
     from jausml.authoring.editor.workbench import Workbench
@@ -83,34 +83,64 @@ class Unsaved:
             raise EditError(f"{name} cannot be parsed as it is: fix it first")
         draft = Draft(self.root, self._files, self._reader, 1)
         execute(commands, draft)
-        steps = {each.file: each.steps for each in draft.changes()}
+        changed = {each.file for each in draft.changes()}
         return [
             edit
             for file, of_file in self._names.items()
-            if of_file in steps
-            for edit in self._edits(file, steps[of_file], draft.files[of_file].data.decode())
+            if of_file in changed
+            for edit in self._edits(file, draft.files[of_file].data.decode())
         ]
 
-    def _edits(self, path: Path, steps: Sequence[Sequence[Splice]], new: str) -> Iterator[Edit]:
+    def _edits(self, path: Path, new: str) -> Iterator[Edit]:
+        """Yields the changes of a text: of words where nothing else differs, as in a rename."""
         text = self._texts[path]
-        if len(steps) == 1:
-            data = text.encode()
-            for each in steps[0]:
-                before, old = data[: each.start].decode(), each.old.decode()
-                yield _edit(path, text, len(before), len(old), each.new.decode())
-        else:
-            # Later steps count in what the earlier ones have made.
-            front, back = common_ends(text, new)
-            size = len(text) - back - front
-            yield _edit(path, text, front, size, new[front : len(new) - back])
+        words = changed_words(text, new)
+        if words is not None:
+            yield from (Edit(path, span, word) for span, word in words)
+            return
+        front, back = common_ends(text, new)
+        (line, column), (end_line, end_column) = (
+            (before.count("\n") + 1, len(before) - before.rfind("\n"))
+            for before in (text[:front], text[: len(text) - back])
+        )
+        span = Span(line, column, end_line, end_column)
+        yield Edit(path, span, new[front : len(new) - back])
 
 
-def _edit(path: Path, text: str, start: int, size: int, new: str) -> Edit:
-    (line, column), (end_line, end_column) = (
-        (before.count("\n") + 1, len(before) - before.rfind("\n"))
-        for before in (text[:start], text[: start + size])
-    )
-    return Edit(path, Span(line, column, end_line, end_column), new)
+_Words: TypeAlias = "list[tuple[Span, str]]"
+
+
+def changed_words(old: str, new: str) -> _Words | None:
+    """Returns the words of a text that another one has otherwise, with what stands there.
+
+    Returns:
+        None where more differs than words and layout.
+    """
+    lines = new.split("\n")
+    found: _Words = []
+    pending: list[tuple[Any, Any]] = [(parsed_text(old).document, parsed_text(new).document)]
+    while pending:
+        one, other = pending.pop()
+        if type(one) is not type(other):
+            return None
+        if isinstance(one, Name | Number | Text | Href):
+            if one.text != other.text:
+                line, column, _, end = other.span
+                found.append((one.span, lines[line - 1][column - 1 : end - 1]))
+        elif isinstance(one, list | tuple):
+            if len(one) != len(other):
+                return None
+            pending += zip(one, other, strict=True)
+        elif is_dataclass(one):
+            names = [each.name for each in fields(one) if each.name not in _LAYOUT]
+            pending += ((getattr(one, name), getattr(other, name)) for name in names)
+        elif one != other:
+            return None
+    return sorted(found)
+
+
+_LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
+"""What of a syntax tree says nothing of the model."""
 
 
 def unsaved(bench: Workbench, path: Path) -> Unsaved:

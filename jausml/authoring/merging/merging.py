@@ -27,7 +27,7 @@ from jausml.language.model.library import XMI
 from jausml.language.model.model import Model
 from jausml.language.model.project import model_files
 from jausml.language.model.reading.reader import LostReference, ReadResult, read_models
-from jausml.language.model.xmi.writer import attribute_text
+from jausml.language.model.xmi.printing import attribute_text
 from jausml.language.text.notation import NOTATIONS
 
 _HALF_DONE = ("JML108", "JML110")

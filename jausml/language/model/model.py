@@ -50,6 +50,8 @@ class Model:
     def __init__(self, documents: Sequence[Document], metamodels: Metamodels) -> None:
         self.documents = list(documents)
         self.metamodels = metamodels
+        self.unread: Mapping[int, set[str]] = {}
+        """Features whose values were not all read, by id of the element; "" stands for any."""
         self._origin: dict[EObject, tuple[Document, Node]] = {}
         self._ids: dict[EObject, str] = {}
         self._by_class: _Lists | None = None

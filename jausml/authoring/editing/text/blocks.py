@@ -1,263 +1,421 @@
-"""Lists of items in a text: new ones go in, others go out, the rest stays as it is laid out."""
+"""Blocks of a text as they will be: what stands there, what has changed, and what comes new."""
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
-from jausml.language.text.tree import Direction, Entry, Feature, Member, Table, Vector, VectorEntry
-from jausml.language.text.writing.layout import WIDTH, lines_of, space
+from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.text.anew import Anew
+from jausml.authoring.editing.text.pieces import (
+    Piece,
+    in_place_of,
+    list_of,
+    pieces_of,
+    set_apart,
+)
+from jausml.language.metamodel import FeatureKind
+from jausml.language.model.names import name_of
+from jausml.language.text.tree import (
+    Assignment,
+    Call,
+    Direction,
+    Element,
+    End,
+    Entry,
+    Feature,
+    Ignored,
+    Import,
+    Item,
+    Name,
+    Table,
+    Vector,
+    VectorEntry,
+    lists_of,
+    owning_features,
+    snake_case,
+)
+from jausml.language.text.writing.spelling import IN_THE_HEAD, is_comment, is_name
+from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-    from jausml.authoring.editing.text.source import Body, Edits, Outline
-    from jausml.language.text.tree import Item
+    from jausml.authoring.editing.drafts import Context
+    from jausml.authoring.editing.text.naming import Naming
+    from jausml.authoring.editing.text.pieces import Part
+    from jausml.authoring.editing.working_copy import ElementCopy
+    from jausml.language.metamodel import ClassTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.text.reading.document import TextDocument
 
-_INDENT = "    "
-_SPACE = "  "
-_SHORT = (Feature, Member, Entry, VectorEntry)
-_DENSE = (Direction, Table, Vector)
-"""Lists whose items follow each other without empty lines."""
+_ENDS = {"message": True, "type": False}
+"""The features of a map that its ends say, and whether each is the JAUS end."""
+_BY_ARROW = frozenset({"target", "source", "value"})
+_MAP_ORDER = (
+    *("openDecisions", "tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
+    *("toRos", "toJaus", "vectors"),
+)
+"""The features of maps that own elements, in the order in which they are written."""
 
 
 class Blocks:
-    """Changes of the lists of a text."""
+    """Makes the blocks of one text.
 
-    def __init__(self, outline: Outline, edits: Edits) -> None:
-        self._outline = outline
-        self._edits = edits
-        self._source = edits.source
+    Attributes:
+        changed: The features that have other values, and whether they have any.
+        touched: Elements in which something changes, by id of what stands for them.
+        gone: Ids of what stands for elements that go, or that go elsewhere.
+        placed: The element that is new, or that goes elsewhere.
+        implied: Root elements that the text does not write.
+    """
 
-    # What goes in
+    def __init__(self, context: Context, names: Naming) -> None:
+        self._context = context
+        self._anew = Anew(context, names)
+        self._names = names
+        self.written = cast("TextDocument", context.document.written)
+        self.changed: dict[ElementCopy, dict[str, bool]] = {}
+        self.touched: dict[int, ElementCopy] = {}
+        self.gone: set[int] = set()
+        self.placed: ElementCopy | None = None
+        roots = context.working_copy.roots[context.file]
+        self.implied = [each for each in roots if self.part(each) is None]
 
-    def insert(self, body: Body, before: Item | None, item: Item) -> None:
-        """Puts a new item into a list.
+    def part_of(self, obj: EObject) -> Part | None:
+        """Returns what stands for an element in the tree, None if nothing does."""
+        node = self._context.model.node_of(obj)
+        return None if node is None else self.written.source_of(node)
 
-        `before`: the item behind which it goes, None for the first place.
-        """
-        indent = self.indent(body)
-        self.insert_raw(body, before, item, self.lines(item, indent))
+    def part(self, copy: ElementCopy) -> Part | None:
+        """Returns what stands for an element in the tree as it was parsed."""
+        is_here = copy.obj is not None and copy.file == self._context.file
+        return self.part_of(cast("EObject", copy.obj)) if is_here else None
 
-    def lines(self, item: Item, indent: str) -> list[str]:
-        """Returns the lines of an item, indented as the text does it."""
-        lines = lines_of(item, WIDTH - len(indent.expandtabs(len(_INDENT))))
-        if self._source.unit != _INDENT:
-            lines = [_with_unit(each, self._source.unit) for each in lines]
-        return [f"{indent}{each}" if each else each for each in lines]
+    def refusal(self, copy: ElementCopy) -> EditError:
+        """Returns why an element cannot be changed that the text does not write."""
+        kind, name = copy.table.name, copy.obj and name_of(copy.obj)
+        what = f"{kind} '{name}'" if name else f"this {kind}"
+        message = f"{what} follows from the rest of {self._context.file}: edit the text"
+        if copy.owner is None:
+            keyword = snake_case(kind)
+            message += f", and put {keyword} {name or 'NAME'} {{ ... }} around what it has"
+        return EditError(message)
 
-    def insert_lines(
-        self, body: Body, before: Item | None, lines: Sequence[str], *, is_spaced: bool
-    ) -> None:
-        """Puts lines into a list that has lines of its own.
+    def top(self, items: Sequence[Item]) -> list[Item]:
+        """Returns the items of the text."""
+        found = self._kept(items)
+        placed = self.placed
+        if placed is not None and placed.owner in self.implied:
+            owner = cast("ElementCopy", placed.owner)
+            if placed.feature not in IMPLIED_PARTS.get(owner.table.qualified_name, ()):
+                raise self.refusal(owner)
+            self._put_in(found, placed, owner)
+        return list_of(found)
 
-        `is_spaced`: whether an empty line parts them from what is before.
-        """
-        block = "\n".join(lines)
-        index = self._outline.place(before)[1] + 1 if before is not None else 0
-        following = body.items[index] if index < len(body.items) else None
-        if before is not None:
-            lead = "\n\n" if is_spaced else "\n"
-            self._insert_behind(body, before, following, lead, block)
-        elif following is not None:
-            self._insert_first(body, following, block, is_spaced=is_spaced)
-        else:
-            self._fill(body, block)
+    def _kept(self, items: Iterable[Item]) -> list[Piece]:
+        """Returns the pieces of a list, with what changes in them."""
+        found = []
+        for piece in pieces_of(items):
+            copy = self.touched.get(id(piece.part))
+            if id(piece.part) not in self.gone:
+                found.append(piece if copy is None else self._merged(piece, copy))
+        return found
 
-    def insert_raw(self, body: Body, before: Item | None, item: Item, lines: Sequence[str]) -> None:
-        """Puts an item of the text into a list once more, as it is written."""
-        if self._is_inline(body):
-            self._insert_inline(body, before, item, lines)
-        else:
-            self.insert_lines(body, before, lines, is_spaced=self._is_spaced(body, before, item))
+    def _block(self, items: Iterable[Item], copy: ElementCopy) -> list[Item]:
+        """Returns what stands in the block of an element."""
+        found = self._kept(items)
+        for name, is_said in self.changed.get(copy, {}).items():
+            self._say(found, copy, name, is_said=is_said)
+        if self.placed is not None and self.placed.owner is copy:
+            self._put_in(found, self.placed, copy)
+        return list_of(found)
 
-    def breaks(self, body: Body, item: Item, lines: Sequence[str]) -> bool:
-        """Tells whether a list on one line has no room for one more, and gets lines."""
-        if not self._is_inline(body):
-            return False
-        source, line = self._source, lines[0].strip()
-        end = source.line_end(body.end)
-        width = end - source.line_start(body.start) + len(_SPACE) + len(line)
-        is_short = len(lines) == 1 and isinstance(item, _SHORT) and width <= WIDTH
-        return not is_short or (not source.is_blank(body.start, body.end) and not body.items)
+    # What changes where it stands
 
-    def append_block(self, end: int, item: Item, *, indent: str) -> None:
-        """Gives an item that has no block one with a new item in it."""
-        lines = self.lines(item, indent + self._source.unit)
-        line = lines[0].strip()
-        width = end - self._source.line_start(end) + len(line) + len(" {  }")
-        if len(lines) == 1 and isinstance(item, _SHORT) and width <= WIDTH:
-            self._edits.insert(end, f" {{ {line} }}")
-        else:
-            self._edits.insert(end, "\n".join([" {", *lines, f"{indent}}}"]))
+    def _merged(self, piece: Piece, copy: ElementCopy) -> Piece:
+        part, changed = piece.part, self.changed.get(copy, {})
+        if isinstance(part, Element):
+            block = replace(part)
+            item = block if piece.item is part else replace(piece.item, values=[block])  # type: ignore[call-arg]
+            if "name" in changed and not _says(part, "name"):
+                self._name(block, copy, part)
+            self._document(item, copy, part)
+            block.items = self._block(part.items, copy)  # type: ignore[assignment]
+            return Piece(item, part, piece.origin)
+        merged: Item | None = None
+        if isinstance(part, Assignment | Ignored):
+            merged = self._assignment(part, copy)
+        elif isinstance(part, Table | Vector):
+            merged = self._pairs(part, copy)
+        if merged is not None:
+            self._document(merged, copy, cast("Item", part))
+            return Piece(merged, part, piece.origin)
+        around = self.part(copy.owner) if copy.owner is not None else None
+        new = in_place_of(piece.item, self._anew.item(copy, around))
+        is_alike = type(new) is type(piece.item) or isinstance(new, Assignment | Ignored)
+        return Piece(new, part, piece.origin if is_alike else None)
 
-    def indent(self, body: Body) -> str:
-        """Returns what the items of a list are indented by."""
-        for item in body.items:
-            start = self._outline.start(item)
-            if self._source.begins_line(start):
-                return self._source.indent_of(start)
-        if body.owner is None:
-            return ""
-        return self._source.indent_of(self._outline.start(body.owner)) + self._source.unit
+    def _name(self, block: Element, copy: ElementCopy, part: Element) -> None:
+        """Gives a block the words for a new name; a name that no word is has a feature."""
+        kind, word = Name(snake_case(copy.table.name)), Name(copy.name)
+        is_sayable = is_name(copy.name)
+        if block.keyword is not None:
+            block.name = word if is_sayable else None
+        elif self._is_named_by(part, copy):
+            block.name = word if is_sayable else kind
+        elif is_sayable:
+            block.keyword, block.name = block.name or kind, word
 
-    def _is_inline(self, body: Body) -> bool:
-        if body.owner is None:
-            return False
-        return "\n" not in self._source.text[body.start : body.end]
+    def _is_named_by(self, part: Element, copy: ElementCopy) -> bool:
+        """Tells whether the one word before a block is the name of the element."""
+        node = self._context.model.node_of(cast("EObject", copy.obj))
+        children = node.children if node is not None else ()
+        spans = [self.written.value_span(each) for each in children if each.tag == "name"]
+        return part.name is not None and any(each is part.name.span for each in spans)
 
-    def _insert_inline(
-        self, body: Body, before: Item | None, item: Item, lines: Sequence[str]
-    ) -> None:
-        """Puts an item into a list that stands on one line, if it fits there."""
-        line = lines[0].strip()
-        if self.breaks(body, item, lines):
-            self._break(body, before, item, lines)
-        elif not body.items:
-            self._edits.replace(body.start, body.end, f" {line} ")
-        elif before is not None:
-            self._edits.insert(self._outline.whole_end(before), f"{_SPACE}{line}")
-        else:
-            start = self._outline.whole_start(body.items[0])
-            self._edits.insert(start, f"{line}{_SPACE}")
+    def _document(self, item: Item, copy: ElementCopy, part: Item) -> None:
+        if "documentation" in self.changed.get(copy, {}) and not _says(part, "documentation"):
+            text = next(iter(copy.values.get("documentation", ())), None)
+            item.documentation = text if text is not None and is_comment(text) else ""
 
-    def _break(self, body: Body, before: Item | None, item: Item, lines: Sequence[str]) -> None:
-        """Gives each item of a list on one line a line of its own, and new lines their place.
+    def _assignment(self, part: Assignment | Ignored, copy: ElementCopy) -> Item | None:
+        """Returns an arrow as it will be, None where it must be written otherwise."""
+        new, changed = self._anew.arrow(copy), self.changed.get(copy, {})
+        if isinstance(part, Ignored) or not isinstance(new, Assignment):
+            return replace(part, target=new.target) if isinstance(new, Ignored) else None  # type: ignore[call-arg]
+        found = replace(part, items=self._block(part.items, copy))
+        if "target" in changed:
+            found.targets = new.targets
+        if not changed.keys().isdisjoint({"source", "value"}):
+            found.sources = new.sources
+        owned = copy.owned.get("conversions", ())
+        if not self._has_blocks(copy):
+            if len(new.conversions) < len(owned):
+                return None
+            pairs = zip(owned, new.conversions, strict=True)
+            found.conversions = [self._call(each, call) for each, call in pairs]
+        return found
 
-        An item of the list itself is moved: it stands nowhere else then.
-        """
-        source = self._source
-        indent = self.indent(body)
-        cuts = [body.start, *map(self._outline.whole_start, body.items[1:]), body.end]
-        parts = [source.text[a:b].strip() for a, b in pairwise(cuts)]
-        stacked: list[str] = [] if before is not None else [*lines]
-        for at, part in enumerate(parts):
-            own = body.items[at] if at < len(body.items) else None
-            if part and own is not item:
-                stacked.append(f"{indent}{part}")
-            if own is not None and own is before:
-                stacked += lines
-        owner = body.owner
-        around = source.indent_of(self._outline.start(owner)) if owner is not None else ""
-        self._edits.replace(body.start, body.end, "\n".join(["", *stacked, around]))
+    def _call(self, copy: ElementCopy, new: Call) -> Call:
+        part = self.part(copy)
+        return part if isinstance(part, Call) and copy not in self.changed else new
 
-    def _insert_behind(
-        self, body: Body, before: Item, following: Item | None, lead: str, block: str
-    ) -> None:
-        source = self._source
-        end = self._outline.end(before)
-        line_end = source.line_end(end)
-        if following is not None and self._outline.start(following) < line_end:
-            whole = self._outline.whole_end(before)
-            start = self._outline.whole_start(following)
-            if source.is_blank(whole, start):
-                self._edits.replace(whole, start, f"{lead}{block}\n{self.indent(body)}")
+    def _has_blocks(self, copy: ElementCopy) -> bool:
+        """Tells whether conversions stand in blocks, and not behind the arrow."""
+        owned = copy.owned.get("conversions", ())
+        return any(isinstance(self.part(each), Element) for each in owned)
+
+    def _pairs(self, part: Table | Vector, copy: ElementCopy) -> Item | None:
+        """Returns a table or a vector as it will be, None where it must be written otherwise."""
+        around = self.part(cast("ElementCopy", copy.owner))
+        new, changed = self._anew.item(copy, around), self.changed.get(copy, {})
+        if type(new) is not type(part):
+            return None
+        found = replace(part, name=new.name if "name" in changed else part.name)  # type: ignore[call-arg, attr-defined]
+        if isinstance(found, Vector) and isinstance(new, Vector):
+            found.to_ros = new.to_ros
+            found.given = self._entries(copy, "given", new.given)
+            found.expected = self._entries(copy, "expected", new.expected)
+        elif isinstance(found, Table) and isinstance(new, Table):
+            found.entries = self._entries(copy, "entries", new.entries)
+        return found
+
+    def _entries(self, copy: ElementCopy, feature: str, new: Sequence[Item]) -> list[Any]:
+        found = []
+        for each, item in zip(copy.owned.get(feature, ()), new, strict=True):
+            part = self.part(each)
+            if not isinstance(part, Entry | VectorEntry):
+                found.append(item)
             else:
-                self._edits.insert(whole, f"{lead}{block}\n{self.indent(body)}")
+                found.append(in_place_of(part, item) if each in self.changed else part)
+        return found
+
+    # Values of features
+
+    def _say(self, found: list[Piece], copy: ElementCopy, name: str, *, is_said: bool) -> None:
+        """Has a block say what a feature has now."""
+        is_assignment = isinstance(self.part(copy), Assignment)
+        if is_assignment and name in _BY_ARROW:
             return
-        is_closing = body.owner is not None and body.end <= line_end
-        comments = source.comments_within(end, line_end)
-        if is_closing or not all(each.is_on_one_line for each in comments):
-            self._edits.insert(self._outline.whole_end(before), f"{lead}{block}")
-        else:
-            self._edits.insert(line_end, f"{lead}{block}")
+        old = [each for each in found if _is_of(each.item, name, copy.table)]
+        if name in IN_THE_HEAD and not old:
+            text = next(iter(copy.values.get(name, ())), None)
+            is_sayable = is_name(text) if name == "name" else is_comment(text)
+            is_said = text is not None and not is_sayable
+        item = self._said(copy, name, old) if is_said else None
+        if old and item is not None:
+            old[0].item = in_place_of(old[0].item, item)
+        elif item is not None:
+            self._insert(found, Piece(item), copy, _rank_of(item, copy.table, {}))
+        kept = old[:1] if item is not None else []
+        found[:] = [each for each in found if each in kept or each not in old]
 
-    def _insert_first(self, body: Body, following: Item, block: str, *, is_spaced: bool) -> None:
-        source = self._source
-        behind = "\n\n" if is_spaced else "\n"
-        if body.owner is None:
-            start = self._outline.whole_start(following)
-            self._edits.insert(source.line_start(start), f"{block}{behind}")
+    def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> Item:
+        is_end = copy.table.qualified_name == MAP and name in _ENDS
+        if is_end and not (old and isinstance(old[0].item, Feature)):
+            feature = copy.table.features[name]
+            made = self._anew.made(copy, is_whole=False)
+            type_ = self._names.name(cast("EObject", copy.obj), getattr(made, name), feature)
+            if isinstance(type_, Name):
+                return End(_ENDS[name], type_, None)
+        return self._anew.feature(copy, name)
+
+    # What comes new, or comes from elsewhere
+
+    def _put_in(self, found: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
+        """Puts an element where its siblings say."""
+        around = self.part(owner)
+        is_conversion = isinstance(around, Assignment) and copy.feature == "conversions"
+        if is_conversion and not self._has_blocks(owner):
+            return  # it stands behind the arrow
+        piece = self._coming(copy, owner)
+        places = {id(each.part): at for at, each in enumerate(found)}
+        earlier, later = (
+            [places[at] for each in some if (at := id(self.part(each))) in places]
+            for some in copy.siblings
+        )
+        is_way = owner.table.qualified_name == MAP and copy.feature in ("toRos", "toJaus")
+        is_arrow = is_way and isinstance(piece.item, Assignment | Ignored)
+        before, behind = next(reversed(earlier), None), next(iter(later), None)
+        if is_arrow:
+            self._put_arrow(found, piece, copy, before, behind)
             return
-        line_end = source.line_end(body.start)
-        if source.is_blank(body.start, line_end) and line_end < body.end:
-            extra = "\n" if is_spaced and not following.spaced else ""
-            self._edits.insert(line_end, f"\n{block}{extra}")
+        near = before if before is not None else behind
+        if isinstance(piece.item, Feature) and near is not None:
+            origin = found[near].origin
+            is_alike = isinstance(origin, Feature) and origin.name.text == piece.item.name.text
+            piece.origin = origin if is_alike else None
+        if before is not None:
+            self._insert_at(found, before + 1, piece, is_top=around is None)
+        elif behind is not None:
+            at = behind - isinstance(found[behind].origin, Direction)
+            self._insert_at(found, at, piece, is_top=around is None)
+        elif around is None:
+            self._insert_at(found, len(found), piece, is_top=True)
         else:
-            start = source.behind_blanks(body.start)
-            self._edits.replace(body.start, start, f"\n{block}\n{self.indent(body)}")
+            self._insert(found, piece, owner, _rank(owner.table, copy.feature))
 
-    def _fill(self, body: Body, block: str) -> None:
-        """Puts lines into a list without items."""
-        source = self._source
-        inner = source.text[body.start : body.end]
-        if body.owner is None:
-            end = body.start + len(inner.rstrip())
-            last = "\n" if not inner.strip() and inner.endswith("\n") else ""
-            lead = "\n\n" if end else ""
-            self._edits.replace(end, end + len(last), f"{lead}{block}{last}")
-        elif inner.strip():
-            self._edits.insert(body.start + len(inner.rstrip()), f"\n{block}")
-        else:
-            around = source.indent_of(self._outline.start(body.owner))
-            self._edits.replace(body.start, body.end, f"\n{block}\n{around}")
-
-    def _is_spaced(self, body: Body, before: Item | None, item: Item) -> bool:
-        """Tells whether an empty line parts a new item from its neighbour."""
-        if body.owner is None:
-            return True
-        if isinstance(body.owner, _DENSE):
-            return False
-        if before is None:
-            following = body.items[0] if body.items else None
-            return following is not None and _space_between(item, following)
-        index = self._outline.place(before)[1]
-        if index and type(before) is type(item):
-            return before.spaced
-        return _space_between(before, item)
-
-    # What goes out
-
-    def remove(self, body: Body, items: Sequence[Item]) -> None:
-        """Takes items out of a list, with the comments that are their own."""
-        if self._is_inline(body) and len(items) == len(body.items):
-            self._edits.delete(body.start, body.end)
+    def _put_arrow(
+        self,
+        found: list[Piece],
+        piece: Piece,
+        copy: ElementCopy,
+        before: int | None,
+        behind: int | None,
+    ) -> None:
+        """Puts an arrow into the brackets of a neighbour, else of an empty direction, or new."""
+        to_ros = copy.feature == "toRos"
+        piece.item = replace(piece.item, spaced=False)
+        for near, step in ((before, 1), (behind, 0)):
+            if near is not None and isinstance(found[near].origin, Direction):
+                piece.origin = found[near].origin
+                found.insert(near + step, piece)
+                return
+        piece.origin = Direction(to_ros)
+        if before is not None or behind is not None:
+            found.insert(before + 1 if before is not None else cast("int", behind), piece)
             return
-        for item in items:
-            self._remove(body, item)
+        for at, each in enumerate(found):
+            if isinstance(each.item, Direction) and each.item.to_ros == to_ros:
+                piece.origin = each.item
+                found.insert(at + 1, piece)
+                return
+        owner = cast("ElementCopy", copy.owner)
+        self._insert(found, piece, owner, _rank(owner.table, copy.feature))
 
-    def _remove(self, body: Body, item: Item) -> None:
-        source = self._source
-        start, end = self._outline.whole_start(item), self._outline.whole_end(item)
-        line_end = source.line_end(end)
-        if source.begins_line(start) and source.is_blank(end, line_end):
-            self._edits.delete(*self._lines(body, source.line_start(start), line_end))
-            return
-        index = self._outline.place(item)[1]
-        following = body.items[index + 1] if index + 1 < len(body.items) else None
-        if not source.begins_line(start) and index:
-            self._edits.delete(source.before_space(start, body.start), end)
-        elif following is not None and self._outline.whole_start(following) < line_end:
-            self._edits.delete(start, self._outline.whole_start(following))
+    def _coming(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
+        """Returns an element as it is written in an owner, with the comments that it has."""
+        around, part = self.part(owner), self.part(copy)
+        if around is None and owner not in self.implied:
+            raise EditError(
+                f"{owner.label} follows from the rest of {self._context.file}: edit the text"
+            )
+        old = next((e for e in _all_pieces(self.written.tree.items) if e.part is part), None)
+        if old is None or part is None or isinstance(part, Call):
+            new = self._anew.item(copy, around)
+            if around is None and not isinstance(new, Element):
+                raise EditError(f"text has no place for this element of {copy.feature}")
+            return Piece(new, part)
+        if _can_go(old, copy, owner, around):
+            return Piece(replace(old.item), part)
+        return Piece(in_place_of(old.item, self._anew.item(copy, around)), part)
+
+    def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
+        """Puts a piece behind the last that does not come after it by the metamodel."""
+        owned = {id(self.part(e)): e.feature for some in owner.owned.values() for e in some}
+        ranks = (_rank_of(each.item, owner.table, owned, each.part) for each in found)
+        at = max((i + 1 for i, rank in enumerate(ranks) if rank <= wanted), default=0)
+        self._insert_at(found, at, piece, is_top=False)
+
+    def _insert_at(self, found: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
+        before = [each.origin if each.origin is not None else each.item for each in found[:at]]
+        if is_top:
+            piece.item.spaced = bool(at)
         else:
-            self._edits.delete(start, end)
-
-    def _lines(self, body: Body, start: int, line_end: int) -> tuple[int, int]:
-        """Returns the stretch of whole lines that go, with an empty one that parted them."""
-        source = self._source
-        end = source.next_line(line_end)
-        above = source.line_start(start - 1) if start > body.start and start else start
-        is_parted = above < start and source.is_blank(above, start) and above >= body.start
-        below = source.line_end(end)
-        is_last = body.end <= source.line_end(end) and source.is_blank(end, body.end)
-        is_first = source.is_blank(body.start, start)
-        if is_parted and (is_last or source.is_blank(end, below)):
-            start = above
-        elif is_first and end < len(source.text) and source.is_blank(end, below):
-            end = source.next_line(below)
-        if line_end == len(source.text) and start:
-            # The text keeps lacking a line end.
-            start = source.line_end(source.line_start(start - 1))
-        return start, end
+            set_apart(before, piece.item)
+        if at == 0 and found:
+            behind = replace(found[0].item)
+            set_apart([piece.item], behind)
+            behind.spaced |= is_top
+            found[0].item = behind
+        found.insert(at, piece)
 
 
-def _space_between(before: Item, item: Item) -> bool:
-    kept = item.spaced
-    space([before, item])
-    found, item.spaced = item.spaced, kept
-    return found
+def _says(part: Item, name: str) -> bool:
+    """Tells whether a feature of a block says a name or a documentation."""
+    items = part.items if isinstance(part, Element | Assignment) else ()
+    return any(isinstance(each, Feature) and each.name.text == name for each in items)
 
 
-def _with_unit(line: str, unit: str) -> str:
-    depth = (len(line) - len(line.lstrip(" "))) // len(_INDENT)
-    return unit * depth + line[depth * len(_INDENT) :]
+def _is_of(item: Item, name: str, table: ClassTable) -> bool:
+    """Tells whether an item says the values of a feature."""
+    if isinstance(item, End):
+        return table.qualified_name == MAP and item.is_jaus is _ENDS.get(name)
+    return isinstance(item, Feature) and item.name.text == name
+
+
+def _all_pieces(items: Iterable[Item]) -> Iterable[Piece]:
+    """Yields the pieces of a list, and those in them."""
+    for piece in pieces_of(items):
+        yield piece
+        if not isinstance(piece.item, Direction) and isinstance(piece.part, Item):
+            for inner, _ in lists_of(piece.part):
+                yield from _all_pieces(inner)
+
+
+def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None) -> bool:
+    """Tells whether the same words stand for an element in another list."""
+    if isinstance(piece.item, Feature):
+        return piece.item.name.text == copy.feature
+    if isinstance(piece.item, Element):
+        return owning_features(owner.table, copy.table) == (copy.feature,)
+    is_arrow = isinstance(piece.item, Assignment | Ignored)
+    return isinstance(around, Element | Assignment) if is_arrow else isinstance(around, Element)
+
+
+def _rank_of(item: Item, table: ClassTable, owned: dict[int, str], part: Part | None = None) -> int:
+    """Returns where an item stands in a block by the metamodel."""
+    if isinstance(item, Import):
+        return -3
+    if isinstance(item, End):
+        return -2 if item.is_jaus else -1
+    if isinstance(item, Direction):
+        return _rank(table, "toRos" if item.to_ros else "toJaus")
+    if isinstance(item, Table | Vector):
+        return _rank(table, "tables" if isinstance(item, Table) else "vectors")
+    if isinstance(item, Feature):
+        return _rank(table, item.name.text)
+    return _rank(table, owned.get(id(part), "" if isinstance(item, Element) else "assignments"))
+
+
+def _rank(table: ClassTable, name: str) -> int:
+    feature = table.features.get(name)
+    if feature is None:
+        return 0
+    features = list(table.features)
+    if feature.kind is not FeatureKind.CONTAINMENT:
+        return features.index(name)
+    if table.qualified_name == MAP and name in _MAP_ORDER:
+        return len(features) + _MAP_ORDER.index(name)
+    return len(features) + features.index(name)

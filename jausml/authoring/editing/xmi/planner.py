@@ -1,326 +1,397 @@
-"""Planner of changes of XMI files."""
+"""Planner of changes of XMI files: what the file will hold is printed as EMF saves it.
+
+What was not read, such as a reference that leads nowhere, is printed as it is written.
+"""
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TYPE_CHECKING, cast
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.authoring.editing.commands import Add, Move, Remove, Rename, Set
-from jausml.authoring.editing.splices import common_ends
-from jausml.authoring.editing.working_copy import ElementCopy
-from jausml.authoring.editing.xmi.names import (
-    Names,
-    element_lines,
-    file_of,
-    is_odd,
-    items,
-    reference_line,
-    value_line,
-)
-from jausml.authoring.editing.xmi.source import Edits, Source
+from jausml.authoring.editing.commands import Add, EditError, Rename, Set
+from jausml.authoring.editing.working_copy import ElementCopy, attribute_values
+from jausml.authoring.editing.xmi.comments import Comments
+from jausml.authoring.editing.xmi.names import Names
 from jausml.language.metamodel import FeatureKind
-from jausml.language.model.values import convert
-from jausml.language.model.xmi.writer import attribute_text, lexical
+from jausml.language.model.names import name_of
+from jausml.language.model.reading.classes import is_xmi
+from jausml.language.model.refs import Ref
+from jausml.language.model.xmi.printing import (
+    XSI,
+    DocumentPrinter,
+    UnwritableError,
+    attribute_text,
+    element_text,
+)
+from jausml.language.text.reading.scanning import line_end
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import ElementCommand
     from jausml.authoring.editing.drafts import Context
-    from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editing.xmi.names import Item
-    from jausml.authoring.editing.xmi.source import Line
-    from jausml.language.metamodel import DataTypeTable, FeatureTable
-    from jausml.language.model.refs import Ref
+    from jausml.language.metamodel import ClassTable, FeatureTable
     from jausml.language.model.xmi.parsing import Node
 
-_NAME = "name"
+Target: TypeAlias = ElementCopy | Ref
+
+_ENCODING = re.compile(r"""\ufeff?<\?xml[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
 
 
-def plan_xmi(commands: Sequence[ElementCommand], context: Context) -> list[Splice]:
-    """Returns what is to change in an XMI file so that commands hold, all of one state."""
-    return _Plan(context).run(commands) if context.document.root_nodes else []
+def print_xmi(commands: Sequence[ElementCommand], context: Context) -> bytes | None:
+    """Returns an XMI file in which commands hold, all of one state; None where it stays as it is.
+
+    `EditError`: its encoding cannot be written again.
+    """
+    return _printed(commands, context) if _Touch(context).is_touched(commands) else None
 
 
-class _Plan:
-    """Plan of the changes of one file."""
+def is_laid_out_xmi(context: Context) -> bool:
+    """Tells whether an XMI file is laid out as `print_xmi` does it."""
+    try:
+        return _printed((), context) == context.document.data
+    except (EditError, UnwritableError):
+        return False
+
+
+def _printed(commands: Sequence[ElementCommand], context: Context) -> bytes:
+    document = context.document
+    if not document.root_nodes:
+        return document.data
+    try:
+        old = document.data.decode(document.encoding)
+        is_same = old.encode(document.encoding) == document.data
+    except (LookupError, ValueError):
+        is_same = False
+    if not is_same:
+        message = f"the encoding {document.encoding} of {context.file} cannot be kept"
+        raise EditError(f"{message}: save it as UTF-8")
+    stated = _ENCODING.match(old)
+    encoding = stated.group(1) if stated else document.encoding[:6].upper()
+    lines = [f'<?xml version="1.0" encoding="{encoding}"?>', *_Printer(commands, context).lines()]
+    text = "\n".join([*lines, ""]).replace("\n", line_end(old))
+    mark = "\ufeff" if old.startswith("\ufeff") else ""
+    return f"{mark}{text}".encode(document.encoding, "xmlcharrefreplace")
+
+
+class _Touch:
+    """Finds out whether commands concern a file at all; if not, it stays as it is laid out."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
         self._working_copy = context.working_copy
-        self._metamodels = context.model.metamodels
-        self._source = Source(context.document, context.file)
-        root = context.document.root_nodes[0]
-        self._root = root.parent or root
-        self._edits = Edits(self._source, self._root)
-        self._names = Names(context, self._edits, self._root)
-        self._set: set[tuple[ElementCopy, str]] = set()
 
-    def run(self, commands: Sequence[ElementCommand]) -> list[Splice]:
-        for each in commands:
-            if isinstance(each, Remove):
-                self._remove(each)
-            elif isinstance(each, Set):
-                self._change(each.element, each.feature)
-            elif isinstance(each, Rename):
-                self._change(each.element, _NAME)
-        if any(not isinstance(each, Set) for each in commands):
-            self._follow()
-        # What moves takes along what was changed in it.
-        for each in commands:
-            if isinstance(each, Add):
-                self._add(each)
-            elif isinstance(each, Move):
-                self._move(each)
-        self._names.declare()
-        return self._edits.splices()
-
-    def _remove(self, command: Remove) -> None:
-        copy = self._copy(command.element)
-        if copy is not None and self._is_own(copy):
-            self._edits.remove(self._node(copy))
-
-    def _copy(self, ref: Ref) -> ElementCopy | None:
-        return self._working_copy.find(ref)
-
-    def _is_own(self, copy: ElementCopy) -> bool:
-        """Tells whether a copy stands in the file as it is."""
-        return copy.obj is not None and copy.file == self._context.file
-
-    def _node(self, copy: ElementCopy) -> Node:
-        return cast("Node", self._context.model.node_of(copy.obj))  # type: ignore[arg-type]
-
-    def _change(self, ref: Ref, name: str) -> None:
-        copy = self._copy(ref)
-        if copy is None or not self._is_own(copy):
-            return
-        feature = copy.table.features[name]
-        self._set.add((copy, name))
-        if feature.kind is not FeatureKind.ATTRIBUTE:
-            self._set_references(copy, feature)
-        elif feature.many:
-            self._set_values(copy, feature)
-        else:
-            self._set_value(copy, feature)
-
-    def _set_value(self, copy: ElementCopy, feature: FeatureTable) -> None:
-        node = self._node(copy)
-        element = self._source.element(node)
-        written = element.attribute(feature.name)
-        values = copy.values.get(feature.name, ())
-        text = values[0] if values else None
-        if written is not None and _means(node.get(feature.name), feature) == values:
-            return
-        children = [each for each in node.children if each.tag == feature.name]
-        if children:
-            self._replace_children(copy, feature, children, self._value_lines(copy, feature))
-        elif text is None:
-            if written is not None:
-                self._edits.remove_attribute(written)
-        elif written is not None:
-            self._edits.set_value(written, text)
-        else:
-            self._edits.add_attribute(element, feature.name, text, _later(copy, feature))
-
-    def _set_values(self, copy: ElementCopy, feature: FeatureTable) -> None:
-        node = self._node(copy)
-        values = copy.values.get(feature.name, ())
-        written = self._source.element(node).attribute(feature.name)
-        if written is not None:
-            words = tuple((node.get(feature.name) or "").split())
-            if words == values:
-                return
-            if values and all(each and each.split() == [each] for each in values if each):
-                self._edits.set_value(written, " ".join(each or "" for each in values))
-                return
-            self._edits.remove_attribute(written)
-        children = [each for each in node.children if each.tag == feature.name]
-        self._replace_children(copy, feature, children, self._value_lines(copy, feature))
-
-    def _value_lines(self, copy: ElementCopy, feature: FeatureTable) -> list[str]:
-        values = copy.values.get(feature.name, ())
-        return [value_line(each, feature, self._names) for each in values]
-
-    def _set_references(self, copy: ElementCopy, feature: FeatureTable) -> None:
-        node = self._node(copy)
-        targets = copy.references.get(feature.name, [])
-        found = items(node, feature.name, self._source, self._names)
-        if targets == [each.target for each in found] and all(map(self._is_right, found)):
-            return
-        words = [each for each in found if each.node is None]
-        children = [each.node for each in found if each.node is not None]
-        written = self._source.element(node).attribute(feature.name)
-        # Elements of other files are referred to by child elements, those of this one are not.
-        is_apart = not any(e.target and self._names.is_local(e.target) for e in found if e.node)
-        if targets and is_apart and all(map(self._names.is_local, targets)):
-            for child in children:
-                self._edits.remove(child)
-            text = " ".join(self._word(each, words) for each in targets)
-            if written is not None:
-                self._edits.set_value(written, text)
-            else:
-                element = self._source.element(node)
-                self._edits.add_attribute(element, feature.name, text, _later(copy, feature))
-            return
-        if written is not None:
-            self._edits.remove_attribute(written)
-        kept = {each.target: each for each in found if each.node is not None and each.target}
-        new = [self._element_text(each, kept.get(each), feature) for each in targets]
-        self._replace_children(copy, feature, children, new)
-
-    def _word(self, target: ElementCopy | Ref, words: list[Item]) -> str:
-        known = next((each.text for each in words if each.target == target), "")
-        is_kept = known and self._is_right(next(e for e in words if e.target == target))
-        return known if is_kept else self._names.fragment(target)
-
-    def _element_text(
-        self, target: ElementCopy | Ref, item: Item | None, feature: FeatureTable
-    ) -> str:
-        """Returns a reference as an element: as it is written now, if that will be right."""
-        if item is not None and item.node is not None and self._is_right(item):
-            element = self._source.element(item.node)
-            return self._source.text[element.start : element.end]
-        return reference_line(target, feature, self._names)
-
-    def _replace_children(
-        self, copy: ElementCopy, feature: FeatureTable, old: Sequence[Node], new: Sequence[str]
-    ) -> None:
-        """Makes child elements of others, and leaves those that are among both."""
-        texts = [self._text(each) for each in old]
-        front, back = common_ends(texts, new)
-        ours = list(old[front : len(old) - back])
-        theirs = list(new[front : len(new) - back])
-        paired = min(len(ours), len(theirs))
-        for node, text in zip(ours, theirs, strict=False):
-            self._edits.replace(node, text)
-        for node in ours[paired:]:
-            self._edits.remove(node)
-        if theirs[paired:]:
-            at = front + paired
-            after = old[at - 1] if at else None
-            before = old[at] if after is None and at < len(old) else None
-            added: list[Line] = [(0, each) for each in theirs[paired:]]
-            self._insert(copy, feature, after, before, added)
-
-    def _text(self, node: Node) -> str:
-        element = self._source.element(node)
-        return self._source.text[element.start : element.end]
-
-    def _add(self, command: Add) -> None:
-        owner = self._copy(command.owner)
-        if owner is not None and self._is_own(owner):
-            made = [each for each in owner.owned[command.feature] if each.obj is None]
-            for each in made:
-                self._insert_copy(each, self._new_lines(each))
-
-    def _move(self, command: Move) -> None:
-        copy = self._copy(command.element)
-        if copy is None:
-            return
-        owner = cast("ElementCopy", copy.owner)
-        is_here = owner.root.file == self._context.file
-        if self._is_own(copy):
-            node = self._node(copy)
-            is_same = is_here and self._is_same_feature(copy, node)
-            added = self._edits.moved(node) if is_same else self._new_lines(copy)
-            self._edits.remove(node)
-        else:
-            added = self._new_lines(copy)
-        if is_here:
-            self._insert_copy(copy, added)
-
-    def _is_same_feature(self, copy: ElementCopy, node: Node) -> bool:
-        """Tells whether a moved element is written in the new place as in the old one."""
-        before = node.parent.obj if node.parent is not None else None
-        feature = self._metamodels.class_of(before).features[node.tag] if before else None
-        owner = cast("ElementCopy", copy.owner)
-        after = owner.table.features[copy.feature]
-        return feature is not None and feature.name == after.name and feature.target is after.target
-
-    def _new_lines(self, copy: ElementCopy) -> list[Line]:
-        owner = cast("ElementCopy", copy.owner)
-        return element_lines(copy, owner.table.features[copy.feature], self._names)
-
-    def _insert_copy(self, copy: ElementCopy, added: list[Line]) -> None:
-        """Puts an element in its place among its siblings."""
-        owner = cast("ElementCopy", copy.owner)
-        earlier, later = copy.siblings
-        after = next(filter(None, map(self._staying, reversed(earlier))), None)
-        before = next(filter(None, map(self._staying, later)), None)
-        feature = owner.table.features[copy.feature]
-        self._insert(owner, feature, after, before if after is None else None, added)
-
-    def _staying(self, copy: ElementCopy) -> Node | None:
-        """Returns the element of a copy that stays where it is."""
-        if not self._is_own(copy):
-            return None
-        node = self._node(copy)
-        return None if self._edits.is_removed(node) else node
-
-    def _insert(
-        self,
-        owner: ElementCopy,
-        feature: FeatureTable,
-        after: Node | None,
-        before: Node | None,
-        added: list[Line],
-    ) -> None:
-        node = self._node(owner)
-        if after is None and before is None:
-            order = {name: index for index, name in enumerate(owner.table.features)}
-            staying = [each for each in node.children if not self._edits.is_removed(each)]
-            earlier = [e for e in staying if order.get(e.tag, -1) < order[feature.name]]
-            after = earlier[-1] if earlier else None
-            before = staying[0] if staying and after is None else None
-        self._edits.insert(node, after, before, added)
-
-    def _follow(self) -> None:
-        """Has references of the file follow what they refer to."""
-        before, after = self._context.paths, self._paths
+    def is_touched(self, commands: Sequence[ElementCommand]) -> bool:
+        if any(map(self._changes, commands)):
+            return True
+        before, after = self._context.paths, self._working_copy.paths()
         shifted = {each for each, path in before.items() if after.get(each) != path}
         shifted |= {each for each in after if each.root.file != each.file}
-        for roots in self._working_copy.roots.values():
-            for copy in (each for root in roots for each in root.everything()):
-                if self._is_own(copy):
-                    self._follow_references(copy, shifted)
+        return bool(shifted) and any(
+            copy.file == self._context.file for copy, _ in self._working_copy.referrers(shifted)
+        )
 
-    @cached_property
-    def _paths(self) -> dict[ElementCopy, str]:
-        return self._working_copy.paths()
-
-    def _follow_references(self, copy: ElementCopy, shifted: set[ElementCopy]) -> None:
-        node = self._node(copy)
-        for name, targets in copy.references.items():
-            if (copy, name) in self._set:
-                continue
-            if not any(each in shifted for each in targets) and not is_odd(node, name):
-                continue
-            if any(file_of(each) != each.file for each in targets if isinstance(each, ElementCopy)):
-                self._set_references(copy, copy.table.features[name])
-                continue
-            for item in items(node, name, self._source, self._names):
-                if item.target is not None and not self._is_right(item):
-                    fragment = attribute_text(self._names.fragment(item.target))
-                    self._edits.put(item.start, item.end, fragment)
-
-    def _is_right(self, item: Item) -> bool:
-        """Tells whether a reference will still mean what it means."""
-        target = item.target
-        if not isinstance(target, ElementCopy):
-            return True
-        if target.root.file != target.file:
+    def _changes(self, command: ElementCommand) -> bool:
+        named = command.owner if isinstance(command, Add) else command.element
+        copy = self._working_copy.find(named)
+        if copy is None:
             return False
-        if item.is_path:
-            return self._context.paths.get(target) == self._paths.get(target)
-        return not item.is_odd
+        file = self._context.file
+        if isinstance(command, Rename):
+            # Of other files only those that refer by names are concerned.
+            return name_of(copy.obj) != command.name
+        if isinstance(command, Set):
+            return copy.file == file and self._differs(copy, command)
+        return file in (copy.file, copy.root.file)
+
+    def _differs(self, copy: ElementCopy, command: Set) -> bool:
+        name, feature = command.feature, copy.table.features[command.feature]
+        node = self._context.model.node_of(copy.obj) if copy.obj is not None else None
+        if feature.kind is not FeatureKind.ATTRIBUTE:
+            before = self._working_copy.references_of(copy).get(name, [])
+            return before != copy.references.get(name, [])
+        is_unsaid = not command.values and node is not None and node.get(name) is not None
+        return is_unsaid or attribute_values(copy.obj, feature) != copy.values.get(name, ())
 
 
-def _later(copy: ElementCopy, feature: FeatureTable) -> set[str]:
-    """Returns the features of an element that the metamodel has behind one."""
-    order = list(copy.table.features)
-    return set(order[order.index(feature.name) + 1 :])
+class _Printer(DocumentPrinter[Target]):
+    """Prints one file from the working copy, with the comments that it has."""
+
+    def __init__(self, commands: Sequence[ElementCommand], context: Context) -> None:
+        super().__init__(context.model.metamodels)
+        self._context = context
+        root = context.document.root_nodes[0]
+        self._root = root.parent or root
+        self._is_wrapped = root.parent is not None
+        self._names = Names(context, self._root)
+        self._comments: dict[str, Comments] = {}
+        self._given: dict[str, str] = {}
+        self._set = {
+            (context.working_copy.find(each.element), each.feature)
+            for each in commands
+            if isinstance(each, Set)
+        }
+
+    def lines(self) -> list[str]:
+        """Returns the lines of the document behind its declaration."""
+        roots = self._context.working_copy.roots[self._context.file]
+        comments = self._comments_of(self._context.file)
+        if not self._is_wrapped and len(roots) == 1:
+            return [*self.lines_of_document(roots, is_wrapped=False), *comments.last]
+        lines = self.lines_of_document(roots, is_wrapped=True)
+        if self._is_wrapped:
+            lines = list(self._commented(self._root, self._context.file, lines, ""))
+        return [*lines, *comments.last]
+
+    # What is printed
+
+    def table_of(self, element: Target) -> ClassTable:
+        if isinstance(element, ElementCopy):
+            return element.table
+        return self._context.find_class(element)
+
+    def identifier_of(self, element: Target) -> str | None:
+        if not isinstance(element, ElementCopy) or not element.identifier:
+            return None
+        identifying = element.table.id_feature
+        said = element.values.get(identifying.name, ()) if identifying is not None else ()
+        return element.identifier if element.identifier not in said else None
+
+    def values_of(self, element: Target, feature: FeatureTable) -> Sequence[str | None]:
+        return element.values.get(feature.name, ()) if isinstance(element, ElementCopy) else ()
+
+    def targets_of(self, element: Target, feature: FeatureTable) -> Sequence[Target]:
+        if not isinstance(element, ElementCopy):
+            return ()
+        found: list[Target] = [*element.references.get(feature.name, ())]
+        return [*found, *element.owned.get(feature.name, ())]
+
+    def fragment_of(self, target: Target) -> str | None:
+        return self._names.fragment(target) if self._names.is_local(target) else None
+
+    def href_of(self, target: Target) -> str:
+        return self._names.href(target)
+
+    def is_apart(self, element: Target) -> bool:
+        return not self._names.is_local(element)
+
+    def namespaces(self) -> Mapping[str, str]:
+        return {**super().namespaces(), **self._given}
+
+    def further_attributes(self) -> str:
+        """Returns what the root says of the places of metamodels, Eclipse's own words."""
+        found = ""
+        for name, text in _attributes(self._root):
+            space, _, local = name.rpartition(" ")
+            if space == XSI and local != "type":
+                places = self._located(text) if local == "schemaLocation" else text
+                found += f' xsi:{local}="{attribute_text(places)}"'
+                self._given["xsi"] = XSI
+        return found
+
+    def _located(self, text: str) -> str:
+        """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.
+
+        It lies beside theirs; without its place Eclipse opens the file no longer.
+        """
+        packages = self.metamodels.packages
+        words = text.split()
+        known = dict(zip(words[::2], words[1::2], strict=False))
+        folders = [
+            place.removesuffix(file)
+            for uri, place in known.items()
+            if uri in packages and place.endswith(file := f"{packages[uri].name}.ecore")
+        ]
+        used = {each.ns_uri: each.name for each in packages.values() if each.name in self.prefixes}
+        new = used.keys() - known.keys()
+        if not folders or not new:
+            return text
+        known |= {uri: f"{folders[0]}{used[uri]}.ecore" for uri in new}
+        return " ".join(f"{uri} {place}" for uri, place in sorted(known.items()))
+
+    # What an element has besides, and what was not read
+
+    def lines_of(self, element: Target, tag: str, head: str, indent: str) -> Iterator[str]:
+        lines = super().lines_of(element, tag, head, indent)
+        node = self._node(element)
+        if node is None or not isinstance(element, ElementCopy):
+            return lines
+        unknown = [each for each in node.children if each.tag not in element.table.features]
+        inner = [line for each in unknown for line in self._raw(each, element.file, f"{indent}  ")]
+        attributes = "".join(self._unknown_attributes(node, element.table))
+        if attributes:
+            lines = super().lines_of(element, tag, head + attributes, indent)
+        inner += self._homeless(element, node, indent)
+        return self._commented(node, element.file, lines, indent, inner)
+
+    def attribute(self, element: Target, feature: FeatureTable) -> str | None:
+        node = self._unread(element, feature)
+        if node is None:
+            return super().attribute(element, feature)
+        text = node.get(feature.name)
+        if text is None or feature.kind is not FeatureKind.CROSS_REFERENCE:
+            return text
+        return " ".join(map(self._followed, text.split()))
+
+    def children(self, element: Target, feature: FeatureTable, indent: str) -> Iterator[str]:
+        node = self._node(element)
+        plain = _plain(node, feature.name)
+        if not plain or not isinstance(element, ElementCopy):
+            yield from super().children(element, feature, indent)
+            return
+        if feature.kind is FeatureKind.CONTAINMENT:
+            yield from self._mixed(element, feature, indent)
+            return
+        is_unread = self._unread(element, feature) is not None
+        lines = iter(() if is_unread else super().children(element, feature, indent))
+        for each in plain:
+            if is_unread:
+                yield from self._raw(each, element.file, indent)
+            else:
+                found = (line for line in (next(lines, None),) if line is not None)
+                yield from self._commented(each, element.file, found, indent)
+        yield from lines
+
+    def _mixed(self, copy: ElementCopy, feature: FeatureTable, indent: str) -> Iterator[str]:
+        """Yields what an element owns, with the elements of other files at their old places."""
+        node = self._node(copy)
+        owned = copy.owned.get(feature.name, [])
+        known = self._context.working_copy.copies
+        plain: list[Node] = []
+        before: defaultdict[ElementCopy, list[Node]] = defaultdict(list)
+        for child in node.children if node is not None else ():
+            if child.tag == feature.name and child.obj is None:
+                plain.append(child)
+            elif child.tag == feature.name and known.get(child.obj) in owned:
+                before[known[child.obj]] = plain
+                plain = []
+        apart = iter(copy.references.get(feature.name, ()))
+        is_unread = self._unread(copy, feature) is not None
+        for each in (*owned, None):
+            for child in before[each] if each is not None else plain:
+                if is_unread:
+                    yield from self._raw(child, copy.file, indent)
+                elif (target := next(apart, None)) is not None:
+                    href = attribute_text(self.href_of(target))
+                    line = f'{indent}<{self.child_tag(target, feature)} href="{href}"/>'
+                    yield from self._commented(child, copy.file, [line], indent)
+            if each is not None:
+                yield from self.lines_of(each, self.child_tag(each, feature), "", indent)
+
+    def _homeless(self, copy: ElementCopy, node: Node, indent: str) -> Iterator[str]:
+        """Yields the comments at child elements that an XML attribute takes the place of."""
+        for child in node.children if self._comments_of(copy.file).before else ():
+            feature = copy.table.features.get(child.tag)
+            is_plain = feature is not None and child.obj is None
+            if is_plain and self.attribute(copy, feature) is not None:
+                yield from self._commented(child, copy.file, (), f"{indent}  ")
+
+    def _unread(self, element: Target, feature: FeatureTable) -> Node | None:
+        """Returns the node of an element whose feature is printed as it is written."""
+        if not isinstance(element, ElementCopy) or (element, feature.name) in self._set:
+            return None
+        model = self._context.working_copy.models[element.file]
+        names = model.unread.get(id(element.obj), ())
+        is_unread = feature.name in names or "" in names
+        return self._node(element) if is_unread else None
+
+    def _unknown_attributes(self, node: Node, table: ClassTable) -> Iterator[str]:
+        for name, text in _attributes(node):
+            space, _, local = name.rpartition(" ")
+            if space not in ("", XSI) and not is_xmi(space):
+                yield f' {self._prefixed(node, space)}{local}="{attribute_text(text)}"'
+            elif not space and local not in table.features and local != "href":
+                yield f' {local}="{attribute_text(text)}"'
+
+    def _raw(self, node: Node, file: str, indent: str) -> Iterator[str]:
+        """Yields the lines of an XML element as it is written."""
+        tag = f"{self._prefixed(node, node.namespace)}{node.tag}"
+        head = f"{indent}<{tag}"
+        for name, text in _attributes(node):
+            space, _, local = name.rpartition(" ")
+            if local == "type" and ":" in text:
+                prefix = text.partition(":")[0].strip()
+                self._given |= {prefix: node.prefixes[prefix]} if prefix in node.prefixes else {}
+            value = self._followed(text) if name == "href" else text
+            head += f' {self._prefixed(node, space)}{local}="{attribute_text(value)}"'
+        inner = [line for e in node.children for line in self._raw(e, file, f"{indent}  ")]
+        if inner:
+            lines = [f"{head}>", *inner, f"{indent}</{tag}>"]
+        else:
+            text = element_text(node.text)
+            lines = [f"{head}>{text}</{tag}>" if text.strip() else f"{head}/>"]
+        return self._commented(node, file, lines, indent)
+
+    def _prefixed(self, node: Node, space: str) -> str:
+        if not space:
+            return ""
+        prefix = next(prefix for prefix, uri in node.prefixes.items() if uri == space)
+        if prefix and prefix != "xml" and not is_xmi(space):
+            self._given[prefix] = space
+        return f"{'xmi' if is_xmi(space) else prefix}:" if prefix else ""
+
+    def _followed(self, word: str) -> str:
+        """Returns a reference as it is to be written; one that leads nowhere stays as it is."""
+        uri, mark, fragment = word.partition("#")
+        target = self._names.target(uri, fragment) if mark else self._names.target("", word)
+        if target is None:
+            return word
+        return self._names.href(target) if mark else self._names.fragment(target)
+
+    # Comments
+
+    def _node(self, element: Target) -> Node | None:
+        if not isinstance(element, ElementCopy) or element.obj is None:
+            return None
+        model = self._context.working_copy.models[element.file]
+        return model.node_of(element.obj) if model.documents[0].is_xml else None
+
+    def _comments_of(self, file: str) -> Comments:
+        found = self._comments.get(file)
+        if found is None:
+            document = self._context.working_copy.models[file].documents[0]
+            found = self._comments[file] = Comments(document.data)
+        return found
+
+    def _commented(
+        self,
+        node: Node,
+        file: str,
+        lines: Iterable[str],
+        indent: str,
+        inner: Iterable[str] = (),
+    ) -> Iterator[str]:
+        """Yields lines of an element with its comments.
+
+        `inner`: further lines, to stand before its end tag.
+        """
+        comments, at = self._comments_of(file), node.offset
+        yield from (f"{indent}{each}" for each in comments.before.get(at, ()))
+        closing = [*inner, *(f"{indent}  {each}" for each in comments.closing.get(at, ()))]
+        trailing = comments.trailing.get(at, ())
+        if not closing and not trailing:
+            yield from lines
+            return
+        whole = list(lines)
+        if not whole:
+            yield from (f"{indent}{each}" for each in (*comments.closing.get(at, ()), *trailing))
+            return
+        if closing and len(whole) == 1 and whole[0].endswith("/>"):
+            tag = re.split(r"[\s/>]", whole[0].strip()[1:], maxsplit=1)[0]
+            whole = [f"{whole[0][:-2]}>", f"{indent}</{tag}>"]
+        elif closing and len(whole) == 1:
+            whole = [*(each.strip() and f"{indent}{each.strip()}" for each in closing), *whole]
+            closing = []
+        whole[-1:] = [*closing, "  ".join((whole[-1], *trailing))]
+        yield from whole
 
 
-def _means(text: str | None, feature: FeatureTable) -> tuple[str, ...] | None:
-    value, fault = convert(text or "", cast("DataTypeTable", feature.data_type))
-    return (lexical(value, feature),) if fault is None else None
+def _plain(node: Node | None, tag: str) -> list[Node]:
+    """Returns the child elements of a feature that are no elements of the model."""
+    children = node.children if node is not None else ()
+    return [each for each in children if each.tag == tag and each.obj is None]
+
+
+def _attributes(node: Node) -> Iterator[tuple[str, str]]:
+    return zip(node.attributes[::2], node.attributes[1::2], strict=True)

@@ -6,9 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.authoring.editing.xmi.source import Source
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.studio.views.xml_places import XmlPlaces
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import refs
 from jausml.language.text.reading.document import TextDocument
@@ -172,12 +172,11 @@ def source(scope: Scope, ref: str) -> Located:
 
 
 def _in_xmi(document: Document, model: Model, element: EObject, file: str) -> Located:
-    whole = Source(document, file)
+    whole = XmlPlaces(document)
     node = next(_nodes(model, element), None)
     start = end = 0
     if node is not None:
-        found = whole.element(node)
-        start, end = found.start, found.end
+        start, end = whole.element(node)
     return _located(file, XMI, whole.text, start, end)
 
 
@@ -237,9 +236,9 @@ def element_at(model: Model, offset: int) -> EObject | None:
         spans = _spans_in_text(document, document.written)
         place = _place(document.data.decode("utf-8-sig", "replace"), offset)
     else:
-        source = Source(document, document.display)
-        place = _place(source.text, offset)
-        spans = _spans_in_xmi(document, source, _characters(source.text, place))
+        places = XmlPlaces(document)
+        place = _place(places.text, offset)
+        spans = _spans_in_xmi(document, places, _characters(places.text, place))
     around = [(start, obj) for start, end, obj in spans if start <= place <= end]
     # Of two that touch, the one that begins last; of two that begin together, the inner one.
     latest = max((start for start, _ in around), default=None)
@@ -258,16 +257,16 @@ def _spans_in_text(document: Document, written: TextDocument) -> Iterator[_Spann
             yield (span.line, span.column), (span.end_line, span.end_column), node.obj
 
 
-def _spans_in_xmi(document: Document, source: Source, at: int) -> Iterator[_Spanned]:
+def _spans_in_xmi(document: Document, places: XmlPlaces, at: int) -> Iterator[_Spanned]:
     """Yields the elements around a place, which is given in characters."""
     waiting = list(document.root_nodes)
     while waiting:
         node = waiting.pop()
-        element = source.element(node)
-        if element.start <= at <= element.end:
+        start, end = places.element(node)
+        if start <= at <= end:
             waiting += node.children
             if node.obj is not None:
-                yield _of(source.text, element.start), _of(source.text, element.end), node.obj
+                yield _of(places.text, start), _of(places.text, end), node.obj
 
 
 def _place(text: str, offset: int) -> _LineAndColumn:

@@ -8,6 +8,7 @@ from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.language.metamodel.filling import count
 from jausml.language.model.reading.problems import NodePlace, Problems
 from jausml.language.model.values import show, suggest
+from jausml.language.model.xmi.printing import XSI
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from jausml.language.model.xmi.parsing import Node
 
 
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
 ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 _XMI_NAMESPACES = (
     "http://www.omg.org/XMI",

@@ -58,7 +58,7 @@ class Problems:
     def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
         self._rules = {**READER_RULES, **rules}
         self._drafts: list[_Draft] = []
-        self._unread: dict[int, set[str]] = {}
+        self.unread: dict[int, set[str]] = {}
 
     def report(
         self,
@@ -80,11 +80,11 @@ class Problems:
 
     def mark_unread(self, obj: EObject, feature: str = "") -> None:
         """Notes that a feature of an element has a finding; without a name, that any may have."""
-        self._unread.setdefault(id(obj), set()).add(feature)
+        self.unread.setdefault(id(obj), set()).add(feature)
 
     def is_unread(self, obj: EObject, feature: str) -> bool:
         """Tells whether a feature of an element has a finding."""
-        return not self._unread.get(id(obj), set()).isdisjoint({feature, ""})
+        return not self.unread.get(id(obj), set()).isdisjoint({feature, ""})
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
@@ -95,7 +95,7 @@ class Problems:
     def _finish(self, draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
         place = draft.place
         obj = None if isinstance(place, Location) else _nearest(place.node)
-        unread = self._unread.get(id(obj), set())
+        unread = self.unread.get(id(obj), set())
         return Diagnostic(
             draft.rule,
             severity,

@@ -164,6 +164,7 @@ class _Reading:
             self._report(document, written.check())
         read = [each for each in self._model.documents if each not in self._taken]
         check_bounds(read, self._model, self._problems)
+        self._model.unread = self._problems.unread
         diagnostics = self._problems.diagnostics(self._model)
         if self._cache is not None:
             faulty = {each.location.path for each in diagnostics}

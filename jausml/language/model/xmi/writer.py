@@ -23,27 +23,16 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.filling import count, is_set
 from jausml.language.model.library import LIBRARY_URI, library_root
 from jausml.language.model.names import name_of
+from jausml.language.model.xmi.printing import DocumentPrinter, UnwritableError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
 
-_ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD;", "\t": "&#x9;"}
-_ESCAPED = re.compile('[&<"\n\r\t]')
-_TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", "\r": "&#xD;", "]]>": "]]&gt;"}
-_TEXT_ESCAPED = re.compile("[&<\r]|]]>")
-_NOT_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 # Other texts mean something else, or nothing, where references stand side by side.
 _REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")
-_XMI = ' xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
-_XSI = ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
-
-
-class UnwritableError(ValueError):
-    """A model holds what XMI cannot say: a character, or a reference to no document."""
 
 
 def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
@@ -91,44 +80,26 @@ def replace_file(path: Path, data: bytes) -> None:
         raise
 
 
-class _DocumentWriter:
-    """Writes one document."""
+class _DocumentWriter(DocumentPrinter["EObject"]):
+    """Writes one document of a model."""
 
     def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
+        super().__init__(model.metamodels)
         self._roots = list(roots)
         self._model = model
         self._home = model.document_of(self._roots[0]) if self._roots else None
-        self._class_of = model.metamodels.class_of
+        self.table_of = model.metamodels.class_of  # type: ignore[method-assign]
         self._folder = Path(os.path.realpath(path)).parent
         self._fragments: dict[EObject, str] = {}
+        self.fragment_of = self._fragments.get  # type: ignore[method-assign]
         self._identifiers: set[str] = set()
-        self._prefixes: set[str] = set()
-        self._has_types = False
 
     def text(self) -> str:
         several = len(self._roots) != 1
         for position, root in enumerate(self._roots):
             self._name_fragments(root, f"/{position}" if several else "/")
-        lines: list[str] = []
-        for root in self._roots:
-            table = self._class_of(root)
-            tag = self._tag(table)
-            # The namespaces are known only when all is written: they replace this mark.
-            mark = "" if several else "\0"
-            lines += self._element(root, table, tag, mark, "  " if several else "")
-        head = _XMI + (_XSI if self._has_types else "") + "".join(self._namespaces())
-        if several:
-            end = [*lines, "</xmi:XMI>"] if lines else []
-            lines = [f"<xmi:XMI{head}{'' if lines else '/'}>", *end]
-        else:
-            lines[0] = lines[0].replace("\0", head, 1)
+        lines = self.lines_of_document(self._roots, is_wrapped=several)
         return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', *lines, ""])
-
-    def _namespaces(self) -> Iterator[str]:
-        packages = self._model.metamodels.packages.values()
-        for name, uri in sorted((each.name, each.ns_uri) for each in packages):
-            if name in self._prefixes:
-                yield f' xmlns:{name}="{attribute_text(uri)}"'
 
     def _name_fragments(self, root: EObject, path: str) -> None:
         """Notes how an element and all below it are referred to: by id, else by path."""
@@ -139,97 +110,44 @@ class _DocumentWriter:
             is_free = identifier not in self._identifiers and _REFERABLE.fullmatch(identifier or "")
             self._fragments[obj] = identifier if identifier and is_free else at
             self._identifiers.add(identifier or "")
-            for feature in self._class_of(obj).features.values():
+            for feature in self.table_of(obj).features.values():
                 if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):
                     value = getattr(obj, feature.name)
                     steps = [(value, f"{at}/@{feature.name}")]
                     if feature.many:
                         steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
-                    pending += [step for step in reversed(steps) if not self._is_apart(step[0])]
+                    pending += [step for step in reversed(steps) if not self.is_apart(step[0])]
 
-    def _is_apart(self, obj: EObject) -> bool:
-        """Tells whether an owned element is the root of another document, which keeps it."""
-        document = self._model.document_of(obj)
+    def is_apart(self, element: EObject) -> bool:
+        document = self._model.document_of(element)
         if document is None or document is self._home:
             return False
-        return document.root_position(obj) is not None
+        return document.root_position(element) is not None
 
     def _identifying_value(self, obj: EObject) -> str | None:
         """Returns the value of the attribute that identifies an element, None without one."""
-        feature = self._class_of(obj).id_feature
+        feature = self.table_of(obj).id_feature
         value = getattr(obj, feature.name) if feature is not None else None
         return str(value) if value is not None else None
 
-    def _tag(self, table: ClassTable) -> str:
-        self._prefixes.add(table.package.name)
-        return table.qualified_name.replace(".", ":")
+    def identifier_of(self, element: EObject) -> str | None:
+        identifier = self._model.identifier(element)
+        return identifier if identifier != self._identifying_value(element) else None
 
-    def _element(
-        self, obj: EObject, table: ClassTable, tag: str, head: str, indent: str
-    ) -> Iterator[str]:
-        """Yields the lines of an element."""
-        identifier = self._model.identifier(obj)
-        if identifier is not None and identifier != self._identifying_value(obj):
-            head += f' xmi:id="{attribute_text(identifier)}"'
-        attributes = [head]
-        features = []
-        for feature in table.features.values():
-            text = self._as_attribute(obj, feature)
-            if text is None:
-                features.append(feature)
-            elif text:
-                attributes.append(text)
-        lines = (line for each in features for line in self._children(obj, each, indent + "  "))
-        first = next(lines, None)
-        if first is None:
-            yield f"{indent}<{tag}{''.join(attributes)}/>"
-            return
-        yield f"{indent}<{tag}{''.join(attributes)}>"
-        yield first
-        yield from lines
-        yield f"{indent}</{tag.partition(' ')[0]}>"
+    def values_of(self, element: EObject, feature: FeatureTable) -> Sequence[str | None]:
+        if not is_written(element, feature):
+            return ()
+        value = getattr(element, feature.name)
+        values = value if feature.many else [value]
+        return [None if each is None else lexical(each, feature) for each in values]
 
-    def _as_attribute(self, obj: EObject, feature: FeatureTable) -> str | None:
-        """Returns ` name="value"`; empty when nothing is written, None for child elements."""
-        if feature.kind is FeatureKind.CONTAINER or not is_written(obj, feature):
-            return ""
-        value = getattr(obj, feature.name)
-        if feature.kind is FeatureKind.CONTAINMENT:
-            return None
-        if feature.kind is FeatureKind.ATTRIBUTE:
-            if feature.many or value is None:
-                return None
-            return f' {feature.name}="{attribute_text(lexical(value, feature))}"'
-        targets = list(value) if feature.many else [value]
-        if not all(target in self._fragments for target in targets):
-            return None
-        return f' {feature.name}="{attribute_text(" ".join(self._fragments[t] for t in targets))}"'
+    def targets_of(self, element: EObject, feature: FeatureTable) -> Sequence[EObject]:
+        if feature.kind is FeatureKind.CONTAINER or not is_written(element, feature):
+            return ()
+        value = getattr(element, feature.name)
+        return list(value) if feature.many else [value]
 
-    def _children(self, obj: EObject, feature: FeatureTable, indent: str) -> Iterator[str]:
-        """Yields the child elements of a feature."""
-        name = feature.name
-        value = getattr(obj, name)
-        for each in value if feature.many else [value]:
-            if each is None:
-                self._has_types = True
-                yield f'{indent}<{name} xsi:nil="true"/>'
-            elif feature.kind is FeatureKind.ATTRIBUTE:
-                yield f"{indent}<{name}>{element_text(lexical(each, feature))}</{name}>"
-            else:
-                table = self._class_of(each)
-                tag = name + self._type_attribute(table, feature)
-                if feature.kind is FeatureKind.CONTAINMENT and not self._is_apart(each):
-                    yield from self._element(each, table, tag, "", indent)
-                else:
-                    yield f'{indent}<{tag} href="{attribute_text(self._href(each))}"/>'
-
-    def _type_attribute(self, table: ClassTable, feature: FeatureTable) -> str:
-        if table is feature.target:
-            return ""
-        self._has_types = True
-        return f' xsi:type="{self._tag(table)}"'
-
-    def _href(self, target: EObject) -> str:
+    def href_of(self, target: EObject) -> str:
         if target in self._fragments:
             return f"#{self._fragments[target]}"
         return external_href(target, self._model, self._folder)
@@ -300,23 +218,6 @@ def java_double(value: float) -> str:
     point = int(exponent or 0) + len(whole) - (len(whole + fraction) - len(digits))
     digits = digits.rstrip("0")
     return f"{sign}{digits[0]}.{digits[1:] or '0'}E{point - 1}"
-
-
-def attribute_text(text: str) -> str:
-    """Returns a text as it stands between the quotation marks of an XML attribute."""
-    return _ESCAPED.sub(lambda match: _ESCAPES[match.group()], _checked(text))
-
-
-def element_text(text: str) -> str:
-    """Returns a text as it stands in an XML element."""
-    return _TEXT_ESCAPED.sub(lambda match: _TEXT_ESCAPES[match.group()], _checked(text))
-
-
-def _checked(text: str) -> str:
-    wrong = _NOT_XML.search(text)
-    if wrong:
-        raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
-    return text
 
 
 _LEGAL = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")

@@ -1,0 +1,91 @@
+"""Elements of a working copy, written anew as they stand in their owners."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.authoring.editing.text.detached import detached, settle_new
+from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.filling import hang
+from jausml.language.text.tree import Assignment, Call, Element, Table, Vector
+from jausml.language.text.writing.references import ElementWriter
+from jausml.language.text.writing.unparsing import MAP, MapWriter, table_entry, vector_entry
+
+if TYPE_CHECKING:
+    from jausml.authoring.editing.drafts import Context
+    from jausml.authoring.editing.text.naming import Naming
+    from jausml.authoring.editing.text.pieces import Part
+    from jausml.authoring.editing.working_copy import ElementCopy
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.refs import Ref
+    from jausml.language.text.tree import Feature, Ignored, Item
+
+
+class Anew:
+    """Writes elements of one text."""
+
+    def __init__(self, context: Context, names: Naming) -> None:
+        metamodels = context.model.metamodels
+        self._context = context
+        self._names = names
+        self.elements = ElementWriter(metamodels, names)
+        self.maps = MapWriter(self.elements, names, metamodels)
+        self.elements.special[MAP] = self.maps.items
+
+    def made(self, copy: ElementCopy, *, is_whole: bool = True) -> EObject:
+        """Returns a detached element as it will be; its owner is an element of the model."""
+        made = detached(copy, self.find, is_whole=is_whole)
+        if copy.owner is not None:
+            hang(made, self.find(copy.owner), copy.owner.table.features[copy.feature])
+        if copy.obj is None:
+            settle_new(made, copy)
+        return made
+
+    def find(self, target: ElementCopy | Ref) -> EObject:
+        """Returns the element of the model that a reference means."""
+        if isinstance(target, str):
+            return self._names.find(target)
+        if target.obj is not None and target.file == self._context.file:
+            return target.obj
+        return self._names.find(self._context.ref(target))
+
+    def arrow(self, copy: ElementCopy) -> Assignment | Ignored | None:
+        """Returns an assignment as an arrow, None where no arrow says it."""
+        made = self.made(copy)
+        return self.maps.arrow(made) if isinstance(made, bridge.Assignment) else None
+
+    def call(self, copy: ElementCopy) -> Call | None:
+        """Returns a conversion as a call, None where no call says it."""
+        made = self.made(copy)
+        return self.maps.call(made) if isinstance(made, bridge.Conversion) else None
+
+    def item(self, copy: ElementCopy, around: Part | None) -> Item:
+        """Returns an element as it is written in its owner.
+
+        `around`: what stands for the owner; in a table, a vector and an arrow less need be said.
+        """
+        made, owner = self.made(copy), copy.owner
+        if owner is None:
+            return self.elements.root(made)
+        feature = owner.table.features[copy.feature]
+        found: Item | None = None
+        if isinstance(made, bridge.Assignment):
+            is_way = isinstance(around, Element) and feature.name in ("toRos", "toJaus")
+            is_sayable = is_way or isinstance(around, Assignment)
+            found = self.maps.arrow(made) if is_sayable else None
+            return found or self.elements.value_item(made, feature)
+        if isinstance(around, Table) and isinstance(made, bridge.TableEntry):
+            found = table_entry(made)
+        elif isinstance(around, Vector) and isinstance(made, bridge.VectorValue):
+            found = vector_entry(made)
+        elif owner.table.qualified_name == MAP and isinstance(made, bridge.ValueTable):
+            found = self.maps.table(made)
+        elif owner.table.qualified_name == MAP and isinstance(made, bridge.TestVector):
+            found = self.maps.vector(made)
+        elif owner.table.qualified_name == MAP and feature.name in ("stopRos", "stopJaus"):
+            found = self.elements.value_item(made, feature)
+        return found or self.elements.item(self.find(owner), made, feature)
+
+    def feature(self, copy: ElementCopy, name: str) -> Feature:
+        """Returns the values of an attribute or of a reference."""
+        return self.elements.feature(self.made(copy, is_whole=False), copy.table.features[name])

@@ -1,0 +1,72 @@
+"""Elements as a command leaves them, to be written and named like any element of the model.
+
+They refer to elements of the model and have an owner there, or one that is detached itself; the
+model knows nothing of them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.filling import link, new_object, point, set_value, set_values
+from jausml.language.model.values import convert
+from jausml.language.semantics.connections.exchanges import FEATURES, infer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.authoring.editing.working_copy import ElementCopy
+    from jausml.language.metamodel import DataTypeTable
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.refs import Ref
+
+
+def detached(
+    copy: ElementCopy, find: Callable[[ElementCopy | Ref], EObject], *, is_whole: bool = True
+) -> EObject:
+    """Returns an element of a working copy without an owner.
+
+    `find`: returns the element of the model that a reference means. `is_whole`: with all that it
+    owns.
+    """
+    made: Any = new_object(copy.table)
+    features = copy.table.features
+    for name, texts in copy.values.items():
+        feature = features[name]
+        data_type = cast("DataTypeTable", feature.data_type)
+        values = [None if text is None else convert(text, data_type)[0] for text in texts]
+        if not feature.settable:
+            continue
+        if feature.many:
+            set_values(made, feature, values)
+        elif values:
+            set_value(made, feature, values[0])
+    for name, targets in copy.references.items():
+        if features[name].settable:
+            for each in targets:
+                point(made, features[name], find(each))
+    for name, owned in copy.owned.items() if is_whole else ():
+        for each in owned:
+            link(made, features[name], detached(each, find))
+    return made  # type: ignore[no-any-return]
+
+
+def settle_new(made: EObject, copy: ElementCopy) -> None:
+    """Gives new connections the way that follows from all else, where a command leaves it open.
+
+    So the text leaves it open too.
+    """
+    if isinstance(made, bridge.Connection) and copy.open:
+        stated = [None if each in copy.open else getattr(made, each).name for each in FEATURES]
+        inferred = infer(made, *stated)
+        for name in FEATURES:
+            feature = copy.table.features[name]
+            literals = cast("DataTypeTable", feature.data_type).literals
+            set_value(made, feature, literals[getattr(inferred, name)])
+    for name, owned in copy.owned.items():
+        elements = getattr(made, name)
+        for each, inner in zip(
+            elements if copy.table.features[name].many else [elements], owned, strict=True
+        ):
+            settle_new(each, inner)

@@ -1,0 +1,120 @@
+"""References by name that follow when what they name gets another name."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, cast
+
+from jausml.authoring.editing.commands import Rename
+from jausml.authoring.editing.text.naming import named_references
+from jausml.language.model.names import name_of
+from jausml.language.model.notation import BY_NAME
+from jausml.language.text.tree import Call, Href, Item, Name
+from jausml.language.text.writing.spelling import is_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.authoring.editing.commands import ElementCommand
+    from jausml.authoring.editing.drafts import Context
+    from jausml.authoring.editing.text.naming import Naming
+    from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.reading.document import TextDocument
+
+_PARTING = re.compile("([./])")
+
+_ROLES = ("request", "response", "goal", "result", "feedback")
+"""Steps that say which part of a service or an action is meant."""
+
+_FOLDERS = ("msg", "srv", "action")
+"""Steps that a ROS name may have, and that name nothing."""
+
+
+def words_for(
+    commands: Sequence[ElementCommand], context: Context, names: Naming
+) -> dict[int, Name | Href]:
+    """Returns the names that stand for others once elements have new ones, by id of their spans."""
+    named = {}
+    for command in commands:
+        obj = context.find(command.element) if isinstance(command, Rename) else None
+        if obj is not None and isinstance(command, Rename):
+            named[obj] = command.name
+    words: dict[int, Name | Href] = {}
+    old = {step for each in named for step in _steps(name_of(each))}
+    written = cast("TextDocument", context.document.written)
+    for node, child in named_references(context.document) if named else ():
+        text = child.get(BY_NAME)
+        if text is None or not old.intersection(_steps(text)):
+            continue
+        target, span = _target(node, child, context, names), written.value_span(child)
+        new = renamed(text, target, named) if target is not None else text
+        if target is not None and span is not None and new != text:
+            words[id(span)] = Name(new) if is_name(new) else names.href(target)
+    return words
+
+
+def _target(node: Node, child: Node, context: Context, names: Naming) -> EObject | None:
+    """Returns the element that a reference was resolved to."""
+    feature = context.model.metamodels.class_of(node.obj).features[child.tag]
+    value: Any = getattr(node.obj, feature.name)
+    if not feature.many:
+        return cast("EObject | None", value)
+    alike = [each for each in node.children if each.tag == child.tag]
+    targets = list(value)
+    if len(targets) == len(alike):
+        return cast("EObject", targets[next(i for i, e in enumerate(alike) if e is child)])
+    return names.meant(child.get(BY_NAME) or "", node.obj, feature)
+
+
+def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
+    """Returns a part of a syntax tree in which names stand for others.
+
+    `words`: by the ids of the spans of the names that they stand for.
+    """
+    if isinstance(value, Name):
+        return words.get(id(value.span), value)
+    if isinstance(value, list | tuple):
+        found = [with_words(each, words) for each in value]
+        is_same = all(one is other for one, other in zip(value, found, strict=True))
+        return value if is_same else tuple(found) if isinstance(value, tuple) else found
+    if not isinstance(value, Item | Call):
+        return value
+    parts = {name: getattr(value, name) for name in _parts(type(value))}
+    new = {name: with_words(each, words) for name, each in parts.items()}
+    changed = {name: each for name, each in new.items() if each is not parts[name]}
+    return replace(value, **changed) if changed else value
+
+
+@cache
+def _parts(kind: type[Item | Call]) -> tuple[str, ...]:
+    beside = {each.name for each in fields(Item)} | {"closing"}
+    return tuple(each.name for each in fields(kind) if each.name not in beside)
+
+
+def renamed(text: str, target: EObject, named: dict[EObject, str]) -> str:
+    """Returns the name of an element once elements have other names."""
+    parts = _PARTING.split(text)  # steps, with what parts them between
+    end = len(parts)
+    each: EObject | None = target
+    while each is not None and end > 0:
+        name = _PARTING.split(name_of(each))
+        start = end - len(name)
+        if name != [""] and parts[max(start, 0) : end] == name:
+            if each in named:
+                parts[start:end] = [named[each], *[""] * (len(name) - 1)]
+            end = start - 1
+            if end > 0 and parts[end - 1] in _FOLDERS and parts[end] == "/":
+                end -= 2
+        elif name != [""] and each is target and parts[-1] in _ROLES:
+            end -= 2
+        elif name != [""]:
+            return text
+        each = each.eContainer()
+    return "".join(parts)
+
+
+def _steps(name: str) -> list[str]:
+    return _PARTING.split(name)[::2]

@@ -1,0 +1,133 @@
+"""Lists of a syntax tree, taken apart into one piece for each element, and put together again.
+
+Several blocks may be the values of one feature, and the assignments of a direction share its
+brackets. Taken apart, each may go, come or change by itself.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, cast
+
+from jausml.language.text.tree import (
+    Assignment,
+    Call,
+    Direction,
+    Element,
+    Feature,
+    Item,
+    lists_of,
+)
+from jausml.language.text.writing.layout import space
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from typing import TypeAlias
+
+    Part: TypeAlias = Item | Call
+
+
+@dataclass(slots=True)
+class Piece:
+    """An item with at most one element.
+
+    Attributes:
+        part: What stood for the element before: the item itself, or the block that is its value.
+        origin: The direction or feature that it shares with others; its own head for that.
+    """
+
+    item: Item
+    part: Part | None = None
+    origin: Direction | Feature | None = None
+
+
+def pieces_of(items: Iterable[Item]) -> Iterator[Piece]:
+    """Yields the pieces of a list. The items stay as they are."""
+    for item in items:
+        if isinstance(item, Direction):
+            yield Piece(item, item, item)
+            yield from (Piece(each, each, item) for each in item.assignments)
+        elif isinstance(item, Feature) and any(isinstance(each, Element) for each in item.values):
+            yield from _values(item)
+        else:
+            yield Piece(item, item)
+
+
+def _values(item: Feature) -> Iterator[Piece]:
+    if len(item.values) == 1 and isinstance(item.values[0], Element):
+        yield Piece(item, item.values[0])
+        return
+    for value in item.values:
+        alone = Feature(item.name, [value])
+        if value is item.values[0]:
+            alone.comments, alone.documentation = item.comments, item.documentation
+            alone.spaced = item.spaced
+        if value is item.values[-1]:
+            alone.trailing = item.trailing
+        yield Piece(alone, value if isinstance(value, Element) else alone, item)
+
+
+def list_of(pieces: Iterable[Piece]) -> list[Item]:
+    """Returns the list that pieces make. A direction that has lost all it had goes."""
+    found: list[Item] = []
+    heads: list[tuple[Direction, Direction]] = []
+    origin: Direction | Feature | None = None
+    for piece in pieces:
+        item = piece.item
+        if isinstance(item, Direction):
+            heads.append((item, replace(item, assignments=[])))
+            found.append(heads[-1][1])
+        elif isinstance(piece.origin, Direction):
+            if piece.origin is not origin:
+                again = Direction(piece.origin.to_ros)
+                set_apart(found, again)
+                found.append(again)
+            cast("Direction", found[-1]).assignments.append(cast("Assignment", item))
+        elif isinstance(piece.origin, Feature) and isinstance(item, Feature):
+            last = found[-1] if found else None
+            if piece.origin is origin and isinstance(last, Feature) and _can_join(last, item):
+                last.values += item.values
+                last.trailing = item.trailing
+            else:
+                found.append(replace(item, values=[*item.values]))
+        else:
+            found.append(item)
+        origin = piece.origin
+    emptied = {id(new) for old, new in heads if old.assignments and _says_nothing(new)}
+    return [each for each in found if id(each) not in emptied]
+
+
+def _says_nothing(item: Direction) -> bool:
+    return not (item.assignments or item.comments or item.trailing or any(item.closing))
+
+
+def _can_join(last: Feature, item: Feature) -> bool:
+    return not (last.trailing or last.documentation or item.documentation or item.comments)
+
+
+def set_apart(before: Sequence[Item], item: Item) -> None:
+    """Sets a new item apart from what is before it as its like are."""
+    if len(before) > 1 and type(before[-1]) is type(item):
+        item.spaced = before[-1].spaced
+    elif before:
+        kept = before[-1].spaced
+        space([*before[-1:], item])
+        before[-1].spaced = kept
+
+
+def comments_in(item: Item) -> Iterator[str]:
+    """Yields the comments within an item, without those at itself."""
+    for items, closing in lists_of(item):
+        for each in items:
+            yield from (*filter(None, each.comments), *filter(None, [each.trailing]))
+            yield from comments_in(each)
+        yield from filter(None, closing or ())
+
+
+def in_place_of(old: Item, new: Item) -> Item:
+    """Returns a new item with the comments of an old one, in it too, and set apart like it."""
+    said = Counter(comments_in(new))
+    lost = list((Counter(comments_in(old)) - said).elements())
+    new.comments, new.trailing, new.spaced = [*old.comments, *lost], old.trailing, old.spaced
+    return new

@@ -1,0 +1,176 @@
+"""Layout of XMI documents, as EMF has it: attributes, child elements, namespaces."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from jausml.language.metamodel import FeatureKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+
+_ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD;", "\t": "&#x9;"}
+_ESCAPED = re.compile('[&<"\n\r\t]')
+_TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", "\r": "&#xD;", "]]>": "]]&gt;"}
+_TEXT_ESCAPED = re.compile("[&<\r]|]]>")
+_NOT_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+_XMI = ' xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+XSI = "http://www.w3.org/2001/XMLSchema-instance"
+
+ElementT = TypeVar("ElementT")
+
+
+class UnwritableError(ValueError):
+    """A model holds what XMI cannot say: a character, or a reference to no document."""
+
+
+class DocumentPrinter(Generic[ElementT]):
+    """Lays elements out as EMF saves them. What an element has, and is called, subclasses say."""
+
+    def __init__(self, metamodels: Metamodels) -> None:
+        self.metamodels = metamodels
+        self.prefixes: set[str] = set()
+        self.has_types = False
+
+    # What subclasses say
+
+    def table_of(self, element: ElementT) -> ClassTable:
+        """Returns the class of an element."""
+        raise NotImplementedError
+
+    def identifier_of(self, element: ElementT) -> str | None:
+        """Returns the `xmi:id` of an element, None without one."""
+        raise NotImplementedError
+
+    def values_of(self, element: ElementT, feature: FeatureTable) -> Sequence[str | None]:
+        """Returns the values of an attribute that must be written, None for no value."""
+        raise NotImplementedError
+
+    def targets_of(self, element: ElementT, feature: FeatureTable) -> Sequence[ElementT]:
+        """Returns what an element refers to, or what it owns, by a feature."""
+        raise NotImplementedError
+
+    def fragment_of(self, target: ElementT) -> str | None:
+        """Returns how an element of the document is referred to, None for others."""
+        raise NotImplementedError
+
+    def href_of(self, target: ElementT) -> str:
+        """Returns the URI and fragment of an element."""
+        raise NotImplementedError
+
+    def is_apart(self, element: ElementT) -> bool:
+        """Tells whether an owned element is the root of another document, which keeps it."""
+        raise NotImplementedError
+
+    def namespaces(self) -> Mapping[str, str]:
+        """Returns the namespaces of the document by prefix, in order."""
+        packages = self.metamodels.packages.values()
+        found = sorted((each.name, each.ns_uri) for each in packages if each.name in self.prefixes)
+        return {**({"xsi": XSI} if self.has_types else {}), **dict(found)}
+
+    def further_attributes(self) -> str:
+        """Returns further attributes of the root, each behind a blank."""
+        return ""
+
+    # Layout
+
+    def lines_of_document(self, roots: Sequence[ElementT], *, is_wrapped: bool) -> list[str]:
+        """Returns the lines of root elements.
+
+        `is_wrapped`: whether they stand in `xmi:XMI`.
+        """
+        lines: list[str] = []
+        for root in roots:
+            tag = self.tag(self.table_of(root))
+            # The namespaces are known only when all is written: they replace this mark.
+            mark = "" if is_wrapped else "\0"
+            lines += self.lines_of(root, tag, mark, "  " if is_wrapped else "")
+        declared = self.namespaces().items()
+        head = _XMI + "".join(f' xmlns:{each}="{attribute_text(uri)}"' for each, uri in declared)
+        head += self.further_attributes()
+        if is_wrapped:
+            end = [*lines, "</xmi:XMI>"] if lines else []
+            return [f"<xmi:XMI{head}{'' if lines else '/'}>", *end]
+        return [each.replace("\0", head, 1) for each in lines]
+
+    def lines_of(self, element: ElementT, tag: str, head: str, indent: str) -> Iterator[str]:
+        """Yields the lines of an element."""
+        identifier = self.identifier_of(element)
+        if identifier is not None:
+            head += f' xmi:id="{attribute_text(identifier)}"'
+        inner = []
+        for feature in self.table_of(element).features.values():
+            text = self.attribute(element, feature)
+            if text is None:
+                inner.append(feature)
+            else:
+                head += f' {feature.name}="{attribute_text(text)}"'
+        lines = (line for each in inner for line in self.children(element, each, indent + "  "))
+        first = next(lines, None)
+        if first is None:
+            yield f"{indent}<{tag}{head}/>"
+            return
+        yield f"{indent}<{tag}{head}>"
+        yield first
+        yield from lines
+        yield f"{indent}</{tag.partition(' ')[0]}>"
+
+    def attribute(self, element: ElementT, feature: FeatureTable) -> str | None:
+        """Returns what a feature has as an XML attribute, None where it has child elements."""
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            values = () if feature.many else self.values_of(element, feature)
+            return values[0] if values else None
+        if feature.kind is not FeatureKind.CROSS_REFERENCE:
+            return None
+        fragments = [self.fragment_of(each) for each in self.targets_of(element, feature)]
+        here = [each for each in fragments if each is not None]
+        return " ".join(here) if here and len(here) == len(fragments) else None
+
+    def children(self, element: ElementT, feature: FeatureTable, indent: str) -> Iterator[str]:
+        """Yields the lines of the child elements of a feature."""
+        name = feature.name
+        if feature.kind is FeatureKind.ATTRIBUTE:
+            for text in self.values_of(element, feature):
+                self.has_types |= text is None
+                content = ' xsi:nil="true"/>' if text is None else f">{element_text(text)}</{name}>"
+                yield f"{indent}<{name}{content}"
+            return
+        for each in self.targets_of(element, feature):
+            if feature.kind is FeatureKind.CONTAINMENT and not self.is_apart(each):
+                yield from self.lines_of(each, self.child_tag(each, feature), "", indent)
+            else:
+                href = attribute_text(self.href_of(each))
+                yield f'{indent}<{self.child_tag(each, feature)} href="{href}"/>'
+
+    def tag(self, table: ClassTable) -> str:
+        """Returns the qualified name of a class as XML has it."""
+        self.prefixes.add(table.package.name)
+        return table.qualified_name.replace(".", ":")
+
+    def child_tag(self, element: ElementT, feature: FeatureTable) -> str:
+        """Returns the name of a child element, with its class where that is not obvious."""
+        table = self.table_of(element)
+        if table is feature.target:
+            return feature.name
+        self.has_types = True
+        return f'{feature.name} xsi:type="{self.tag(table)}"'
+
+
+def attribute_text(text: str) -> str:
+    """Returns a text as it stands between the quotation marks of an XML attribute."""
+    return _ESCAPED.sub(lambda match: _ESCAPES[match.group()], _checked(text))
+
+
+def element_text(text: str) -> str:
+    """Returns a text as it stands in an XML element."""
+    return _TEXT_ESCAPED.sub(lambda match: _TEXT_ESCAPES[match.group()], _checked(text))
+
+
+def _checked(text: str) -> str:
+    wrong = _NOT_XML.search(text)
+    if wrong:
+        raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
+    return text
