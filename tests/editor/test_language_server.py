@@ -129,7 +129,9 @@ velocity {
     JAUS ReportVelocityState
     ROS geometry_msgs/Twist
     openDecisions: { text: "whose axes are these?" }
-    JAUS->ROS ( Velocity_X -> linear.x { whenAbsent: leave } )
+    JAUS->ROS (
+        Velocity_X -> linear.x { whenAbsent: leave }
+    )
 }
 """
 

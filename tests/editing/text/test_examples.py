@@ -1,4 +1,4 @@
-"""Edits of texts: the planned lines change, all others keep their layout and their comments."""
+"""Edits of texts: in a formatted text the planned lines change, and all comments stay."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ import "types.ros2jaus"
 
 /** The robot. */
 system robot {
-    component   arm { address: 100.1.1   uses: Management }   // left
-    node driver   // drives
+    component arm { address: 100.1.1  uses: Management }  // left
+    node driver  // drives
 
     /** The bridge. */
     bridge front {
         address: 100.1.2
-        provides: VelocityStateSensor,   // what it says
-            Management
+        // what it says
+        provides: VelocityStateSensor, Management
 
         // Maps
 
@@ -36,13 +36,17 @@ system robot {
             JAUS->ROS (
                 // along
                 Velocity_X -> twist.twist.linear.x { whenAbsent: dropMessage }
-                Velocity_Y    -> twist.twist.linear.y : negate   // across
+                Velocity_Y -> twist.twist.linear.y : negate  // across
                 ignore pose
             )
             vector fast JAUS->ROS ( X = 1 => pose.pose.position.x = 1 ~ 0.1 )
         }
 
-        connection   speed { map: speed   direction: rosToJaus  topic odometry }
+        connection speed {
+            map: speed
+            direction: rosToJaus
+            topic odometry
+        }
     }
 }
 """
@@ -78,40 +82,39 @@ def test_values_of_features(robot):
     assert lines(robot, Set(BRIDGE, "controlTimeout", ("7",))) == ["+controlTimeout: 7"]
     refs = [robot.ref(each) for each in robot.root.bridges[0].provides]
     assert lines(robot, Set(BRIDGE, "provides", (refs[0],))) == [
-        "-provides: VelocityStateSensor,   // what it says",
-        "-Management",
+        "-provides: VelocityStateSensor, Management",
         "+provides: VelocityStateSensor",
     ]
     assert lines(robot, Set(BRIDGE, "provides", ())) == [
-        "-provides: VelocityStateSensor,   // what it says",
-        "-Management",
+        "-// what it says",
+        "-provides: VelocityStateSensor, Management",
     ]
     arm = f"{FILE}#//@components.0"
     assert lines(robot, Set(arm, "uses", ())) == [
-        "-component   arm { address: 100.1.1   uses: Management }   // left",
-        "+component   arm { address: 100.1.1 }   // left",
+        "-component arm { address: 100.1.1  uses: Management }  // left",
+        "+component arm { address: 100.1.1 }  // left",
     ]
 
 
 def test_elements_without_a_block_get_one(robot):
     node = f"{FILE}#//@nodes.0"
     assert lines(robot, Set(node, "namespace", ("/arm",))) == [
-        "-node driver   // drives",
-        '+node driver { namespace: "/arm" }   // drives',
+        "-node driver  // drives",
+        '+node driver { namespace: "/arm" }  // drives',
     ]
 
 
 def test_assignments(robot):
     along, across = f"{TO_ROS}.0", f"{TO_ROS}.1"
     first = "Velocity_X -> twist.twist.linear.x { whenAbsent: dropMessage }"
-    second = "Velocity_Y    -> twist.twist.linear.y : negate   // across"
+    second = "Velocity_Y -> twist.twist.linear.y : negate  // across"
     assert lines(robot, Set(along, "whenAbsent", ())) == [
         f"-{first}",
         "+Velocity_X -> twist.twist.linear.x",
     ]
     assert lines(robot, Set(across, "outOfRange", ("dropMessage",))) == [
         f"-{second}",
-        "+Velocity_Y    -> twist.twist.linear.y : negate { outOfRange: dropMessage }   // across",
+        "+Velocity_Y -> twist.twist.linear.y : negate { outOfRange: dropMessage }  // across",
     ]
     assert lines(robot, Set(across, "source", ("Velocity_Z",))) == [
         f"-{second}",
@@ -220,14 +223,13 @@ def test_what_is_referred_to_is_imported(robot):
 def test_encoding_and_line_ends_stay(tmp_path, start, line_end):
     path = tmp_path / FILE
     text = MODEL.replace('import "types.ros2jaus"\n\n', "").replace("A robot", "Ein Röbötchen 𝔘")
-    data = start + text.rstrip("\n").replace("\n", line_end).encode()
+    data = start + text.replace("\n", line_end).encode()
     path.write_bytes(data)
     robot = Edited(path)
     values = {"name": ("bäck",), "address": ("100.1.3",), "documentation": ("One.\n\nTwo.",)}
     assert robot.differences(Add(f"{FILE}#/", "components", "jaus.Component", values)) == []
     new = robot.data
     assert new.startswith(start)
-    assert not new.endswith((b"\n", b"\r"))
     plain = new.decode("utf-8-sig").replace(line_end, "")
     assert "\n" not in plain
     assert "\r" not in plain
@@ -270,7 +272,8 @@ def test_paths_through_a_join_follow_its_name(tmp_path):
     path.write_text(
         "node n\n\nm {\n    JAUS SetVelocityCommand\n    ROS std_msgs/Float64\n"
         "    join lever { type: std_msgs/Float64 }\n"
-        "    ROS->JAUS ( lever.data -> Velocity_X  leverage.data -> Velocity_Y )\n"
+        "    ROS->JAUS (\n        lever.data -> Velocity_X\n"
+        "        leverage.data -> Velocity_Y\n    )\n"
         "    vector v ROS->JAUS ( lever.data = 1 => Velocity_X = 1 )\n}\n"
     )
     robot = Edited(path)

@@ -19,8 +19,7 @@ system robot {
     component leg { address: "100.1.2" }
     component joystick { address: "100.1.3"  external: true }
 
-    node logger {
-    }
+    node logger
 }
 """
 

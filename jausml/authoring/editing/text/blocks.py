@@ -9,6 +9,7 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.text.anew import Anew
 from jausml.authoring.editing.text.pieces import (
     Piece,
+    heading_of,
     in_place_of,
     list_of,
     pieces_of,
@@ -116,10 +117,17 @@ class Blocks:
     def _kept(self, items: Iterable[Item]) -> list[Piece]:
         """Returns the pieces of a list, with what changes in them."""
         found = []
+        heading: list[str] = []
         for piece in pieces_of(items):
+            if id(piece.part) in self.gone:
+                heading += heading_of(piece.item)
+                continue
             copy = self.touched.get(id(piece.part))
-            if id(piece.part) not in self.gone:
-                found.append(piece if copy is None else self._merged(piece, copy))
+            found.append(piece if copy is None else self._merged(piece, copy))
+            if heading:
+                item = found[-1].item
+                found[-1].item = replace(item, comments=[*heading, *item.comments], spaced=True)
+                heading = []
         return found
 
     def _block(self, items: Iterable[Item], copy: ElementCopy) -> list[Item]:
@@ -331,14 +339,14 @@ class Blocks:
             raise EditError(
                 f"{owner.label} follows from the rest of {self._context.file}: edit the text"
             )
-        old = next((e for e in _all_pieces(self.written.tree.items) if e.part is part), None)
-        if old is None or part is None or isinstance(part, Call):
+        old = _piece_of(part, self.written.tree.items) if isinstance(part, Item) else None
+        if old is None:
             new = self._anew.item(copy, around)
             if around is None and not isinstance(new, Element):
                 raise EditError(f"text has no place for this element of {copy.feature}")
             return Piece(new, part)
         if _can_go(old, copy, owner, around):
-            return Piece(replace(old.item), part)
+            return Piece(old.item, part)
         return Piece(in_place_of(old.item, self._anew.item(copy, around)), part)
 
     def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
@@ -375,13 +383,20 @@ def _is_of(item: Item, name: str, table: ClassTable) -> bool:
     return isinstance(item, Feature) and item.name.text == name
 
 
-def _all_pieces(items: Iterable[Item]) -> Iterable[Piece]:
-    """Yields the pieces of a list, and those in them."""
-    for piece in pieces_of(items):
-        yield piece
-        if not isinstance(piece.item, Direction) and isinstance(piece.part, Item):
-            for inner, _ in lists_of(piece.part):
-                yield from _all_pieces(inner)
+def _piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
+    """Returns the piece of an element, without the heading that stays before what follows it."""
+    pieces = list(pieces_of(items))
+    for piece in pieces:
+        if piece.part is part:
+            heading = heading_of(piece.item) if piece is not pieces[-1] else []
+            own = piece.item.comments[len(heading) :]
+            return Piece(replace(piece.item, comments=own), part, piece.origin)
+        is_whole = isinstance(piece.part, Item) and not isinstance(piece.item, Direction)
+        for inner, _ in lists_of(piece.part) if is_whole else ():  # type: ignore[arg-type]
+            found = _piece_of(part, inner)
+            if found is not None:
+                return found
+    return None
 
 
 def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None) -> bool:

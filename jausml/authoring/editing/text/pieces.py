@@ -116,6 +116,12 @@ def set_apart(before: Sequence[Item], item: Item) -> None:
         before[-1].spaced = kept
 
 
+def heading_of(item: Item) -> list[str]:
+    """Returns the comments before an item that an empty line parts from it."""
+    ends = [at + 1 for at, each in enumerate(item.comments) if not each]
+    return item.comments[: ends[-1]] if ends else []
+
+
 def comments_in(item: Item) -> Iterator[str]:
     """Yields the comments within an item, without those at itself."""
     for items, closing in lists_of(item):

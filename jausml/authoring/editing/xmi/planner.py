@@ -204,7 +204,7 @@ class _Printer(DocumentPrinter[Target]):
             if uri in packages and place.endswith(file := f"{packages[uri].name}.ecore")
         ]
         used = {each.ns_uri: each.name for each in packages.values() if each.name in self.prefixes}
-        new = used.keys() - known.keys()
+        new = used.keys() - known.keys() - set(self._root.prefixes.values())
         if not folders or not new:
             return text
         known |= {uri: f"{folders[0]}{used[uri]}.ecore" for uri in new}
