@@ -1,4 +1,4 @@
-"""Setting of attributes in XMI: the edit and nothing else changes in the file."""
+"""Setting of attributes in XMI: the edit changes a file as Eclipse lays it out, and no more."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ MODEL = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- ours -->
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"\
- xmlns:system="http://www.jausml.org/system/1.0" name='robot'>
-  <components name="arm"   address='1.1.1'/>  <!-- the arm -->
-  <nodes
-      name="driver"
-      documentation="It drives."/>
+ xmlns:system="http://www.jausml.org/system/1.0" name="robot">
+  <components name="arm" address="1.1.1"/>  <!-- the arm -->
+  <nodes name="driver" documentation="It drives."/>
 </system:System>
 """
 
@@ -33,22 +31,59 @@ def text(project):
     return data.decode()
 
 
-def test_a_value_keeps_its_quotation_marks(project):
+def test_a_value_is_escaped(project):
     project.do([Set("robot.xmi#//@components.0", "address", ("2.1.1",))], "address")
-    assert text(project) == MODEL.replace("'1.1.1'", "'2.1.1'")
+    assert text(project) == MODEL.replace("1.1.1", "2.1.1")
     project.do([Set("robot.xmi#/", "name", ('it\'s "new" & <best>',))], "name")
-    assert "name='it&apos;s \"new\" &amp; &lt;best>'>" in text(project)
+    assert 'name="it\'s &quot;new&quot; &amp; &lt;best>">' in text(project)
 
 
 def test_a_new_value_stands_where_the_metamodel_has_it(project):
     project.do([Set("robot.xmi#//@components.0", "documentation", ("An arm.",))], "say what")
-    wanted = MODEL.replace('name="arm"  ', 'name="arm" documentation="An arm."  ')
-    assert text(project) == wanted
+    assert text(project) == MODEL.replace('name="arm"', 'name="arm" documentation="An arm."')
 
 
-def test_a_value_that_goes_takes_its_whitespace(project):
+def test_a_value_may_go(project):
     project.do([Set("robot.xmi#//@nodes.0", "documentation", ())], "say nothing")
-    assert text(project) == MODEL.replace('\n      documentation="It drives."', "")
+    assert text(project) == MODEL.replace(' documentation="It drives."', "")
+
+
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_the_first_edit_lays_a_file_out_and_says_so(tmp_path, line_end):
+    loose = MODEL.replace(' name="driver"', "\n      name='driver'").replace("\n", line_end)
+    (tmp_path / "robot.xmi").write_bytes(loose.encode())
+    project = Project(tmp_path)
+    address = Set("robot.xmi#//@components.0", "address", ("2.1.1",))
+    assert project.do([address], "set address").label == "set address, and format robot.xmi"
+    assert text(project) == MODEL.replace("1.1.1", "2.1.1").replace("\n", line_end)
+    again = Set("robot.xmi#//@components.0", "address", ("3.1.1",))
+    assert project.do([again], "set address").label == "set address"
+    project.undo()
+    project.undo()
+    assert text(project) == loose
+
+
+def test_what_was_not_read_stays_as_it_is_written(tmp_path):
+    """A reference that leads nowhere, a value that is none and an unknown feature are kept."""
+    odd = (
+        MODEL.replace(
+            ' address="1.1.1"/>  <!-- the arm -->',
+            """ address="here">
+    <provides href="gone.xmi#//@services.0"/>
+    <wheels size="2">
+      <!-- round -->
+      <tyre/>
+    </wheels>
+  </components>""",
+        )
+        .replace("<!-- ours -->\n", "")
+        .replace("<nodes name", '<nodes colour="red" name')
+    )
+    (tmp_path / "robot.xmi").write_text(odd)
+    project = Project(tmp_path)
+    entry = project.do([Set("robot.xmi#/", "name", ("other",))], "name")
+    assert text(project) == odd.replace('name="robot"', 'name="other"')
+    assert entry.label == "name"
 
 
 def test_a_value_that_stands_there_is_no_edit(project):

@@ -17,7 +17,7 @@ from jausml.language.model.documents import Document
 from jausml.language.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.language.metamodel import FeatureTable, Metamodels
     from jausml.language.metamodel.classes.ecore import EClass, EObject

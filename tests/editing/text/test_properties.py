@@ -1,4 +1,7 @@
-"""Random edits of texts: the model is the old one and the command, and all can be taken back."""
+"""Random edits of texts: the model is the old one and the command, and all can be taken back.
+
+What an edit has written is formatted, and no comment is lost.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ import pytest
 from editing_support import Commands, Edited, dense, loosened
 from sweeps import sweep
 
-from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.commands import EditError, Remove, Set
+from jausml.language.text.reading.parsing import parse
+from jausml.language.text.tree import ordinary_comments
+from jausml.language.text.writing.layout import lay_out
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted((ROOT / "models").rglob("*.ros2jaus"))
@@ -49,5 +55,20 @@ def test_random_edits(tmp_path, file, layout):
         # A plan that does not do what it says is one that should have been refused.
         assert "so nothing is done" not in refusal, command
         assert not refusal or edited.data == before
+        if edited.data != before:
+            check_layout(edited.data.decode(), before.decode(), command)
     assert done > STEPS // 3
     assert edited.undo_all() == edited.first
+
+
+def check_layout(text, before, command):
+    """What was written is as `jausml format` has it; a comment goes with what it is of alone."""
+    laid_out = lay_out(parse(text).document)
+    assert text.replace("\r\n", "\n") == laid_out
+    if not isinstance(command, Remove) and not (isinstance(command, Set) and not command.values):
+        old, new = (sorted(map(plain, ordinary_comments(each))) for each in (before, text))
+        assert old == new, command
+
+
+def plain(comment):
+    return comment.replace("\r", "")
