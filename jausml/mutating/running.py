@@ -15,7 +15,8 @@ from jausml.generation import GenerationError, Target, load_targets, render, sel
 from jausml.language.metamodel import FeatureTable
 from jausml.language.model import Diagnostic, Model, Severity
 from jausml.language.model.reading.library_cache import LibraryCache
-from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+from jausml.language.model.xmi.printing import UnwritableError
+from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.project import OneDocument
 from jausml.language.semantics.paths.scopes import Placed, directed, directions_of
 from jausml.language.semantics.subject import Subject

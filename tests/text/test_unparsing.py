@@ -7,7 +7,7 @@ import pytest
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model import read_models
 from jausml.language.model.values import convert
-from jausml.language.model.xmi.writer import UnwritableError
+from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing import spelling
 from jausml.language.text.writing.unparsing import to_text

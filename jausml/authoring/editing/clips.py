@@ -17,7 +17,7 @@ from jausml.language.model import refs
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import name_of
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.xmi.writer import UnwritableError
+from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.text.notation import NOTATIONS, Ros2Jaus
 from jausml.language.text.tree import (
     Element,

@@ -20,7 +20,8 @@ from jausml.language.model.library import SUFFIXES
 from jausml.language.model.model import Model
 from jausml.language.model.project import is_model_file
 from jausml.language.model.values import suggest
-from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+from jausml.language.model.xmi.printing import UnwritableError
+from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
 

@@ -27,7 +27,7 @@ from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.authoring.editing.xmi.planner import is_laid_out_xmi, print_xmi
 from jausml.language.model import refs
 from jausml.language.model.model import without_collector
-from jausml.language.model.xmi.writer import UnwritableError
+from jausml.language.model.xmi.printing import UnwritableError
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence

@@ -68,7 +68,7 @@ def command(
     Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO cannot be written, 3
     internal error.
     """
-    from jausml.language.model.xmi.writer import UnwritableError
+    from jausml.language.model.xmi.printing import UnwritableError
 
     _check_paths(source, target)
     result = read([source], reading)

@@ -31,10 +31,10 @@ _MOST_CONFLICTS = 127
 def command(base: str, ours: str, theirs: str, file: str | None, output: str | None) -> None:
     """Merge the changes of two sides, OURS and THEIRS, to BASE, by the elements of the model.
 
-    Elements are matched as in `jausml diff`. The changes of THEIRS are applied to OURS by small
-    edits, so that the layout of the file is kept. Where changes of both sides conflict, OURS is
-    kept and the location is reported. Files that cannot be read as models are merged line by line
-    as git does.
+    Elements are matched as in `jausml diff`. The changes of THEIRS are applied to OURS; comments
+    stay, and the file is written as `jausml format` or Eclipse lays it out. Where changes of both
+    sides conflict, OURS is kept and the location is reported. Files that cannot be read as models
+    are merged line by line as git does.
 
     Exit status: 0 merged, 1 merged with conflicts, 2 usage or environment, 3 internal error.
     """

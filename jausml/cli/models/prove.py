@@ -108,7 +108,7 @@ def _ready(name: str) -> list[str]:
 
 def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
     """Returns the results of maps, in their order."""
-    from jausml.language.model.xmi.writer import UnwritableError
+    from jausml.language.model.xmi.printing import UnwritableError
     from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.running import program, prove_all
 
@@ -257,7 +257,7 @@ def _check_names(names: Sequence[str]) -> None:
 
 
 def _document(model: Model) -> OneDocument:
-    from jausml.language.model.xmi.writer import UnwritableError
+    from jausml.language.model.xmi.printing import UnwritableError
     from jausml.language.project import one_document
 
     try:

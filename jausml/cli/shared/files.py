@@ -89,7 +89,8 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
 
     `output`: the file that is to hold them; its ending says in which notation.
     """
-    from jausml.language.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.language.model.xmi.printing import UnwritableError
+    from jausml.language.model.xmi.writer import to_xmi
     from jausml.language.text.notation import SUFFIX
     from jausml.language.text.writing.unparsing import to_text
 

@@ -107,8 +107,8 @@ class Blocks:
         """Returns the items of the text."""
         found = self._kept(items)
         placed = self.placed
-        if placed is not None and placed.owner in self.implied:
-            owner = cast("ElementCopy", placed.owner)
+        owner = placed.owner if placed is not None else None
+        if placed is not None and owner is not None and owner in self.implied:
             if placed.feature not in IMPLIED_PARTS.get(owner.table.qualified_name, ()):
                 raise self.refusal(owner)
             self._put_in(found, placed, owner)
@@ -190,9 +190,11 @@ class Blocks:
     def _assignment(self, part: Assignment | Ignored, copy: ElementCopy) -> Item | None:
         """Returns an arrow as it will be, None where it must be written otherwise."""
         new, changed = self._anew.arrow(copy), self.changed.get(copy, {})
-        if isinstance(part, Ignored) or not isinstance(new, Assignment):
-            return replace(part, target=new.target) if isinstance(new, Ignored) else None  # type: ignore[call-arg]
-        found = replace(part, items=self._block(part.items, copy))
+        if isinstance(part, Ignored):
+            return replace(part, target=new.target) if isinstance(new, Ignored) else None
+        if not isinstance(new, Assignment):
+            return None
+        found = replace(part, items=self._block(part.items, copy))  # type: ignore[arg-type]
         if "target" in changed:
             found.targets = new.targets
         if not changed.keys().isdisjoint({"source", "value"}):
@@ -220,7 +222,9 @@ class Blocks:
         new, changed = self._anew.item(copy, around), self.changed.get(copy, {})
         if type(new) is not type(part):
             return None
-        found = replace(part, name=new.name if "name" in changed else part.name)  # type: ignore[call-arg, attr-defined]
+        found = replace(part)
+        if isinstance(new, Table | Vector) and "name" in changed:
+            found.name = new.name
         if isinstance(found, Vector) and isinstance(new, Vector):
             found.to_ros = new.to_ros
             found.given = self._entries(copy, "given", new.given)

@@ -82,14 +82,15 @@ def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
         return value if is_same else tuple(found) if isinstance(value, tuple) else found
     if not isinstance(value, Item | Call):
         return value
-    parts = {name: getattr(value, name) for name in _parts(type(value))}
+    kind: Any = type(value)
+    parts = {name: getattr(value, name) for name in _parts(kind)}
     new = {name: with_words(each, words) for name, each in parts.items()}
     changed = {name: each for name, each in new.items() if each is not parts[name]}
     return replace(value, **changed) if changed else value
 
 
 @cache
-def _parts(kind: type[Item | Call]) -> tuple[str, ...]:
+def _parts(kind: Any) -> tuple[str, ...]:
     beside = {each.name for each in fields(Item)} | {"closing"}
     return tuple(each.name for each in fields(kind) if each.name not in beside)
 

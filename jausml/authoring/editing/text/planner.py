@@ -66,7 +66,7 @@ class _Plan:
         if not self._is_touched and not words:
             return None
         tree = self._blocks.written.tree
-        items = self._blocks.top(tree.items) if self._is_touched else tree.items
+        items: list[Any] = self._blocks.top(tree.items) if self._is_touched else [*tree.items]
         self._keep_roots(items)
         imports = [Import(each) for each in self._names.imports]
         if imports:
@@ -143,9 +143,9 @@ class _Plan:
             reason = f"{what} is named in {self._context.file} by where it stands in that text"
             raise EditError(f"{reason}: copy it into the other file, and remove it here")
         is_here = obj.eContainer() is owner and obj.eContainmentFeature().name == copy.feature
-        if is_here and contents(owner, copy.owner.table.features[copy.feature])[
-            len(copy.siblings[0])
-        ] is obj:  # fmt: skip
+        table = self._context.model.metamodels.class_of(owner)
+        before = list(contents(owner, table.features[copy.feature]))
+        if is_here and before.index(obj) == len(copy.siblings[0]):
             return
         _check_names(obj, owner)
         self._take(copy, obj)

@@ -100,7 +100,7 @@ class _Touch:
         file = self._context.file
         if isinstance(command, Rename):
             # Of other files only those that refer by names are concerned.
-            return name_of(copy.obj) != command.name
+            return copy.obj is not None and name_of(copy.obj) != command.name
         if isinstance(command, Set):
             return copy.file == file and self._differs(copy, command)
         return file in (copy.file, copy.root.file)
@@ -187,7 +187,7 @@ class _Printer(DocumentPrinter[Target]):
             if space == XSI and local != "type":
                 places = self._located(text) if local == "schemaLocation" else text
                 found += f' xsi:{local}="{attribute_text(places)}"'
-                self._given["xsi"] = XSI
+                self.has_types = True
         return found
 
     def _located(self, text: str) -> str:
@@ -283,8 +283,9 @@ class _Printer(DocumentPrinter[Target]):
         """Yields the comments at child elements that an XML attribute takes the place of."""
         for child in node.children if self._comments_of(copy.file).before else ():
             feature = copy.table.features.get(child.tag)
-            is_plain = feature is not None and child.obj is None
-            if is_plain and self.attribute(copy, feature) is not None:
+            if feature is None or child.obj is not None:
+                continue
+            if self.attribute(copy, feature) is not None:
                 yield from self._commented(child, copy.file, (), f"{indent}  ")
 
     def _unread(self, element: Target, feature: FeatureTable) -> Node | None:

@@ -19,9 +19,10 @@ from jausml.language.metamodel import (
 from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.notation import BY_NAME
-from jausml.language.model.reading.classes import XSI, ClassFinder, is_xmi, target_class
+from jausml.language.model.reading.classes import ClassFinder, is_xmi, target_class
 from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
 from jausml.language.model.values import convert, nearest, show, suggest_or_list
+from jausml.language.model.xmi.printing import XSI
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -88,9 +88,10 @@ class DocumentPrinter(Generic[ElementT]):
             # The namespaces are known only when all is written: they replace this mark.
             mark = "" if is_wrapped else "\0"
             lines += self.lines_of(root, tag, mark, "  " if is_wrapped else "")
+        further = self.further_attributes()
         declared = self.namespaces().items()
         head = _XMI + "".join(f' xmlns:{each}="{attribute_text(uri)}"' for each, uri in declared)
-        head += self.further_attributes()
+        head += further
         if is_wrapped:
             end = [*lines, "</xmi:XMI>"] if lines else []
             return [f"<xmi:XMI{head}{'' if lines else '/'}>", *end]

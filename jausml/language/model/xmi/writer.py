@@ -28,6 +28,7 @@ from jausml.language.model.xmi.printing import DocumentPrinter, UnwritableError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel import ClassTable
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.model import Model
 
@@ -88,10 +89,8 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
         self._roots = list(roots)
         self._model = model
         self._home = model.document_of(self._roots[0]) if self._roots else None
-        self.table_of = model.metamodels.class_of  # type: ignore[method-assign]
         self._folder = Path(os.path.realpath(path)).parent
         self._fragments: dict[EObject, str] = {}
-        self.fragment_of = self._fragments.get  # type: ignore[method-assign]
         self._identifiers: set[str] = set()
 
     def text(self) -> str:
@@ -117,6 +116,12 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
                     if feature.many:
                         steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
                     pending += [step for step in reversed(steps) if not self.is_apart(step[0])]
+
+    def table_of(self, element: EObject) -> ClassTable:
+        return self.metamodels.class_of(element)
+
+    def fragment_of(self, target: EObject) -> str | None:
+        return self._fragments.get(target)
 
     def is_apart(self, element: EObject) -> bool:
         document = self._model.document_of(element)

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
 from jausml.language.model.notation import BY_NAME, Fault
-from jausml.language.model.reading.classes import XSI, target_class
+from jausml.language.model.reading.classes import target_class
 from jausml.language.model.values import nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import MAX_DEPTH, Node
+from jausml.language.model.xmi.printing import XSI
 from jausml.language.text.tree import (
     KEYWORDS,
     Element,

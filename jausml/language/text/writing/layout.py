@@ -55,11 +55,6 @@ def lay_out(document: SyntaxTree) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def lines_of(item: Item, room: int) -> list[str]:
-    """Returns the lines of one item with its comments."""
-    return _list([item], (), room)
-
-
 def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]:
     """Returns the lines of a list of items."""
     return _stacked(items, [_lines(item, room) for item in items], closing, room)
@@ -210,11 +205,11 @@ def _with_features(lines: list[str], features: Sequence[Feature], room: int) -> 
 
 
 def _direction(direction: Direction, room: int) -> list[str]:
-    head = f"{shown_way(direction)} "
+    head = f"{_shown_way(direction)} "
     return _bracketed(head, "()", direction.assignments, direction.closing, room)
 
 
-def shown_way(item: Direction | Vector) -> str:
+def _shown_way(item: Direction | Vector) -> str:
     """Returns the arrow of a direction or of a test vector."""
     return "JAUS->ROS" if item.to_ros else "ROS->JAUS"
 
@@ -223,13 +218,13 @@ def _assignment(assignment: Assignment, room: int) -> list[str]:
     sources = ", ".join(map(simple, assignment.sources))
     head = f"{sources} -> {', '.join(map(simple, assignment.targets))}"
     if assignment.conversions:
-        head += f" : {', '.join(map(shown_call, assignment.conversions))}"
+        head += f" : {', '.join(map(_shown_call, assignment.conversions))}"
     if not assignment.items and not assignment.closing:
         return [head]
     return _bracketed(f"{head} ", "{}", assignment.items, assignment.closing, room)
 
 
-def shown_call(call: Call) -> str:
+def _shown_call(call: Call) -> str:
     """Returns a conversion as it is written."""
     arguments = ", ".join(map(simple, call.arguments))
     return f"{word(call.name.text)}({arguments})" if call.arguments else word(call.name.text)
@@ -248,7 +243,7 @@ def _entry(entry: Entry, room: int) -> list[str]:  # noqa: ARG001 - it always fi
 
 
 def _vector(vector: Vector, room: int) -> list[str]:
-    head = f"vector {word(vector.name.text)} {shown_way(vector)} ("
+    head = f"vector {word(vector.name.text)} {_shown_way(vector)} ("
     inner = room - len(_INDENT)
     given = [_lines(entry, inner) for entry in vector.given]
     expected = [_lines(entry, inner) for entry in vector.expected]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
-from jausml.language.model.xmi.writer import UnwritableError, is_written
+from jausml.language.model.xmi.printing import UnwritableError
+from jausml.language.model.xmi.writer import is_written
 from jausml.language.semantics.conversions import conversion_of
 from jausml.language.semantics.names import system_name
 from jausml.language.semantics.paths.scopes import has_source
