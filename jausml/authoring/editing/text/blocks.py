@@ -12,10 +12,11 @@ from jausml.authoring.editing.text.pieces import (
     heading_of,
     in_place_of,
     list_of,
+    piece_of,
     pieces_of,
     set_apart,
 )
-from jausml.language.metamodel import FeatureKind
+from jausml.authoring.editing.text.ranks import rank, rank_of
 from jausml.language.model.names import name_of
 from jausml.language.text.tree import (
     Assignment,
@@ -26,13 +27,11 @@ from jausml.language.text.tree import (
     Entry,
     Feature,
     Ignored,
-    Import,
     Item,
     Name,
     Table,
     Vector,
     VectorEntry,
-    lists_of,
     owning_features,
     snake_case,
 )
@@ -53,11 +52,6 @@ if TYPE_CHECKING:
 _ENDS = {"message": True, "type": False}
 """The features of a map that its ends say, and whether each is the JAUS end."""
 _BY_ARROW = frozenset({"target", "source", "value"})
-_MAP_ORDER = (
-    *("openDecisions", "tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),
-    *("toRos", "toJaus", "vectors"),
-)
-"""The features of maps that own elements, in the order in which they are written."""
 
 
 class Blocks:
@@ -239,8 +233,11 @@ class Blocks:
             part = self.part(each)
             if not isinstance(part, Entry | VectorEntry):
                 found.append(item)
-            else:
-                found.append(in_place_of(part, item) if each in self.changed else part)
+                continue
+            merged = replace(part)
+            for name in self.changed.get(each, ()):
+                setattr(merged, name, getattr(item, name))
+            found.append(merged)
         return found
 
     # Values of features
@@ -259,7 +256,7 @@ class Blocks:
         if old and item is not None:
             old[0].item = in_place_of(old[0].item, item)
         elif item is not None:
-            self._insert(found, Piece(item), copy, _rank_of(item, copy.table, {}))
+            self._insert(found, Piece(item), copy, rank_of(item, copy.table, {}))
         kept = old[:1] if item is not None else []
         found[:] = [each for each in found if each in kept or each not in old]
 
@@ -306,7 +303,7 @@ class Blocks:
         elif around is None:
             self._insert_at(found, len(found), piece, is_top=True)
         else:
-            self._insert(found, piece, owner, _rank(owner.table, copy.feature))
+            self._insert(found, piece, owner, rank(owner.table, copy.feature))
 
     def _put_arrow(
         self,
@@ -334,7 +331,7 @@ class Blocks:
                 found.insert(at + 1, piece)
                 return
         owner = cast("ElementCopy", copy.owner)
-        self._insert(found, piece, owner, _rank(owner.table, copy.feature))
+        self._insert(found, piece, owner, rank(owner.table, copy.feature))
 
     def _coming(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
         """Returns an element as it is written in an owner, with the comments that it has."""
@@ -343,7 +340,7 @@ class Blocks:
             raise EditError(
                 f"{owner.label} follows from the rest of {self._context.file}: edit the text"
             )
-        old = _piece_of(part, self.written.tree.items) if isinstance(part, Item) else None
+        old = piece_of(part, self.written.tree.items) if isinstance(part, Item) else None
         if old is None:
             new = self._anew.item(copy, around)
             if around is None and not isinstance(new, Element):
@@ -356,8 +353,8 @@ class Blocks:
     def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
         """Puts a piece behind the last that does not come after it by the metamodel."""
         owned = {id(self.part(e)): e.feature for some in owner.owned.values() for e in some}
-        ranks = (_rank_of(each.item, owner.table, owned, each.part) for each in found)
-        at = max((i + 1 for i, rank in enumerate(ranks) if rank <= wanted), default=0)
+        ranks = (rank_of(each.item, owner.table, owned, each.part) for each in found)
+        at = max((i + 1 for i, each in enumerate(ranks) if each <= wanted), default=0)
         self._insert_at(found, at, piece, is_top=False)
 
     def _insert_at(self, found: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
@@ -387,22 +384,6 @@ def _is_of(item: Item, name: str, table: ClassTable) -> bool:
     return isinstance(item, Feature) and item.name.text == name
 
 
-def _piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
-    """Returns the piece of an element, without the heading that stays before what follows it."""
-    pieces = list(pieces_of(items))
-    for piece in pieces:
-        if piece.part is part:
-            heading = heading_of(piece.item) if piece is not pieces[-1] else []
-            own = piece.item.comments[len(heading) :]
-            return Piece(replace(piece.item, comments=own), part, piece.origin)
-        is_whole = isinstance(piece.part, Item) and not isinstance(piece.item, Direction)
-        for inner, _ in lists_of(piece.part) if is_whole else ():  # type: ignore[arg-type]
-            found = _piece_of(part, inner)
-            if found is not None:
-                return found
-    return None
-
-
 def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None) -> bool:
     """Tells whether the same words stand for an element in another list."""
     if isinstance(piece.item, Feature):
@@ -411,30 +392,3 @@ def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | 
         return owning_features(owner.table, copy.table) == (copy.feature,)
     is_arrow = isinstance(piece.item, Assignment | Ignored)
     return isinstance(around, Element | Assignment) if is_arrow else isinstance(around, Element)
-
-
-def _rank_of(item: Item, table: ClassTable, owned: dict[int, str], part: Part | None = None) -> int:
-    """Returns where an item stands in a block by the metamodel."""
-    if isinstance(item, Import):
-        return -3
-    if isinstance(item, End):
-        return -2 if item.is_jaus else -1
-    if isinstance(item, Direction):
-        return _rank(table, "toRos" if item.to_ros else "toJaus")
-    if isinstance(item, Table | Vector):
-        return _rank(table, "tables" if isinstance(item, Table) else "vectors")
-    if isinstance(item, Feature):
-        return _rank(table, item.name.text)
-    return _rank(table, owned.get(id(part), "" if isinstance(item, Element) else "assignments"))
-
-
-def _rank(table: ClassTable, name: str) -> int:
-    feature = table.features.get(name)
-    if feature is None:
-        return 0
-    features = list(table.features)
-    if feature.kind is not FeatureKind.CONTAINMENT:
-        return features.index(name)
-    if table.qualified_name == MAP and name in _MAP_ORDER:
-        return len(features) + _MAP_ORDER.index(name)
-    return len(features) + features.index(name)

@@ -68,6 +68,22 @@ def _values(item: Feature) -> Iterator[Piece]:
         yield Piece(alone, value if isinstance(value, Element) else alone, item)
 
 
+def piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
+    """Returns the piece of an element, without the heading that stays before what follows it."""
+    pieces = list(pieces_of(items))
+    for piece in pieces:
+        if piece.part is part:
+            heading = heading_of(piece.item) if piece is not pieces[-1] else []
+            own = piece.item.comments[len(heading) :]
+            return Piece(replace(piece.item, comments=own), part, piece.origin)
+        is_whole = isinstance(piece.part, Item) and not isinstance(piece.item, Direction)
+        for inner, _ in lists_of(piece.part) if is_whole else ():  # type: ignore[arg-type]
+            found = piece_of(part, inner)
+            if found is not None:
+                return found
+    return None
+
+
 def list_of(pieces: Iterable[Piece]) -> list[Item]:
     """Returns the list that pieces make. A direction that has lost all it had goes."""
     found: list[Item] = []

@@ -15,6 +15,7 @@ from jausml.authoring.editing.reading import encoded
 from jausml.authoring.editing.text.blocks import Blocks
 from jausml.authoring.editing.text.following import with_words, words_for
 from jausml.authoring.editing.text.naming import Naming
+from jausml.authoring.editing.text.pieces import heading_of
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.names import name_of
@@ -71,7 +72,13 @@ class _Plan:
         imports = [Import(each) for each in self._names.imports]
         if imports:
             at = max((i + 1 for i, each in enumerate(items) if isinstance(each, Import)), default=0)
-            behind = [replace(items[at], spaced=True)] if items[at:] else []
+            behind = items[at : at + 1]
+            if behind:
+                # What a text begins with stays at its head.
+                heading = heading_of(behind[0]) if not at else []
+                own = behind[0].comments[len(heading) :]
+                imports[0].comments = heading
+                behind = [replace(behind[0], spaced=True, comments=own)]
             items = [*items[:at], *imports, *behind, *items[at + 1 :]]
         return SyntaxTree(with_words(items, words) if words else items, tree.closing)
 
