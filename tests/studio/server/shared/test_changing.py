@@ -32,7 +32,7 @@ def test_an_edit_changes_the_file_and_undo_brings_it_back(page: Page, folder: Pa
     before, log = (folder / FILE).read_bytes(), page.ask("log")
     done = page.ask("edit", commands=[named(node_of(page, "node"), "driven")], label="describe")
     assert b'"driven"' in (folder / FILE).read_bytes()
-    assert done["entry"]["label"] == "describe"
+    assert done["entry"]["label"] == f"describe, and format {FILE}"
     assert page.ask("log")["at"] == log["at"] + 1
     page.ask("undo")
     assert (folder / FILE).read_bytes() == before
@@ -68,7 +68,7 @@ def test_all_pages_are_told(server: Server) -> None:
         one.ask("edit", commands=[named(node_of(one, "node"), "driven")], label="describe")
         told = other.await_told("changed")
         assert told["by"] == "edit"
-        assert told["entry"]["label"] == "describe"
+        assert told["entry"]["label"] == f"describe, and format {FILE}"
 
 
 def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
@@ -85,7 +85,7 @@ def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
     text = page.ask("copy", elements=[element])["text"]
     assert re.search("^node ", text, re.MULTILINE)
     done = page.ask("paste", owner=element, text=text)
-    assert (done["entry"]["label"], len(done["created"])) == ("Paste", 1)
+    assert (done["entry"]["label"], len(done["created"])) == (f"Paste, and format {FILE}", 1)
 
 
 def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
