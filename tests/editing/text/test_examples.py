@@ -283,3 +283,13 @@ def test_paths_through_a_join_follow_its_name(tmp_path):
     text = robot.do(Rename(robot.ref(join), "stick"))
     wanted = robot.first.decode().replace("lever ", "stick ").replace("lever.", "stick.")
     assert text == wanted
+
+
+def test_the_first_edit_of_an_unformatted_text_formats_it_and_says_so(tmp_path):
+    path = tmp_path / FILE
+    path.write_text("// Ours.\nnode   logger // logs\n\n\nnode driver {}\n")
+    project = Edited(path).project
+    named = [Set(f"{FILE}#//@nodes.1", "namespace", ("a",))]
+    assert project.do(named, "name").label == f"name, and format {FILE}"
+    assert path.read_text() == ("// Ours.\nnode logger  // logs\n\nnode driver { namespace: a }\n")
+    assert project.do([Rename(f"{FILE}#//@nodes.0", "log")], "rename").label == "rename"
